@@ -45,7 +45,8 @@ def add(commands: Subcommands) -> None:
     details = (
         f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
         f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
-        "the time of every frame and the others use the mean rate."
+        "the time of every frame and the others use the mean rate. For FBX, Blender converts glb: "
+        "the command is in app/README.md."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES

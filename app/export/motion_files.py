@@ -115,8 +115,8 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    bones = Bones(sampling.rig, sampling.unit)
-    contents = kind.write(sampled(with_floor(recording), sampling, kind.own_times), bones)
+    made = sampled(with_floor(recording), sampling, kind.own_times)
+    contents = kind.write(made, Bones(sampling.rig, sampling.unit))
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 

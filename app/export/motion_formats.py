@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
+from tracker.errors import FormatError
 from tracker.formats.rigs import OWN
 from tracker.formats.units import FileUnit
 
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
 MotionFormat: TypeAlias = Literal[
-    "bvh", "glb", "trc", "mot", "c3d", "csv", "npz", "amass", "camera", "chan"
-]
+    "bvh", "glb", "usd", "trc", "mot", "c3d", "csv", "npz", "amass", "camera", "chan"
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -67,11 +68,27 @@ def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
 
 
 def _glb(recording: Recording, bones: Bones) -> Sequence[bytes]:
-    from app.render.palette import SIDE_COLOURS, part_sides
     from tracker.formats.glb import glb
 
+    return (glb(recording, *_colours(recording), bones.rig),)
+
+
+def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
+    try:
+        from tracker.formats.usd import usd
+    except ModuleNotFoundError as error:
+        if error.name != "pxr":
+            raise
+        raise FormatError("USD files need usd-core: pip install 'keypose[usd]'.") from None
+    return (usd(recording, *_colours(recording), bones.rig),)
+
+
+def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
+    """Which side each part is of, and the colours of the sides."""
+    from app.render.palette import SIDE_COLOURS, part_sides
+
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
-    return (glb(recording, part_sides(recording.skeleton.body), colours, bones.rig),)
+    return [str(side) for side in part_sides(recording.skeleton.body)], colours
 
 
 def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
@@ -134,6 +151,11 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
         "y up, the floor at zero",
         _glb, ("motion.glb",), "model/gltf-binary", gaps=False, rigged=True,
+    ),
+    "usd": Format(
+        "the same rig, motion and camera for film and game studios, metres; y up, the floor at "
+        "zero; needs usd-core",
+        _usd, ("motion.usd",), gaps=False, rigged=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",

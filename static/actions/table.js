@@ -469,13 +469,15 @@ const DRAGGING = {
   cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },
 };
 
-/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones. */
+/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones;
+ * what some need is an extra of the same name. */
 export const MOTION = {
-  saveBvh: motion('bvh', 'bone', 'Blender, Maya'),
+  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz'), rigged: true },
   saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
+  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya'), rigged: true, needs: 'usd-core' },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
   saveMot: motion('mot', 'rot', 'OpenSim joint angles'),
-  saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
+  saveC3d: { ...motion('c3d', 'ghost', 'motion laboratories'), needs: 'ezc3d' },
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
   saveAmass: motion('amass', 'ghost', 'SMPL, motion research'),

@@ -23,13 +23,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tracker.errors import FormatError
 from tracker.formats.axes import FLIP
 from tracker.formats.floor_world import floor_from_camera, parts_in_world
 from tracker.formats.glb_file import Numbers
 from tracker.formats.glb_skin import bind_matrices, primitives
+from tracker.formats.looks import ROUGHNESS, linear
+from tracker.formats.quaternion_curves import smooth_quaternions_xyzw
 from tracker.formats.recording import Recording
 from tracker.formats.rigs import OWN
 from tracker.formats.rigs.rig import Rig, rig_of
@@ -40,7 +41,6 @@ from tracker.geometry.rotations import Array, quaternion_wxyz
 NEAR_M, FAR_M = 0.01, 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""
 
-ROUGHNESS = 0.75
 TURN = np.append(FLIP, 1.0)
 """From the camera frame to glTF's, which looks along −z with y up: the same columns, two reversed.
 """
@@ -111,16 +111,11 @@ def _skin(rig: Rig, numbers: Numbers) -> dict[str, Any]:
 
 def _material(name: str, colour: tuple[int, int, int]) -> dict[str, Any]:
     looks = {
-        "baseColorFactor": [*(round(_linear(channel / 255), 6) for channel in colour), 1.0],
+        "baseColorFactor": [*(round(light, 6) for light in linear(colour)), 1.0],
         "metallicFactor": 0.0,
         "roughnessFactor": ROUGHNESS,
     }
     return {"name": name, "pbrMetallicRoughness": looks}
-
-
-def _linear(value: float) -> float:
-    """Light, 0 to 1, of an sRGB value, 0 to 1."""
-    return value / 12.92 if value <= 0.04045 else float(((value + 0.055) / 1.055) ** 2.4)
 
 
 def _animation(
@@ -130,7 +125,7 @@ def _animation(
     if not (np.diff(times_s) > 0).all():
         raise FormatError("GLB needs frames whose times ascend, to a ten-millionth of the last.")
     Rs_parent_bone, ps_parent_mover = rig.motion(parts_in_world(recording, T_world_camera))
-    rotations = _quaternions_xyzw(Rs_parent_bone)
+    rotations = smooth_quaternions_xyzw(Rs_parent_bone)
     clock = numbers.add(times_s, "SCALAR", "animation", bounded=True)
     places = numbers.add(ps_parent_mover.astype(np.float32), "VEC3", "animation")
     outputs = [(rig.mover, "translation", places)]
@@ -149,14 +144,6 @@ def _animation(
         ],
         "extras": _facts(recording) | {"rig": rig.name},
     }
-
-
-def _quaternions_xyzw(rotations: Array) -> NDArray[np.float32]:
-    """(N, B, 4), each with the sign that is nearer to the one before."""
-    q = quaternion_wxyz(rotations)
-    turned = np.where((q[1:] * q[:-1]).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
-    q[1:] *= np.cumprod(turned, axis=0)
-    return np.roll(q, -1, axis=-1).astype(np.float32)
 
 
 def _facts(recording: Recording) -> dict[str, Any]:

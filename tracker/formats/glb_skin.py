@@ -1,4 +1,4 @@
-"""The body's solids as the skin of a rig: at rest, every vertex wholly on its part's bone."""
+"""The skin of a rig (`tracker.formats.rigs.skin`) in the numbers of a GLB file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.body import Body
-from tracker.formats.axes import flipped
 from tracker.formats.glb_file import Numbers
-from tracker.formats.glb_mesh import lit_mesh
 from tracker.formats.rigs.rig import Rig
+from tracker.formats.rigs.skin import Skin
 
 
 def bind_matrices(rig: Rig) -> NDArray[np.float32]:
@@ -37,30 +36,20 @@ def primitives(
 
 def _skinned(body: Body, rig: Rig, parts: Sequence[int], numbers: Numbers) -> dict[str, Any]:
     """These parts as they lie in the rest pose."""
-    places, directions, faces, joints, count = [], [], [], [], 0
-    for i in parts:
-        T, (vertices, normals, triangles) = rig.Ts_world_part[i], lit_mesh(body.parts[i].shape)
-        places.append(flipped(vertices) @ T[:3, :3].T + T[:3, 3])
-        directions.append(flipped(normals) @ T[:3, :3].T)
-        faces.append(triangles + count)
-        joints.append(np.full(len(vertices), rig.bone_of_part[i]))
-        count += len(vertices)
+    skin = Skin.of(body, rig, parts)
+    count = len(skin.vertices)
     bones = np.zeros((count, 4), dtype=np.uint16)
-    bones[:, 0] = np.concatenate(joints)
+    bones[:, 0] = skin.bones
     weights = np.zeros((count, 4), dtype=np.float32)
     weights[:, 0] = 1.0
-    indices = np.concatenate(faces).ravel()
-    small = indices.astype(np.uint16 if count < 2**16 - 1 else np.uint32)
+    small = skin.faces.ravel().astype(np.uint16 if count < 2**16 - 1 else np.uint32)
+    vertices, normals = (v.astype(np.float32) for v in (skin.vertices, skin.normals))
     return {
         "attributes": {
-            "POSITION": numbers.add(_single(places), "VEC3", "vertices", bounded=True),
-            "NORMAL": numbers.add(_single(directions), "VEC3", "vertices"),
+            "POSITION": numbers.add(vertices, "VEC3", "vertices", bounded=True),
+            "NORMAL": numbers.add(normals, "VEC3", "vertices"),
             "JOINTS_0": numbers.add(bones, "VEC4", "vertices"),
             "WEIGHTS_0": numbers.add(weights, "VEC4", "vertices"),
         },
         "indices": numbers.add(small, "SCALAR", "indices"),
     }
-
-
-def _single(stacks: Sequence[NDArray[np.float64]]) -> NDArray[np.float32]:
-    return np.concatenate(stacks).astype(np.float32)

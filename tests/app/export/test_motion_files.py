@@ -25,11 +25,13 @@ from tests.tracker.formats.glb_reading import Player
 from tests.tracker.video_cases import write_numbered
 from tracker.errors import FormatError
 from tracker.formats.rigs import RIGS
+from tracker.formats.units import FILE_UNITS
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Results, save_results
 from tracker.storage.tracks import save_result
 from tracker.video.fingerprint import fingerprint_of_file
 
+STATIC = Path(__file__).parents[3] / "static"
 LAST = 8
 ANY_BODY = [name for name in FORMATS if name not in ("amass", "mot")]
 """Formats that do not ask for a person."""
@@ -102,11 +104,37 @@ def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
     assert "this body has no Nose: choose the markers keypose" in words
 
 
+def test_the_page_offers_every_format_and_unit() -> None:
+    offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
+    for name in FILE_UNITS:
+        assert re.search(rf"\b{name}: {{ label: ", offered)
+    table = (STATIC / "actions" / "table.js").read_text("utf-8")
+    assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
+    rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
+    assert rigged == [name for name, kind in FORMATS.items() if kind.rigged]
+
+
+def test_bones_and_unit_are_asked_for_by_both_doors(path: Path) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    wanted = MOTION.validate_strings({"format": "bvh", "unit": "cm"})
+    in_cm = motion_archive("bvh", edit, wanted.sampling).content
+    assert in_cm == exported(path, "bvh", "--unit", "cm")["motion.bvh"]
+    assert in_cm != exported(path, "bvh")["motion.bvh"]
+
+
+def test_a_unit_for_a_format_that_names_its_own_is_refused(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["export", path, "--format", "csv", "--unit", "cm", "--out", path.parent / "out"]
+    words = "--unit is for bvh: all other formats name their unit.\n"
+    assert refused(capsys, path.parent, command) == words
+
+
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [
         *("angles.csv", "frames.csv", "joints.csv"),
-        *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
+        *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc", "motion.usd"),
         *("motion_camera.chan", "motion_camera.json"),
     ]
 
@@ -270,7 +298,7 @@ def test_formats_with_room_for_gaps_keep_them_by_both_doors(
             )
 
 
-@pytest.mark.parametrize("format_name", ["bvh", "glb"])
+@pytest.mark.parametrize("format_name", ["bvh", "glb", "usd"])
 def test_formats_without_room_for_gaps_name_the_frames_by_both_doors(
     format_name: MotionFormat, path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -371,7 +399,7 @@ def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
     ("formats", "rig", "words"),
     [
         ("glb", "mixamo", "The rig mixamo is for a person"),
-        ("csv,npz", "vrm", "--rig is for formats with bones: glb"),
+        ("csv,npz", "vrm", "--rig is for formats with bones: bvh, glb and usd."),
         ("glb", "biped", "invalid choice: 'biped'"),
     ],
 )

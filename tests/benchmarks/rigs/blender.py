@@ -28,18 +28,14 @@ MOST_BONE_MM, MOST_HEIGHT_MM, MOST_PX = 0.1, 1.0, 0.05
 
 def blender(report: Report) -> None:
     """Every rig opened; one of them rendered, with the film's camera."""
-    python = Path("bin/python") if sys.platform != "win32" else Path("Scripts/python.exe")
-    place = installed(
-        "bpy", f"bpy-{sys.version_info.major}.{sys.version_info.minor}",
-        [sys.executable, "-m", "venv", "."], [python, "-m", "pip", "install", "--quiet", "bpy"],
-    )  # fmt: skip
+    python = python_with_bpy()
     PICTURES.mkdir(parents=True, exist_ok=True)
     columns = ("bones", "off, mm", "height, mm", "floor, mm", "camera, px", "frames/s")
     with tempfile.TemporaryDirectory() as folder:
         for name in RIGS:
             made = Written(name)
             picture = PICTURES / f"blender-{name}.png" if name == "mixamo" else ""
-            command = [place / python, SCRIPT, made.glb(Path(folder)), str(FPS), str(picture)]
+            command = [python, SCRIPT, made.glb(Path(folder)), str(FPS), str(picture)]
             said = subprocess.run(
                 [*command, *map(str, FRAMES)], capture_output=True, text=True, timeout=SECONDS
             )
@@ -48,6 +44,16 @@ def blender(report: Report) -> None:
                 table = report.table(f"GLB in Blender {found['version']}", *columns)
             _row(table, made, found)
     report.note(f"the picture: {PICTURES.relative_to(ROOT) / 'blender-mixamo.png'}")
+
+
+def python_with_bpy() -> Path:
+    """The interpreter of the environment; Absent where bpy does not install."""
+    python = Path("bin/python") if sys.platform != "win32" else Path("Scripts/python.exe")
+    place = installed(
+        "bpy", f"bpy-{sys.version_info.major}.{sys.version_info.minor}",
+        [sys.executable, "-m", "venv", "."], [python, "-m", "pip", "install", "--quiet", "bpy"],
+    )  # fmt: skip
+    return place / python
 
 
 def _row(table: Table, made: Written, found: dict[str, Any]) -> None:
