@@ -38,6 +38,9 @@ from tracker.keypoints.region import Box
 from tracker.tracking.cues.anchors import height_px, with_free_joints
 from tracker.tracking.scene import Scene
 
+WORSE = 1.1
+"""Limbs stay as drafted where turning them in depth costs so many times more: what limits and the
+picture do not bear. Less than that tells nothing: both sides look the same."""
 FEW_POINTS = 0.1
 """Density of points on the body's surface, none of which is looked at here."""
 
@@ -167,15 +170,16 @@ class _Work:
         return Piece(found.seen, motion, told)
 
     def _turned(self, found: _Solved) -> _Solved:
-        """With bones turned in depth where the whole stretch says so, and all terms together agree
-        with that better."""
+        """With bones turned in depth where the whole stretch says so, unless all terms together
+        agree with that clearly worse."""
         joints = Joints.of(with_free_joints(self.skeleton))
         p_hips = found.seen.bridged(joints.rest)
         way = pointing(joints, self.camera, p_hips, found.motion)
         other = turned(joints, found.seen, p_hips, way)
         if other is None:
             return found
-        return min(found, self._solved(other), key=lambda one: one.cost)
+        again = self._solved(other)
+        return again if again.cost < WORSE * found.cost else found
 
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(with_free_joints(self.skeleton))
