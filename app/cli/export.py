@@ -18,29 +18,33 @@ from app.cli.json_output import print_written
 from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError, listed
+from tracker.formats.rigs import OWN, RIGS
+from tracker.formats.units import FILE_UNITS
 
 if TYPE_CHECKING:
     from app.export.motion_files import Sampling
     from tracker.geometry.rotations import Array
     from tracker.session import Session
+    from tracker.video.timecode import Timecode
 
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion
   keypose export session.json --format csv,npz --out tables --overwrite
+  keypose export session.json --format glb --rig mixamo --out rig
   keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
 """
 
 
 def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
-    gaps, no_gaps = (
-        [name for name, kind in FORMATS.items() if kind.gaps is g] for g in (True, False)
-    )
+    gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
+    no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
     own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
     details = (
         f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
         f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
-        "the time of every frame and the others use the mean rate."
+        "the time of every frame and the others use the mean rate. For FBX, Blender converts glb: "
+        "the command is in app/README.md."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
@@ -72,6 +76,20 @@ def add(commands: Subcommands) -> None:
         type=frame_range,
         help="first and last frame of the video; default: all",
     )
+    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
+    rigs = "; ".join(f"{name}: {words}" for name, words in RIGS.items())
+    command.add_argument(
+        "--rig",
+        metavar="NAME",
+        choices=tuple(RIGS),
+        help=f"names and rest pose of the bones in {listed(rigged)}: {rigs}; default: {OWN}",
+    )
+    units = "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items())
+    command.add_argument(
+        "--unit",
+        choices=tuple(FILE_UNITS),
+        help=f"of lengths in bvh, which cannot name its own: {units}; default: m",
+    )
     add_output(command, "DIR", "folder; created if missing")
 
 
@@ -82,9 +100,10 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.outdated import outdated_words
     from tracker.storage.tracks import load_tracks
 
+    _require_bones(arguments)
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
-    recording = saved_motion(session, tracks, _times_s(session, arguments.session))
+    recording = saved_motion(session, tracks, *_clock(session, arguments.session))
     sampling = _sampling(arguments)
     files = {
         name: content
@@ -108,21 +127,33 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
     from app.export.motion_files import Sampling
 
     fps = None if arguments.fps is None else float(arguments.fps)
-    return Sampling(fps, arguments.filter, arguments.frames)
+    return Sampling(
+        fps, arguments.filter, arguments.frames, arguments.rig or OWN, arguments.unit or "m"
+    )
 
 
-def _times_s(session: Session, session_path: Path) -> Array:
-    """The time of every frame; from the keyframes, with a word on it, when the video is gone."""
+def _require_bones(arguments: argparse.Namespace) -> None:
+    """A rig or a unit for formats that have none would be ignored in silence."""
+    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
+    if arguments.rig is not None and not set(rigged) & set(arguments.format):
+        raise FormatError(f"--rig is for formats with bones: {listed(rigged)}.")
+    if arguments.unit is not None and "bvh" not in arguments.format:
+        raise FormatError("--unit is for bvh: all other formats name their unit.")
+
+
+def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None]:
+    """The time of every frame, and the timecode; from the keyframes, with a word on it, when the
+    video is gone."""
     import numpy as np
 
     with video_if_there(session, session_path, "times are those between keyframes") as video:
         if video is not None:
-            return np.asarray(video.info.times_s)
+            return np.asarray(video.info.times_s), video.info.timecode
     stated = session.evidence.times_s()
     if stated is not None:
-        return stated
+        return stated, None
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:
         raise FormatError("Without the video, two keyframes with ascending times are needed.")
-    return np.interp(np.arange(session.video.frame_count), frames, times_s)
+    return np.interp(np.arange(session.video.frame_count), frames, times_s), None

@@ -18,6 +18,7 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
+from app.cli.import_camera import add_camera, import_camera, require_no_other
 from app.cli.json_output import print_json
 from tracker.errors import FormatError
 from tracker.keypoints.layouts import LAYOUTS
@@ -46,11 +47,12 @@ _EXAMPLES = """\
   keypose import session.json walk.trc --offset-frames 12 --names names.json
   keypose import session.json openpose/ --keypoints --frames 0,24,48
   keypose import dog.json dogDLC.h5 --keypoints --map withers=neck --map tailtip=tail.end
+  keypose import session.json shot.chan --camera
 """
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Import a motion recorded elsewhere, or 2D keypoints"
+    summary = "Import a motion recorded elsewhere, 2D keypoints, or a camera"
     details = (
         "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
         "is fitted to the session's body, aligned with its keyframes and saved as an initial "
@@ -114,6 +116,7 @@ def add(commands: Subcommands) -> None:
         type=whole_number(1),
         help=f"frames from one draft to the next; default: {EVERY}",
     )
+    add_camera(command)
     add_json(command)
 
 
@@ -121,11 +124,17 @@ def run(arguments: argparse.Namespace) -> int:
     from app.document.folder_lock import locked
     from tracker.storage.files import load_session, open_video_of
 
-    _require_of_a_kind(arguments)
-    motion = None if arguments.keypoints else _motion(arguments)
     path: Path = arguments.session
     # Reading it reports one that is not there.
-    with locked(path, "close it there first") if path.is_file() else nullcontext():
+    alone = locked(path, "close it there first") if path.is_file() else nullcontext()
+    if arguments.camera:
+        require_no_other(arguments, ("keypoints", *_MOTION, *_KEYPOINTS))
+        with alone:
+            import_camera(arguments)
+        return 0
+    _require_of_a_kind(arguments)
+    motion = None if arguments.keypoints else _motion(arguments)
+    with alone:
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             info = video.info

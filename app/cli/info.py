@@ -159,6 +159,7 @@ def _facts(video: Video) -> dict[str, Any]:
         "fingerprint": video.fingerprint(),
         "focal_mm": None if info.lens is None else info.lens.focal_mm,
         "device": None if info.lens is None else info.lens.device,
+        "timecode": None if info.timecode is None else str(info.timecode),
     }
 
 
@@ -176,6 +177,8 @@ def _lines(facts: dict[str, Any]) -> list[str]:
     if facts["focal_mm"] is not None:
         device = f", {facts['device']}" if facts["device"] else ""
         lines.insert(-1, f"  lens         {facts['focal_mm']:g} mm as on 35 mm film{device}")
+    if facts["timecode"] is not None:
+        lines.insert(-1, f"  timecode     {facts['timecode']}")
     notes = {
         f"rotated by {facts['rotation_deg']}° to be upright": facts["rotation_deg"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,

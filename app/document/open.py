@@ -137,6 +137,7 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         history=opened.history,
         frame=session.keyframes[0].frame if session.keyframes else 0,
         selected=session.body.parts[0].name,
+        timecode=opened.video.info.timecode,
     )
     return state, problem
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor.documents import at_new_focal, require_before_camera
+from app.editor.documents import moved_away
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import up_from_vertical
@@ -59,16 +59,7 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     changes = {name: getattr(lens, name) for name in names}
     doc = _with_camera(state, changes)
     farther = 1.0 if old.telephoto_distance_m is not None else lens.fx / old.fx
-    update = {
-        "lens_source": source,
-        "keyframes": tuple(at_new_focal(k, farther) for k in doc.keyframes),
-        "part_keyframes": tuple(at_new_focal(k, farther) for k in doc.part_keyframes),
-        "drafts": tuple(at_new_focal(k, farther) for k in doc.drafts),
-    }
-    doc = doc.model_copy(update=update)
-    for posed in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
-        require_before_camera(state.skeleton, posed.pose(state.skeleton))
-    return doc
+    return moved_away(doc.model_copy(update={"lens_source": source}), state.skeleton, farther)
 
 
 def set_distortion(state: EditorState, action: do.Distortion) -> Session:

@@ -91,6 +91,20 @@ def _frame(keyframe: Keyframe) -> int:
     return keyframe.frame
 
 
+def moved_away(doc: Session, skeleton: Skeleton, factor: float) -> Session:
+    """All that is posed in the session seen by a lens so much longer, as large as before."""
+    doc = doc.model_copy(
+        update={
+            "keyframes": tuple(at_new_focal(k, factor) for k in doc.keyframes),
+            "part_keyframes": tuple(at_new_focal(k, factor) for k in doc.part_keyframes),
+            "drafts": tuple(at_new_focal(k, factor) for k in doc.drafts),
+        }
+    )
+    for posed in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
+        require_before_camera(skeleton, posed.pose(skeleton))
+    return doc
+
+
 def at_new_focal(posed: Posed, factor: float) -> Posed:
     """A lens so much longer shows the body as large as before from so much farther away."""
     x, y, z = posed.root_m

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from app.editor.ahead import up_to_date
 from app.editor.copied import Copied
@@ -17,6 +17,9 @@ from tracker.session.history import History
 from tracker.session.pins import Pin
 from tracker.session.schema import Session
 from tracker.storage.results import Fitting, Results, pose_at
+
+if TYPE_CHECKING:
+    from tracker.video.timecode import Timecode
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class EditorState:
-    """doc: the session as it stands, results left out.  times_s: (frames,) seconds.
+    """doc: the session as it stands, results left out.  times_s: (frames,) seconds.  timecode: the
+    video's.
 
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
@@ -71,6 +75,7 @@ class EditorState:
     compared: Session | None = None
     proposed_pins: tuple[Pin, ...] = ()
     dismissed_pins: tuple[Pin, ...] = ()
+    timecode: Timecode | None = None
 
     @property
     def frame_count(self) -> int:

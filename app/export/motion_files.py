@@ -6,18 +6,25 @@ import io
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, MotionFormat
+from app.export.motion_formats import FORMATS, Bones, MotionFormat
 from tracker.errors import FormatError, listed
+from tracker.formats.floor_world import with_floor
 from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
+from tracker.formats.units import FileUnit
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
 from tracker.storage.results import Span
 from tracker.storage.tracks import Tracks
+
+if TYPE_CHECKING:
+    from tracker.video.timecode import Timecode
 
 
 @dataclass(frozen=True)
@@ -39,11 +46,15 @@ class Sampling:
         a constant rate get their mean.
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
+    rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
+    unit: of lengths in a format that names none.
     """
 
     rate: float | None = None
     filter_hz: float | None = None
     frames: Span | None = None
+    rig: str = OWN
+    unit: FileUnit = "m"
 
 
 AS_TRACKED = Sampling()
@@ -102,7 +113,8 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(sampled(recording, sampling, kind.own_times))
+    made = sampled(with_floor(recording), sampling, kind.own_times)
+    contents = kind.write(made, Bones(sampling.rig, sampling.unit))
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -142,15 +154,20 @@ def _packed(files: Mapping[str, bytes]) -> bytes:
     return packed.getvalue()
 
 
-def saved_motion(session: Session, tracks: Tracks, times_s: Array) -> Recording:
-    """The motion that a session's results refer to; times_s are those of all the video's frames."""
+def saved_motion(
+    session: Session, tracks: Tracks, times_s: Array, timecode: Timecode | None = None
+) -> Recording:
+    """The motion that a session's results refer to.
+
+    times_s are those of all the video's frames, timecode that of the video, where it is known.
+    """
     segments = session.results.segments if session.results else ()
     stretches = [
         RecordedSegment(first, last, s.verdict)
         for s in segments
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
-    return Recording.of(session, tracks, stretches, times_s)
+    return Recording.of(session, tracks, stretches, times_s, timecode)
 
 
 def shown_motion(edit: EditorState) -> Recording:
@@ -164,7 +181,8 @@ def shown_motion(edit: EditorState) -> Recording:
         if t.verdict is not None
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
-    return Recording.of(edit.doc, Tracks.of(found, edit.skeleton), stretches, edit.times_s)
+    tracks = Tracks.of(found, edit.skeleton)
+    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode)
 
 
 def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:

@@ -9,86 +9,142 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
+from tracker.errors import FormatError
+from tracker.formats.rigs import OWN
+from tracker.formats.units import FileUnit
+
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "amass"]
+MotionFormat: TypeAlias = Literal[
+    "bvh", "glb", "usd", "trc", "c3d", "csv", "npz", "amass", "camera", "chan"
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Bones:
+    """How bones are written: of which rig, by its name (`tracker.formats.rigs`), and in which unit
+    where the format names none."""
+
+    rig: str = OWN
+    unit: FileUnit = "m"
 
 
 @dataclass(frozen=True)
 class Format:
     """A file format of motion. In the page it is one entry of `static/actions/table.js` besides.
 
-    words: what it is for, and in which units and axes.  write: one recording as it.
+    words: what it is for, and in which units and axes.  write: one recording as it, with bones as
+    they are asked for, which formats without bones pass over.
     names: of its files, "motion" and what follows the session's name where the page saves one of
     them; of several it makes one zip.  media_type: of the one file.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
-    read at a constant rate.
-    gaps: whether frames that are not tracked may lie between others.
+    read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
+    rigged: whether it has bones, which may be another rig's.
     """
 
     words: str
-    write: Callable[[Recording], Sequence[str | bytes]]
+    write: Callable[[Recording, Bones], Sequence[str | bytes]]
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
     own_times: bool = False
     gaps: bool = True
+    rigged: bool = False
 
 
-def _bvh(recording: Recording) -> Sequence[str]:
+def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
     from tracker.formats.bvh import bvh
+    from tracker.formats.floor_world import floor_from_camera, parts_in_world
+    from tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")
-    return (bvh(recording.skeleton, whole.trajectory, 1 / whole.frames_per_second),)
+    rig = rig_of(whole.skeleton, bones.rig, parallel=True)
+    Ts_world_part = parts_in_world(whole, floor_from_camera(whole))
+    return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, bones.unit),)
 
 
-def _glb(recording: Recording) -> Sequence[bytes]:
-    from app.render.palette import SIDE_COLOURS, part_sides
+def _glb(recording: Recording, bones: Bones) -> Sequence[bytes]:
     from tracker.formats.glb import glb
 
+    return (glb(recording, *_colours(recording), bones.rig),)
+
+
+def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
+    try:
+        from tracker.formats.usd import usd
+    except ModuleNotFoundError as error:
+        if error.name != "pxr":
+            raise
+        raise FormatError("USD files need usd-core: pip install 'keypose[usd]'.") from None
+    return (usd(recording, *_colours(recording), bones.rig),)
+
+
+def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
+    """Which side each part is of, and the colours of the sides."""
+    from app.render.palette import SIDE_COLOURS, part_sides
+
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
-    return (glb(recording, part_sides(recording.skeleton.body), colours),)
+    return [str(side) for side in part_sides(recording.skeleton.body)], colours
 
 
-def _csv(recording: Recording) -> Sequence[str]:
+def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
 
 
-def _trc(recording: Recording) -> Sequence[str]:
+def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
 
 
-def _c3d(recording: Recording) -> Sequence[bytes]:
+def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.c3d import c3d
 
     return (c3d(recording),)
 
 
-def _npz(recording: Recording) -> Sequence[bytes]:
+def _npz(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.npz import npz
 
     return (npz(recording),)
 
 
-def _amass(recording: Recording) -> Sequence[bytes]:
+def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.amass import amass
 
     return (amass(recording),)
 
 
+def _camera(recording: Recording, _bones: Bones) -> Sequence[str]:
+    from tracker.formats.camera_files import camera_json
+
+    return (camera_json(recording),)
+
+
+def _chan(recording: Recording, _bones: Bones) -> Sequence[str]:
+    from tracker.formats.camera_files import chan
+
+    return (chan(recording),)
+
+
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
-        "for animation programs, centimetres and degrees; x right, y up, z toward the camera",
-        _bvh, ("motion.bvh",), "text/plain", gaps=False,
+        "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
+        "the floor at zero",
+        _bvh, ("motion.bvh",), "text/plain", gaps=False, rigged=True,
     ),
     "glb": Format(
-        "the moving body for any 3D viewer, metres; x right, y up, z toward the camera",
-        _glb, ("motion.glb",), "model/gltf-binary", gaps=False,
+        "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
+        "y up, the floor at zero",
+        _glb, ("motion.glb",), "model/gltf-binary", gaps=False, rigged=True,
+    ),
+    "usd": Format(
+        "the same rig, motion and camera for film and game studios, metres; y up, the floor at "
+        "zero; needs usd-core",
+        _usd, ("motion.usd",), gaps=False, rigged=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
@@ -112,6 +168,15 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
         "z up, on the floor",
         _amass, ("motion_poses.npz",), gaps=False,
+    ),
+    "camera": Format(
+        "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
+        _camera, ("motion_camera.json",), "application/json", own_times=True,
+    ),
+    "chan": Format(
+        "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
+        "zero",
+        _chan, ("motion_camera.chan",), "text/plain", own_times=True,
     ),
 }  # fmt: skip
 

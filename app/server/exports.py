@@ -47,7 +47,8 @@ from tracker.session.settings import FrameIndex
 from tracker.video.encode import can_write_films
 
 LARGEST_ORDER = 1 << 14
-C3D_REMEDY = "pip install 'keypose[c3d]'"
+LIBRARIES = {"c3d": "ezc3d", "usd": "pxr"}
+"""By format of motion, the module that it needs, which an extra of the same name installs."""
 FILM_REMEDY = "pip install --force-reinstall av"
 
 Side: TypeAlias = Annotated[int, Field(ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
@@ -230,9 +231,11 @@ class Exports:
 
 def missing_here() -> dict[str, str]:
     """What cannot be exported by this installation, with the command that mends it."""
-    missing = {}
-    if importlib.util.find_spec("ezc3d") is None:
-        missing["c3d"] = C3D_REMEDY
+    missing = {
+        name: f"pip install 'keypose[{name}]'"
+        for name, module in LIBRARIES.items()
+        if importlib.util.find_spec(module) is None
+    }
     if not can_write_films():
         missing["film"] = FILM_REMEDY
     return missing

@@ -29,6 +29,8 @@ from app.server.guard import headers_for
 from app.server.surfaces import Surfaces
 from app.store.store import Store
 from tracker.errors import KeyposeError, one_sentence
+from tracker.formats.rigs import OWN
+from tracker.formats.units import FileUnit
 from tracker.session.settings import FrameIndex
 from tracker.storage.files import load_session
 from tracker.video import Video
@@ -72,18 +74,20 @@ FREE_SIZE = (1600, 1200)
 
 class Motion(Message):
     """The tracked motion as a file, in one format or in all, from the frame `first` to `last` where
-    both are given; `filter_hz` and `fps` as of `Sampling`."""
+    both are given; the others as of `Sampling`."""
 
     format: MotionFormat | Literal["all"]
     first: FrameIndex | None = None
     last: FrameIndex | None = None
     filter_hz: Annotated[FiniteFloat, Field(gt=0, le=1000)] | None = None
     fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
+    rig: str = OWN
+    unit: FileUnit = "m"
 
     @property
     def sampling(self) -> Sampling:
         ends = None if self.first is None or self.last is None else (self.first, self.last)
-        return Sampling(self.fps, self.filter_hz, ends)
+        return Sampling(self.fps, self.filter_hz, ends, self.rig, self.unit)
 
 
 QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(

@@ -24,7 +24,19 @@ const PATIENCE = 20; // looks in a row without an answer, before it is given up
  * @property {string} columns  Empty: as it fits.
  * @property {string} format
  * @property {string} filter  Hertz; empty: none.
+ * @property {string} rig  Whose bones formats have that have bones; a key of RIGS.
+ * @property {string} unit  Of lengths in BVH; a key of UNITS.
  */
+
+/** The rigs as of `tracker/formats/rigs`. */
+export const RIGS = {
+  keypose: 'Own names', mixamo: 'Mixamo', ue5: 'Unreal Engine 5', metahuman: 'MetaHuman', vrm: 'VRM humanoid', cmu: 'CMU', smpl: 'SMPL',
+};
+
+/** The units as of `tracker/formats/units.py`. */
+export const UNITS = {
+  m: { label: 'Metres', note: 'Blender' }, cm: { label: 'Centimetres', note: 'MotionBuilder, Maya, Daz' }, in: { label: 'Inches', note: '' },
+};
 
 /** What the dialog starts with. @returns {Options} */
 export function usualOptions() {
@@ -32,7 +44,7 @@ export function usualOptions() {
   return {
     what: 'film', view: 'main', size: 'own', style: /** @type {Options['style']} */ (server.view?.mode ?? 'both'),
     first: String(keys[0] ?? 0), last: String(keys.at(-1) ?? 0), fps: '', frames: 'keyframes', background: 'video',
-    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '',
+    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '', rig: 'keypose', unit: 'm',
   };
 }
 
@@ -55,10 +67,12 @@ export function orderOf(options, { opacity = 0.5, tint = 'clay', frame: now, eye
 }
 
 /** The address of the motion that is chosen. @param {Options} options */
-export function motionAddress({ format, filter, fps, first, last }) {
+export function motionAddress({ format, filter, fps, first, last, rig, unit }) {
   const query = new URLSearchParams({ format });
   if (filter !== '') query.set('filter_hz', filter);
   if (fps !== '') query.set('fps', fps);
+  if (rig !== 'keypose') query.set('rig', rig);
+  if (unit !== 'm') query.set('unit', unit);
   query.set('first', first);
   query.set('last', last);
   return `/motion?${query}`;
@@ -84,6 +98,15 @@ export function whyNotExport(options, count) {
 }
 
 const rangeOf = ({ first, last }) => [Number(first), Number(last)];
+
+/**
+ * Why a format of motion cannot be written here, with what mends it, or ''.
+ * @param {{ label: unknown, needs?: string }} kind  An entry of MOTION.
+ */
+export function notInstalled({ label, needs }) {
+  const remedy = ui.exportMissing?.[String(label).toLowerCase()];
+  return remedy ? `${label} needs ${needs}: ${remedy}` : '';
+}
 
 /** Ask which formats cannot be written here, and what mends that. */
 export async function askWhatIsMissing() {

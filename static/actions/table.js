@@ -450,15 +450,19 @@ const DRAGGING = {
   cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },
 };
 
-/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. */
+/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones;
+ * what some need is an extra of the same name. */
 export const MOTION = {
-  saveBvh: motion('bvh', 'bone', 'Blender, Maya'),
-  saveGlb: motion('glb', 'both', 'any 3D viewer'),
+  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz'), rigged: true },
+  saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
+  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya'), rigged: true, needs: 'usd-core' },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
-  saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
+  saveC3d: { ...motion('c3d', 'ghost', 'motion laboratories'), needs: 'ezc3d' },
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
   saveAmass: motion('amass', 'ghost', 'SMPL, motion research'),
+  saveCamera: { ...motion('camera', 'camcorder', 'rotomation, JSON'), label: 'Camera' },
+  saveChan: motion('chan', 'camcorder', 'the camera for Nuke'),
 };
 
 /** Why nothing can be done with a whole session: none is open, and none is meant. */

@@ -1,13 +1,13 @@
 // The dialog of exports: what, with which options, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { beginExport, cancelExport, whyNotExport } from '../actions/exporting.js';
+import { RIGS, UNITS, beginExport, cancelExport, notInstalled, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
 import { MOTION } from '../actions/table.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented, textField } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
-import { count } from '../controls/words.js';
+import { count, joined } from '../controls/words.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { frameCount } from '../store/clip.js';
 import { frame } from '../actions/playhead.js';
@@ -123,14 +123,38 @@ function pictures(options) {
 const keyframeSheet = (options) => html`${field('Columns', text('Columns', 'columns', 'As it fits'))}${look(options)}`;
 
 function motion(options) {
-  const c3d = ui.exportMissing?.c3d;
-  const names = Object.values(MOTION).map(({ label }) => String(label));
-  const formats = [{ id: 'all', label: 'All, ZIP' }, ...names.map((label) => ({
-    id: label.toLowerCase(), label, off: label === 'C3D' && c3d ? `This needs ezc3d: ${c3d}` : '',
-  }))];
-  const left = options.format === 'all' && c3d ? `Without C3D, which needs ezc3d: ${c3d}` : '';
-  return html`${field('Format', segmented({ label: 'Format', value: options.format, options: formats, act: (format) => change({ format }) }), left)}
+  const { format } = options;
+  const off = Object.values(MOTION).map(notInstalled).filter(Boolean);
+  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : '';
+  return html`${field('Format', formats(format), left)}${rigs(options)}${units(options)}
     ${range()}${rate()}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+}
+
+function formats(format) {
+  const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.values(MOTION).map((kind) => ({
+    id: String(kind.label).toLowerCase(), label: String(kind.label), note: kind.reader, off: notInstalled(kind),
+  }))];
+  return dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) });
+}
+
+/** Whose bones there are to be, where the format has bones. */
+function rigs({ format, rig }) {
+  const rigged = Object.values(MOTION).filter((kind) => 'rigged' in kind && kind.rigged).map(({ label }) => String(label));
+  if (format !== 'all' && !rigged.includes(format.toUpperCase())) return nothing;
+  const off = server.body?.is_persons ? '' : 'Only a person has these bones';
+  return field('Rig', dropdown({
+    label: 'Rig', value: rig, text: RIGS[rig], kind: 'field', act: (id) => change({ rig: id }),
+    options: Object.entries(RIGS).map(([id, label]) => ({ id, label, off: id === 'keypose' ? '' : off })),
+  }), format === 'all' ? `of ${joined(rigged)}` : '');
+}
+
+/** In which unit lengths are, where the format cannot say it. */
+function units({ format, unit }) {
+  if (format !== 'all' && format !== 'bvh') return nothing;
+  return field('Unit', dropdown({
+    label: 'Unit', value: unit, kind: 'field', act: (id) => change({ unit: id }),
+    options: Object.entries(UNITS).map(([id, words]) => ({ id, ...words })),
+  }), format === 'all' ? 'of BVH' : '');
 }
 
 // --- below the fields

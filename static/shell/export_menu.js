@@ -5,7 +5,7 @@ import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { frame } from '../actions/playhead.js';
-import { askWhatIsMissing } from '../actions/exporting.js';
+import { askWhatIsMissing, notInstalled } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
 import { MOTION } from '../actions/table.js';
@@ -14,6 +14,8 @@ import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';
 import { count, joined, range } from '../controls/words.js';
 import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
+
+const GAPLESS = 'BVH, GLB, USD and AMASS';
 
 export function exportButton() {
   const face = html`${icon('exp')}<span class="word">Export</span>${far()}${icon('chev')}`;
@@ -50,7 +52,7 @@ function items() {
       menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader, ...lacking(id) }),
     ),
     menuItem('saveAllMotion'),
-    menuItem('exportMotion', undefined, { right: 'frames, rate, filter' }),
+    menuItem('exportMotion', undefined, { right: 'rig, frames, rate' }),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
     varying(),
     warning(),
@@ -62,8 +64,8 @@ function items() {
 
 /** What cannot be written here, with what mends it. */
 function lacking(id) {
-  const remedy = id === 'saveC3d' && ui.exportMissing?.c3d;
-  return remedy ? { right: remedy, off: `C3D needs ezc3d: ${remedy}` } : {};
+  const off = notInstalled(MOTION[id]);
+  return off ? { right: ui.exportMissing[String(MOTION[id].label).toLowerCase()], off } : {};
 }
 
 /** Only the camera's picture has a size that is known here: the video's own. */
@@ -80,7 +82,7 @@ function varying() {
   return note(
     ui.filterMotion
       ? `The film’s rate varies: filtered motion has ${rate}.`
-      : `The film’s rate varies: BVH, GLB, TRC and C3D have ${rate}. CSV and NPZ keep every frame’s time.`,
+      : `The film’s rate varies: CSV and NPZ keep every frame’s time, all others have ${rate}.`,
   );
 }
 
@@ -94,13 +96,13 @@ function spans(state) {
   return found;
 }
 
-/** What BVH and GLB, which hold no gaps, make of segments that are not tracked. */
+/** What formats that hold no gaps make of segments that are not tracked. */
 function withoutGaps() {
   const tracked = (server.segments ?? []).filter(isTracked);
   if (!tracked.length || tracked.length === server.segments.length) return nothing;
   const gap = tracked.some((s, i) => i && tracked[i - 1].last !== s.first);
   const frames = range(tracked[0].first, tracked.at(-1).last);
-  return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${frames} alone.`;
+  return gap ? ` ${GAPLESS} need all of them.` : ` ${GAPLESS} hold ${frames} alone.`;
 }
 
 /** "Frames 75–99 are lost and 50–61 are outdated. CSV and NPZ say so per frame." */

@@ -20,7 +20,7 @@ from tests.benchmarks.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
-    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "effort",
+    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "effort", "rigs",
 )  # fmt: skip
 OUT = Path("benchmarks.json")
 

@@ -63,4 +63,28 @@ def test_motion_with_options_waits_for_a_track_and_says_so(work: Desk) -> None:
     sheet = dialog(work, "With options")
     sheet.get_by_text("there is no motion yet").wait_for()
     assert sheet.get_by_role("button", name="Export", exact=True).is_disabled()
+    rig = sheet.get_by_label("Rig:")
+    rig.click()
+    work.page.get_by_role("option", name="Mixamo").click()
+    until(lambda: "Mixamo" in rig.inner_text(), "the rig that was chosen")
+    sheet.get_by_label("Format:").click()
+    work.page.get_by_role("option", name="CSV").click()
+    until(lambda: rig.count() == 0, "a format without bones")
+    work.page.keyboard.press("Escape")
+
+
+def test_what_is_not_installed_is_grey_and_bvh_has_a_unit(work: Desk) -> None:
+    remedy = "pip install 'keypose[usd]'"
+    work.page.route("**/exports", lambda route: route.fulfill(json={"missing": {"usd": remedy}}))
+    sheet = dialog(work, "With options")
+    sheet.get_by_text(f"Left out: USD needs usd-core: {remedy}").wait_for()
+    sheet.get_by_label("Format:").click()
+    usd = work.page.get_by_role("option", name="USD")
+    assert usd.get_attribute("title") == f"USD needs usd-core: {remedy}"
+    work.page.get_by_role("option", name="BVH").click()
+    unit = sheet.get_by_label("Unit:")
+    unit.click()
+    work.page.get_by_role("option", name="Centimetres").click()
+    until(lambda: "Centimetres" in unit.inner_text(), "the unit that was chosen")
+    work.page.unroute("**/exports")
     work.page.keyboard.press("Escape")

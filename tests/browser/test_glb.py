@@ -17,9 +17,10 @@ from app.render.palette import SIDE_COLOURS, part_sides
 from tests.browser.conftest import SCREENS
 from tests.tracker.formats import recordings
 from tracker.body.pose import part_transforms
+from tracker.formats.floor_world import floor_from_camera
 from tracker.formats.glb import glb
 from tracker.formats.recording import Recording
-from tracker.geometry.rotations import rotation_between
+from tracker.geometry.rotations import apply_transform, rotation_between
 
 SIZE = (640, 360)
 
@@ -105,11 +106,13 @@ def test_between_two_frames_the_hand_is_where_it_should_be(
     stage: Page, made: Recording, seconds: float
 ) -> None:
     stage.evaluate("(t) => seek(t)", seconds)
-    T = at(made, seconds)
+    T, T_world_camera = at(made, seconds), floor_from_camera(made)
     for part in ("left_hand", "right_hand", "left_foot", "head"):
         p_camera = T[made.skeleton.body.index(part), :3, 3]
         place, seen = stage.evaluate("(name) => place(name)", part)
-        np.testing.assert_allclose(place, recordings.TO_FILE @ p_camera, atol=1e-4)
+        np.testing.assert_allclose(
+            place, apply_transform(T_world_camera, p_camera[None])[0], atol=1e-4
+        )
         uv = (np.array(seen[:2]) * [1, -1] + 1) / 2 * SIZE - 0.5
         np.testing.assert_allclose(uv, made.camera.project(p_camera), atol=0.05)
 

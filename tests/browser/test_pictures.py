@@ -142,7 +142,7 @@ def _pixels(content: bytes) -> np.ndarray:  # type: ignore[type-arg]
     return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
 
 
-@pytest.mark.parametrize("kind", ["bvh", "glb", "trc", "c3d", "npz", "amass"])
+@pytest.mark.parametrize("kind", ["bvh", "glb", "usd", "trc", "c3d", "npz", "amass"])
 def test_the_motion_is_that_of_the_command_line(
     at: Desk, tmp_path: Path, kind: MotionFormat
 ) -> None:

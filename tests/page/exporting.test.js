@@ -5,12 +5,14 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { motionAddress, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
+const { motionAddress, notInstalled, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
+const { MOTION } = await import('../../static/actions/table.js');
+const { setUi } = await import('../../static/store/state.js');
 
 /** @type {import('../../static/actions/exporting.js').Options} */
 const OPTIONS = {
   what: 'film', view: 'main', size: 'own', style: 'both', first: '0', last: '40', fps: '', frames: 'keyframes',
-  background: 'video', columns: '', format: 'all', filter: '',
+  background: 'video', columns: '', format: 'all', filter: '', rig: 'keypose', unit: 'm',
 };
 const AT = { opacity: 0.5, tint: 'clay', frame: 7, eye: { azimuth: 30, elevation: 10 } };
 const LOOK = { style: 'both', opacity: 0.5, tint: 'clay' };
@@ -39,6 +41,21 @@ test('a sheet has the columns that were chosen, or as many as fit', () => {
 test('motion is asked for with its filter and rate only where they were chosen', () => {
   assert.equal(motionAddress(OPTIONS), '/motion?format=all&first=0&last=40');
   assert.equal(motionAddress({ ...OPTIONS, format: 'bvh', filter: '6', fps: '30' }), '/motion?format=bvh&filter_hz=6&fps=30&first=0&last=40');
+});
+
+test('bones are asked for by the name of a rig, the body’s own by none', () => {
+  assert.equal(motionAddress({ ...OPTIONS, format: 'glb', rig: 'ue5' }), '/motion?format=glb&rig=ue5&first=0&last=40');
+});
+
+test('lengths of BVH are asked for in the unit that was chosen, metres without a word', () => {
+  assert.equal(motionAddress({ ...OPTIONS, format: 'bvh', unit: 'cm' }), '/motion?format=bvh&unit=cm&first=0&last=40');
+});
+
+test('what is not installed says what mends it', () => {
+  setUi('exportMissing', { usd: "pip install 'keypose[usd]'" });
+  assert.equal(notInstalled(MOTION.saveUsd), "USD needs usd-core: pip install 'keypose[usd]'");
+  assert.equal(notInstalled(MOTION.saveC3d), '');
+  assert.equal(notInstalled(MOTION.saveBvh), '');
 });
 
 test('what cannot be exported is said before it is tried', () => {

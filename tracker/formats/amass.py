@@ -10,8 +10,8 @@
     rest_joints      (22, 3)   ours besides: where the body's joints are in the rest pose, metres,
                                the pelvis at the origin, y up, x to the body's left
 
-World: z up, on the floor, as in `tracker.formats.ground`. Tree and rest pose as in
-`tracker.formats.smpl`.
+World: z up on the floor, the camera above the origin and looking along +y as nearly as the floor
+allows. Tree and rest pose: `tracker.formats.smpl`.
 
 No model is needed to write it. With `rest_joints`, forward kinematics gives our joints to rounding.
 With a licensed model instead, limbs have its lengths, and point beside ours by as much as its own
@@ -24,14 +24,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.formats.axes import FLIP
-from tracker.formats.ground import ground_from_camera
+from tracker.formats.floor_world import floor_from_camera, parts_in_world
 from tracker.formats.recording import Recording
-from tracker.formats.smpl import JOINT_COUNT, JOINTS, RestBody, rotations_of
-from tracker.geometry.rotations import log_rotation
+from tracker.formats.smpl import JOINTS, SMPL_H_JOINTS, rest_joints, smpl_of
+from tracker.geometry.rotations import log_rotation, transform
 from tracker.storage.archive import archive_bytes
 
 BETAS, DMPLS = 16, 8
+
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""From a world whose y points up, by a quarter turn about x."""
 
 
 def amass(recording: Recording) -> bytes:
@@ -39,21 +41,19 @@ def amass(recording: Recording) -> bytes:
 
     FormatError where the body is no person's, where frames are not tracked, or without two times.
     """
-    rest, whole = RestBody.of(recording.skeleton), recording.whole("AMASS")
-    R_ground_camera, p_ground_camera = ground_from_camera(whole)
-    Ts_camera_part = whole.trajectory.transforms(whole.skeleton)
-    Rs_ground_part = R_ground_camera @ Ts_camera_part[..., :3, :3] * FLIP
-    poses = np.zeros((len(whole), JOINT_COUNT, 3))
-    poses[:, : len(JOINTS)] = log_rotation(rotations_of(rest, Rs_ground_part))
-    ps_camera_root = whole.trajectory.ps_camera_root
+    rig, whole = smpl_of(recording.skeleton), recording.whole("AMASS")
+    T_world_camera = transform(Z_UP, np.zeros(3)) @ floor_from_camera(whole)
+    Rs_parent_bone, trans = rig.motion(parts_in_world(whole, T_world_camera))
+    poses = np.zeros((len(whole), SMPL_H_JOINTS, 3))
+    poses[:, : len(JOINTS)] = log_rotation(Rs_parent_bone[:, : len(JOINTS)])
     return archive_bytes(
         {
             "poses": poses.reshape(len(whole), -1),
-            "trans": ps_camera_root @ R_ground_camera.T + p_ground_camera,
+            "trans": trans,
             "mocap_framerate": np.array(whole.frames_per_second),
             "betas": np.zeros(BETAS),
             "dmpls": np.zeros((len(whole), DMPLS)),
             "gender": np.array("neutral"),
-            "rest_joints": rest.ps_rest_joint,
+            "rest_joints": rest_joints(rig),
         }
     )

@@ -1,97 +1,115 @@
 """The motion as BVH (Biovision hierarchy), which animation programs read.
 
-World of the file: x to the picture's right, y up, z from the scene toward the camera; its origin is
-the camera. It is the camera frame turned by half a turn about x, F = diag(1, −1, −1). Every part's
-frame is turned likewise, R' = F R F and offset' = F offset, so that in the rest pose all frames of
-the file are parallel to its world, and a body that stands has its legs along −y.
+World of the file: that of the floor (`tracker.formats.floor_world`), y up. Bones are those of a rig
+(`tracker.formats.rigs`), at rest parallel to the world, as BVH has no other: where all rotations
+are zero the body stands in the rig's rest pose and faces +z. Bones of landmarks are left out.
 
-Lengths are centimetres, angles degrees. Channels: position, then Z, Y, X rotation for the root;
-Z, Y, X rotation for the others: R' = Rz·Ry·Rx, as the order of the channels says. Angles run on
-smoothly from frame to frame, past half a turn where the motion does. The root's offset is zero: its
-channels hold the whole position. A part without children ends in its farthest landmark or, when it
-has none, in the end of its shape. Frames are evenly spaced, as BVH knows nothing else.
+Lengths are in the unit that is asked for, which the file cannot name; angles are degrees. Channels:
+position, then Z, Y, X rotation for the root and for the bone that carries the body, where that is
+another one; Z, Y, X rotation for the others. R = Rz·Ry·Rx, as the order of the channels says.
+Angles run on smoothly from frame to frame, past half a turn where the motion does. Where a bone has
+position channels its offset is zero: programs disagree on whether channels add to it. A bone
+without children has an end site. Frames are evenly spaced, as BVH knows nothing else.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.body import Part
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
-from tracker.formats.axes import flipped, flipped_rotations
 from tracker.formats.decimals import fixed_decimals
 from tracker.formats.euler_curves import smooth_euler
 from tracker.formats.names import single_words
+from tracker.formats.rigs import OWN
+from tracker.formats.rigs.rig import Rig
+from tracker.formats.units import PER_METRE, FileUnit
 from tracker.geometry.rotations import Array
 
-CM_PER_M = 100.0
 DECIMALS = 6
 
+_PLACE = "Xposition Yposition Zposition"
+_TURN = "Zrotation Yrotation Xrotation"
 
-def bvh(skeleton: Skeleton, trajectory: Trajectory, seconds_per_frame: float) -> str:
-    """The text of the file. FormatError when the time between frames is not positive."""
+
+def bvh(rig: Rig, Ts_world_part: Array, seconds_per_frame: float, unit: FileUnit = "m") -> str:
+    """The text of the file. FormatError when the time between frames is not positive.
+
+    rig: as of `rig_of(…, parallel=True)`.  Ts_world_part: (N, P, 4, 4) of the body's parts, y up.
+    """
     if not 0.0 < seconds_per_frame < np.inf:
         raise FormatError("A BVH file needs a positive time between its frames.")
-    hierarchy = _part_lines(skeleton, 0, single_words(skeleton.body.names), indent="")
+    tree = _Tree(rig, PER_METRE[unit])
     motion = [
         "MOTION",
-        f"Frames: {len(trajectory)}",
+        f"Frames: {len(Ts_world_part)}",
         f"Frame Time: {seconds_per_frame:.9f}",
-        *(_row(values) for values in _channels(skeleton, trajectory)),
+        *(_row(values) for values in tree.channels(Ts_world_part)),
     ]
-    return "\n".join(["HIERARCHY", *hierarchy, *motion]) + "\n"
+    return "\n".join(["HIERARCHY", *tree.lines(0), *motion]) + "\n"
 
 
-def end_site(part: Part) -> tuple[float, float, float]:
-    """Where a part without children ends, in its own frame, metres."""
-    if part.landmarks:
-        return max(part.landmarks.values(), key=lambda p: float(np.linalg.norm(p)))
-    return part.shape.far_end
+@dataclass(frozen=True, eq=False)
+class _Tree:
+    """A rig's bones as BVH has them; lengths are so many of the file's units a metre."""
 
+    rig: Rig
+    per_metre: float
 
-def _part_lines(
-    skeleton: Skeleton, index: int, names: tuple[str, ...], indent: str
-) -> Iterator[str]:
-    is_root = skeleton.parents[index] < 0
-    offset = np.zeros(3) if is_root else skeleton.joints[index]
-    inner = f"{indent}  "
-    yield f"{indent}{'ROOT' if is_root else 'JOINT'} {names[index]}"
-    yield f"{indent}{{"
-    yield f"{inner}OFFSET {_row(_flipped_cm(offset))}"
-    rotations = "Zrotation Yrotation Xrotation"
-    if is_root:
-        yield f"{inner}CHANNELS 6 Xposition Yposition Zposition {rotations}"
-    else:
-        yield f"{inner}CHANNELS 3 {rotations}"
-    children = np.flatnonzero(skeleton.parents == index)
-    for child in children:
-        yield from _part_lines(skeleton, int(child), names, inner)
-    if not len(children):
-        end = _row(_flipped_cm(np.array(end_site(skeleton.body.parts[index]))))
-        yield from (f"{inner}End Site", f"{inner}{{", f"{inner}  OFFSET {end}", f"{inner}}}")
-    yield f"{indent}}}"
+    @property
+    def _bones(self) -> range:
+        """A body's own rig has its landmarks after its parts."""
+        return range(len(self.rig.Ts_world_part) if self.rig.name == OWN else len(self.rig))
 
+    def _children(self, bone: int) -> list[int]:
+        return [k for k in self._bones if self.rig.parents[k] == bone]
 
-def _channels(skeleton: Skeleton, trajectory: Trajectory) -> Array:
-    """(N, 3 + 3P): the root's position, then the angles of the parts in the file's order."""
-    angles = smooth_euler(flipped_rotations(trajectory.Rs_parent_part))
-    angles = np.rad2deg(angles)[:, list(_depth_first(skeleton, 0))]
-    positions = _flipped_cm(trajectory.ps_camera_root)
-    return np.concatenate([positions, angles.reshape(len(trajectory), -1)], axis=1)
+    def _is_placed(self, bone: int) -> bool:
+        return bone in (0, self.rig.mover)
 
+    def _end(self, bone: int) -> Array:
+        """Where a bone without children ends, in its frame: at its farthest landmark, if any."""
+        marks = [k for k in range(len(self.rig)) if self.rig.parents[k] == bone]
+        ends = self.rig.Ts_parent_bone[marks, :3, 3] if marks else self.rig.ends_bone[[bone]]
+        return np.asarray(ends[np.linalg.norm(ends, axis=1).argmax()])
 
-def _depth_first(skeleton: Skeleton, index: int) -> Iterator[int]:
-    yield index
-    for child in np.flatnonzero(skeleton.parents == index):
-        yield from _depth_first(skeleton, int(child))
+    def lines(self, bone: int, indent: str = "") -> Iterator[str]:
+        """The hierarchy from a bone on."""
+        offset, inner = self.rig.Ts_parent_bone[bone, :3, 3], f"{indent}  "
+        placed, name = self._is_placed(bone), single_words(self.rig.names)[bone]
+        yield f"{indent}{'JOINT' if bone else 'ROOT'} {name}"
+        yield f"{indent}{{"
+        yield f"{inner}OFFSET {self._place(np.zeros(3) if placed else offset)}"
+        yield f"{inner}CHANNELS " + (f"6 {_PLACE} {_TURN}" if placed else f"3 {_TURN}")
+        children = self._children(bone)
+        for child in children:
+            yield from self.lines(child, inner)
+        if not children:
+            end = self._place(self._end(bone))
+            yield from (f"{inner}End Site", f"{inner}{{", f"{inner}  OFFSET {end}", f"{inner}}}")
+        yield f"{indent}}}"
 
+    def _depth_first(self, bone: int) -> Iterator[int]:
+        yield bone
+        for child in self._children(bone):
+            yield from self._depth_first(child)
 
-def _flipped_cm(points_m: Array) -> Array:
-    return flipped(points_m) * CM_PER_M
+    def channels(self, Ts_world_part: Array) -> Array:
+        """(N, C) values of the channels in the file's order."""
+        Rs_parent_bone, ps_parent_mover = self.rig.motion(Ts_world_part)
+        angles = np.rad2deg(smooth_euler(Rs_parent_bone))
+        columns = []
+        for bone in self._depth_first(0):
+            if self._is_placed(bone):
+                moves = bone == self.rig.mover
+                columns.append(ps_parent_mover * (self.per_metre if moves else 0.0))
+            columns.append(angles[:, bone])
+        return np.concatenate(columns, axis=1)
+
+    def _place(self, p: Array) -> str:
+        return _row(p * self.per_metre)
 
 
 def _row(values: Sequence[float] | Array) -> str:

@@ -18,6 +18,7 @@ frames: what is known of every frame, and how far to trust it.
     degrees_of_freedom      of how many
     film_frame              which frame of the video a row is: where the motion was given a rate of
                             its own, `frame` counts by that rate, and this has fractions
+    timecode                of the nearest frame of the video; empty where the file tells none
     filter_hz               cut-off of the low-pass filter (Butterworth, fourth order, without
                             delay); empty where the motion is as tracked
     note                    what a person wrote at this frame, on one line; "flag" where nothing was
@@ -93,15 +94,16 @@ def frames_csv(recording: Recording) -> str:
 
 _FRAME_COLUMNS = (
     *("frame", "time_s", "pose", "verdict", "words", "first_frame", "last_frame"),
-    *("rank", "degrees_of_freedom", "film_frame", "filter_hz", "note"),
+    *("rank", "degrees_of_freedom", "film_frame", "timecode", "filter_hz", "note"),
 )
 _FORMULA = ("=", "+", "-", "@")
 
 
-def _sampling(recording: Recording, i: int) -> tuple[str, str]:
-    """film_frame and filter_hz of a row."""
+def _sampling(recording: Recording, i: int) -> tuple[str, str, str]:
+    """film_frame, timecode and filter_hz of a row."""
     film = f"{recording.film_frames[i]:.4f}".rstrip("0").rstrip(".")
-    return film, "" if recording.filter_hz is None else f"{recording.filter_hz:g}"
+    hertz = "" if recording.filter_hz is None else f"{recording.filter_hz:g}"
+    return film, recording.timecode_at(i) or "", hertz
 
 
 def _noted(recording: Recording, i: int) -> str:

@@ -22,7 +22,7 @@ from tracker.body.body import Body, Point
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError, listed
 from tracker.files import TooLarge, read_regular
-from tracker.formats.bvh import end_site
+from tracker.formats.end_sites import end_site
 from tracker.formats.marker_names import places_of
 from tracker.keypoints.layouts import snake
 from tracker.solver.body_points import BodyPoint

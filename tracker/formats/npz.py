@@ -11,6 +11,7 @@ unless it has a rate of its own. Segments are told by the video's frames.
     film_frame             (N,)            which frame of the video that is: where the motion was
                                            given a rate of its own, `frame` counts by that rate
                                            from the video's first frame, and this has fractions
+    timecode               ()              of frame 0 of the video; empty where its file tells none
     frames_per_second      ()              the rate, where frames are evenly spaced, or the mean
     filter_hz              ()              cut-off of the low-pass filter (Butterworth, fourth
                                            order, without delay); NaN where it is as tracked
@@ -76,6 +77,7 @@ def _poses(recording: Recording) -> Arrays:
         "frame": _whole(recording.frames),
         "time_s": recording.times_s,
         "film_frame": recording.film_frames,
+        "timecode": _text(str(recording.timecode or "")),
         "frames_per_second": np.array(recording.rate if recording.rate is not None else np.nan),
         "filter_hz": np.array(np.nan if recording.filter_hz is None else recording.filter_hz),
         "part_names": _text(tracks.part_names),

@@ -18,7 +18,7 @@ from tracker.body.body import preset
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.joint_motion import JointMotion, Unit, require_size
-from tracker.formats.smpl import JOINTS, RestBody, joints_of
+from tracker.formats.smpl import JOINTS, joints_of, rest_joints, smpl_of
 from tracker.geometry.rotations import Array, exp_rotation
 
 RATES = ("mocap_framerate", "mocap_frame_rate")
@@ -62,7 +62,7 @@ def _poses(file: str, given: NDArray[Any]) -> Array:
 def _rest(file: str, arrays: Mapping[str, NDArray[Any]]) -> Array:
     """(22, 3) where joints rest, metres."""
     if "rest_joints" not in arrays:
-        return RestBody.of(Skeleton.of(preset(BODY))).ps_rest_joint
+        return rest_joints(smpl_of(Skeleton.of(preset(BODY))))
     rest = arrays["rest_joints"]
     return _numbers(file, "rest_joints", rest, (COUNT, 3), f"the places of {COUNT} joints")
 

@@ -23,7 +23,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.joint_motion import MOST_FRAMES, JointMotion, World, require_size
 from tracker.formats.reading_amass import BODY
-from tracker.formats.smpl import JOINTS, RestBody, joints_of
+from tracker.formats.smpl import JOINTS, joints_of, rest_joints, smpl_of
 from tracker.geometry.rotations import Array, exp_rotation
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -70,7 +70,7 @@ def read_recovered(file: str, arrays: Arrays) -> JointMotion:
     if body.shape[1] < MORE or not orient.shape[1]:
         raise FormatError(f"{file}: its body_pose has {body.shape[1]} joints; {MORE} are expected.")
     Rs = np.concatenate([orient, body[:, :MORE]], axis=1)
-    ps = joints_of(RestBody.of(Skeleton.of(preset(BODY))).ps_rest_joint, Rs, trans)
+    ps = joints_of(rest_joints(smpl_of(Skeleton.of(preset(BODY)))), Rs, trans)
     ps = _by_frame(file, ps, arrays.get("frame_ids"))
     rate = _rate(file, arrays)
     times: Array = np.arange(len(ps)) / (rate or 1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from tracker.session.notes import Note
 from tracker.session.schema import Session
 from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
+
+if TYPE_CHECKING:
+    from tracker.video.timecode import Timecode
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Up where no other direction is known: the camera's own."""
@@ -57,7 +61,8 @@ class Recording:
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
-    floor_m:   the floor's height along up, from the camera's centre; None where nobody set it.
+    timecode:  the video's; None: its file tells none.
+    floor_m:   the floor's height along up, from the camera's centre, metres; None: nobody set it.
     """
 
     skeleton: Skeleton
@@ -73,11 +78,13 @@ class Recording:
     notes: tuple[Note, ...] = ()
     part_frames: tuple[int, ...] = ()
     floor_m: float | None = None
+    timecode: Timecode | None = None
 
     @classmethod
     def of(
-        cls, session: Session, tracks: Tracks, segments: Sequence[RecordedSegment], times_s: Array
-    ) -> Recording:
+        cls, session: Session, tracks: Tracks, segments: Sequence[RecordedSegment], times_s: Array,
+        timecode: Timecode | None = None,
+    ) -> Recording:  # fmt: skip
         """The motion of a session from its first keyframe to its last, or as far as it reaches.
 
         times_s are those of all the video's frames, from frame 0. A segment whose frames have no
@@ -101,6 +108,7 @@ class Recording:
             notes=session.notes,
             part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
             floor_m=session.floor_m,
+            timecode=timecode,
         )
 
     def __len__(self) -> int:
@@ -120,6 +128,11 @@ class Recording:
     def film_frames(self) -> Array:
         """(N,) which frame of the video each pose belongs to; fractions where it is between two."""
         return np.array(self.frames, dtype=float) if self.sampled_at is None else self.sampled_at
+
+    def timecode_at(self, row: int) -> str | None:
+        """Of the frame of the video that is nearest to a pose."""
+        nearest = round(float(self.film_frames[row]))
+        return None if self.timecode is None else self.timecode.at(nearest)
 
     @property
     def is_even(self) -> bool:

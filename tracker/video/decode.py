@@ -26,6 +26,7 @@ from tracker.video.fingerprint import fingerprint_of_file
 from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from tracker.video.info import VideoInfo, clock
 from tracker.video.picture import Picture, PictureMaker, orientation_of
+from tracker.video.timecode import timecode_in
 
 # Going on forward is worth this many more frames than a seek would decode.
 _SEEK_COST = 8
@@ -226,4 +227,11 @@ def _describe(
         pixel_aspect=aspect,
         missing=tuple(sorted(index.missing)),
         lens=lens_in((container.metadata, stream.metadata, tags_of(first))),
+        timecode=timecode_in(_all_tags(container, stream), timing.fps),
     )
+
+
+def _all_tags(container: InputContainer, stream: VideoStream) -> list[dict[str, str]]:
+    """The tags of the pictures, of the file, and of its other streams, one of which may be a
+    timecode's."""
+    return [stream.metadata, container.metadata, *(other.metadata for other in container.streams)]

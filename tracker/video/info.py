@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tracker.errors import VideoError
 from tracker.video.file_lens import FileLens
+from tracker.video.timecode import Timecode
 
 
 class MissingFrame(VideoError):
@@ -45,6 +46,7 @@ class VideoInfo:
     missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
     damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
     lens: FileLens | None = None  # as the file tells it
+    timecode: Timecode | None = None  # of the first frame, as the file tells it
 
 
 @dataclass(frozen=True, eq=False)

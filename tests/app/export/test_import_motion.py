@@ -20,12 +20,12 @@ from app.document.open import copy_session
 from app.export.import_motion import Draft, drafts_of, fit_to_session, match_keypoints
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.formats import recordings
+from tests.tracker.formats.recordings import bvh_of
 from tracker.body.pose import joint_names, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError, SessionError
 from tracker.evaluate import evaluate
-from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
 from tracker.formats.joint_motion import JointMotion
 from tracker.formats.joint_names import matched
@@ -93,7 +93,7 @@ def _run(*arguments: object) -> int:
 @pytest.mark.parametrize("kind", ["bvh", "csv", "wide", "wide in feet"])
 def test_our_own_motion_comes_back_to_a_millimetre(path: Path, kind: str) -> None:
     texts = {
-        "bvh": bvh(SKELETON, TRUTH, 1 / 30),
+        "bvh": bvh_of(SKELETON, TRUTH, 1 / 30),
         "csv": joints_csv(SKELETON, TRUTH, TIMES_S),
         "wide": _wide(TRUTH.joints(SKELETON)),
         "wide in feet": _wide(TRUTH.joints(SKELETON), scale=3.281),
@@ -114,7 +114,7 @@ def test_our_own_motion_comes_back_to_a_millimetre(path: Path, kind: str) -> Non
 def test_the_offset_says_where_the_files_time_begins(path: Path) -> None:
     file = path.parent / "late.bvh"
     late = Trajectory(0, TRUTH.Rs_parent_part[20:], TRUTH.ps_camera_root[20:])
-    file.write_text(bvh(SKELETON, late, 1 / 30))
+    file.write_text(bvh_of(SKELETON, late, 1 / 30))
     for option in (["--offset-frames", "20"], ["--offset-s", str(20 / 30)]):
         assert _run("import", path, file, *option) == 0
         motion = _imported(path)
@@ -162,7 +162,7 @@ def test_a_session_that_is_open_elsewhere_is_left_alone(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = path.parent / "motion.bvh"
-    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     lock = SessionLock.take(path.parent)
     try:
         assert "open in another Keypose" in refused(capsys, path.parent, ["import", path, file])
@@ -175,7 +175,7 @@ def test_what_does_not_suit_the_session_is_refused_in_one_sentence(
 ) -> None:
     SessionLock.take(path.parent).release()  # its file stays, and is no change later
     folder = path.parent
-    (folder / "good.bvh").write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    (folder / "good.bvh").write_text(bvh_of(SKELETON, TRUTH, 1 / 30, unit="cm"))
     (folder / "two.csv").write_text("time,waist_x,waist_y,waist_z\n0,0,0,0\n1,0,0,0\n")
     (folder / "bad.bvh").write_text("HIERARCHY")
     (folder / "names.json").write_text('{"waist": "wing"}')
@@ -204,7 +204,7 @@ def test_what_does_not_suit_the_session_is_refused_in_one_sentence(
 def test_the_keys_of_segments_know_what_they_start_from(path: Path) -> None:
     session = load_session(path)
     linear = session.settings.model_copy(update={"initial": "linear"})
-    (path.parent / "motion.bvh").write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    (path.parent / "motion.bvh").write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, path.parent / "motion.bvh")
     imported = load_session(path)
     keys = [
@@ -272,7 +272,7 @@ def test_the_choice_that_is_left_to_the_tracker_is_the_start_that_scores_better(
 
 def test_the_command_tracks_from_the_motion_beside_the_session(path: Path) -> None:
     file = path.parent / "motion.bvh"
-    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
     session = load_session(path)
     settings = session.settings.model_copy(update={"initial": "import", "quality": "preview"})
@@ -299,7 +299,7 @@ def test_import_is_asked_for_but_there_is_none(path: Path) -> None:
 
 def test_a_damaged_or_missing_motion_is_told(path: Path) -> None:
     file = path.parent / "motion.bvh"
-    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
     session = load_session(path)
     assert session.first_motion is not None
@@ -315,7 +315,7 @@ def test_a_damaged_or_missing_motion_is_told(path: Path) -> None:
 
 def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: Path) -> None:
     file = path.parent / "motion.bvh"
-    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
     copied = copy_session(path, tmp_path / "copy")
     assert np.array_equal(_imported(copied).Rs_parent_part, _imported(path).Rs_parent_part)

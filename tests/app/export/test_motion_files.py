@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import zipfile
 from fractions import Fraction
 from pathlib import Path
@@ -23,11 +24,14 @@ from tests.tracker import session_cases as cases
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.video_cases import write_numbered
 from tracker.errors import FormatError
+from tracker.formats.rigs import RIGS
+from tracker.formats.units import FILE_UNITS
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Results, save_results
 from tracker.storage.tracks import save_result
 from tracker.video.fingerprint import fingerprint_of_file
 
+STATIC = Path(__file__).parents[3] / "static"
 LAST = 8
 ANY_BODY = [name for name in FORMATS if name != "amass"]
 """Formats that do not ask for a person."""
@@ -80,17 +84,44 @@ def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    with pytest.raises(FormatError, match="An SMPL body is a whole person") as told:
+    with pytest.raises(FormatError, match="The rig smpl is for a person") as told:
         motion_archive("amass", edit)
     command = ["export", path, "--format", "amass", "--out", path.parent / "out"]
     assert refused(capsys, path.parent, command) == f"{told.value}\n"
+
+
+def test_the_page_offers_every_format_and_unit() -> None:
+    offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
+    for name in FILE_UNITS:
+        assert re.search(rf"\b{name}: {{ label: ", offered)
+    table = (STATIC / "actions" / "table.js").read_text("utf-8")
+    assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
+    rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
+    assert rigged == [name for name, kind in FORMATS.items() if kind.rigged]
+
+
+def test_bones_and_unit_are_asked_for_by_both_doors(path: Path) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    wanted = MOTION.validate_strings({"format": "bvh", "unit": "cm"})
+    in_cm = motion_archive("bvh", edit, wanted.sampling).content
+    assert in_cm == exported(path, "bvh", "--unit", "cm")["motion.bvh"]
+    assert in_cm != exported(path, "bvh")["motion.bvh"]
+
+
+def test_a_unit_for_a_format_that_names_its_own_is_refused(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["export", path, "--format", "csv", "--unit", "cm", "--out", path.parent / "out"]
+    words = "--unit is for bvh: all other formats name their unit.\n"
+    assert refused(capsys, path.parent, command) == words
 
 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [
         *("angles.csv", "frames.csv", "joints.csv"),
-        *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
+        *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc", "motion.usd"),
+        *("motion_camera.chan", "motion_camera.json"),
     ]
 
 
@@ -253,7 +284,7 @@ def test_formats_with_room_for_gaps_keep_them_by_both_doors(
             )
 
 
-@pytest.mark.parametrize("format_name", ["bvh", "glb"])
+@pytest.mark.parametrize("format_name", ["bvh", "glb", "usd"])
 def test_formats_without_room_for_gaps_name_the_frames_by_both_doors(
     format_name: MotionFormat, path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -317,7 +348,7 @@ def test_a_format_that_is_none_is_refused(
     command = ["export", path, "--format", formats, "--out", path.parent / "out"]
     words = refused(capsys, path.parent, command)
     assert "invalid choice" in words
-    assert "choose from bvh, glb, trc, c3d, csv, npz, amass" in words
+    assert f"choose from {', '.join(FORMATS)}" in words
 
 
 def test_json_lists_every_file(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -339,3 +370,46 @@ def test_nothing_is_written_where_one_of_several_is_there_already(
     (out / "motion.trc").write_text("mine")
     command = ["export", path, "--format", EVERY, "--out", out]
     assert "motion.trc" in refused(capsys, path.parent, command)
+
+
+def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
+    state = opened(path, results_cases.both(load_session(path)))
+    given = exported(path, "glb", "--rig", "keypose")["motion.glb"]
+    assert (
+        motion_archive("glb", state, MOTION.validate_strings({"format": "glb"}).sampling).content
+        == given
+    )
+
+
+@pytest.mark.parametrize(
+    ("formats", "rig", "words"),
+    [
+        ("glb", "mixamo", "The rig mixamo is for a person"),
+        ("csv,npz", "vrm", "--rig is for formats with bones: bvh, glb and usd."),
+        ("glb", "biped", "invalid choice: 'biped'"),
+    ],
+)
+def test_a_rig_that_cannot_be_is_told(
+    formats: str, rig: str, words: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    command = ["export", path, "--format", formats, "--rig", rig, "--out", path.parent / "out"]
+    assert words in refused(capsys, path.parent, command)
+
+
+def test_the_page_offers_the_rigs_that_there_are() -> None:
+    script = (Path(__file__).parents[3] / "static/actions/exporting.js").read_text("utf-8")
+    table = script.partition("export const RIGS = {")[2].partition("};")[0]
+    assert tuple(re.findall(r"(\w+):", table)) == tuple(RIGS)
+
+
+def test_a_part_of_the_motion_stands_on_the_floor_of_the_whole(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    whole, part = (
+        exported(path, "glb,camera", *more)
+        for more in ((), ("--frames", "4-6", "--filter", "10Hz", "--fps", "50"))
+    )
+    cameras = [json.loads(f["motion_camera.json"])["T_world_camera"] for f in (whole, part)]
+    assert cameras[0] == cameras[1]
+    stand = [Player.of(f["motion.glb"]).transforms(None)["camera"] for f in (whole, part)]
+    np.testing.assert_array_equal(*stand)

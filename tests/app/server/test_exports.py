@@ -151,6 +151,7 @@ def test_what_is_not_installed_is_told_with_what_mends_it(
     monkeypatch.setattr(exports, "can_write_films", lambda: False)
     assert exports.missing_here() == {
         "c3d": "pip install 'keypose[c3d]'",
+        "usd": "pip install 'keypose[usd]'",
         "film": "pip install --force-reinstall av",
     }
 

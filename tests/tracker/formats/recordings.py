@@ -10,8 +10,12 @@ import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate, joined
+from tracker.formats.bvh import bvh
 from tracker.formats.recording import RecordedSegment, Recording
-from tracker.geometry.rotations import exp_rotation
+from tracker.formats.rigs import OWN
+from tracker.formats.rigs.rig import rig_of
+from tracker.formats.units import FileUnit
+from tracker.geometry.rotations import exp_rotation, transform
 from tracker.session import Session
 from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
@@ -121,3 +125,16 @@ def at_rest(made: Recording) -> Recording:
     """The recording with every part as the rest pose has it."""
     Rs = np.broadcast_to(np.eye(3), made.tracks.Rs_parent_part.shape).copy()
     return replace(made, tracks=replace(made.tracks, Rs_parent_part=Rs))
+
+
+def bvh_of(
+    skeleton: Skeleton,
+    motion: Trajectory,
+    seconds_per_frame: float,
+    rig: str = OWN,
+    unit: FileUnit = "m",
+) -> str:
+    """A BVH file whose world is the camera frame turned upright."""
+    Ts_world_part = transform(TO_FILE, np.zeros(3)) @ motion.transforms(skeleton)
+    Ts_world_part[..., :3, :3] = Ts_world_part[..., :3, :3] @ TO_FILE
+    return bvh(rig_of(skeleton, rig, parallel=True), Ts_world_part, seconds_per_frame, unit)

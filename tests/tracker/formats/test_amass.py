@@ -21,7 +21,7 @@ from tracker.formats.amass import amass
 from tracker.formats.joint_names import matched
 from tracker.formats.reading import load_motion
 from tracker.formats.recording import Recording
-from tracker.formats.smpl import JOINTS, PARENTS, RestBody
+from tracker.formats.smpl import JOINTS, PARENTS, rest_joints, smpl_of
 from tracker.geometry.rotations import Array
 
 PEOPLE = ("person", "balance", "twirl")
@@ -124,7 +124,7 @@ def test_at_rest_no_joint_turns_but_the_arms() -> None:
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_preset_rests_as_a_t_that_looks_along_z(name: str) -> None:
-    rest = dict(zip(JOINTS, RestBody.of(Skeleton.of(preset(name))).ps_rest_joint, strict=True))
+    rest = dict(zip(JOINTS, rest_joints(smpl_of(Skeleton.of(preset(name)))), strict=True))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         arm = [rest[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist")]
         leg = [rest[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle")]
@@ -139,18 +139,16 @@ def test_every_preset_rests_as_a_t_that_looks_along_z(name: str) -> None:
 
 def test_clavicles_are_its_collars() -> None:
     body = with_clavicles(preset("adult_female"))
-    rest = RestBody.of(Skeleton.of(body))
-    assert rest.part[JOINTS.index("left_collar")] == body.index("left_clavicle")
+    rig, without = smpl_of(Skeleton.of(body)), smpl_of(Skeleton.of(preset("adult_female")))
+    assert rig.parts[JOINTS.index("left_collar")] == body.index("left_clavicle")
     shoulder = JOINTS.index("left_shoulder")
     np.testing.assert_allclose(
-        rest.ps_rest_joint[shoulder],
-        RestBody.of(Skeleton.of(preset("adult_female"))).ps_rest_joint[shoulder],
-        atol=0.01,  # the collar lies straight here, and a little forward on the body
+        rest_joints(rig)[shoulder], rest_joints(without)[shoulder], atol=1e-9
     )
 
 
 def test_a_body_that_is_no_person_is_refused() -> None:
-    with pytest.raises(FormatError, match="is a whole person, and this body has no left upper arm"):
+    with pytest.raises(FormatError, match="The rig smpl is for a person"):
         amass(recordings.recording("box"))
 
 
@@ -161,9 +159,18 @@ def _hung(body: Body, part: str, parent: str) -> Body:
 
 def test_a_body_of_another_tree_is_refused() -> None:
     odd = _hung(preset("adult_male"), "left_thigh", "chest")
-    words = "the left_thigh hangs on the waist, and in this body it does not"
+    words = "the left thigh hangs on the waist, and in this body it does not"
     with pytest.raises(FormatError, match=words):
-        RestBody.of(Skeleton.of(odd))
+        smpl_of(Skeleton.of(odd))
+
+
+def test_a_body_without_hands_is_refused() -> None:
+    whole = preset("adult_male")
+    parts = tuple(part for part in whole.parts if not part.name.endswith("hand"))
+    pairs = tuple(pair for pair in whole.mirror_pairs if "left_hand" not in pair)
+    less = whole.model_copy(update={"parts": parts, "mirror_pairs": pairs})
+    with pytest.raises(FormatError, match="this one has no left wrist and right wrist"):
+        smpl_of(Skeleton.of(less))
 
 
 @pytest.mark.parametrize("name", ["person", "twirl"])
@@ -204,7 +211,7 @@ def _file(tmp_path: Path, **changes: Any) -> Path:
 
 def test_a_file_of_somebody_elses_is_played_on_a_body_of_ours(tmp_path: Path) -> None:
     motion = load_motion(_file(tmp_path))
-    rest = RestBody.of(Skeleton.of(preset("adult_male"))).ps_rest_joint
+    rest = rest_joints(smpl_of(Skeleton.of(preset("adult_male"))))
     np.testing.assert_allclose(motion.ps_world_joint[0], rest, atol=1e-12)
     assert motion.unit is None  # so it is scaled to the session's body
     np.testing.assert_allclose(np.diff(motion.times_s), 1 / 120)

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.tracker.formats import recordings
+from tests.tracker.formats.recordings import bvh_of
 from tracker.errors import FormatError
-from tracker.formats.bvh import bvh
 from tracker.formats.euler_curves import smooth_euler
 from tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler
 
@@ -32,14 +32,14 @@ def turned_back(angles: Array) -> Array:
 def test_another_programs_reader_finds_the_joints_where_they_are(name: str, tmp_path: Path) -> None:
     made = recordings.recording(name)
     place = tmp_path / "motion.bvh"
-    place.write_text(bvh(made.skeleton, made.trajectory, 1 / made.frames_per_second))
+    place.write_text(bvh_of(made.skeleton, made.trajectory, 1 / made.frames_per_second))
     file, root = bvhio.readAsBvh(str(place)), bvhio.readAsHierarchy(str(place))
     assert file.FrameCount == len(made)
     assert pytest.approx((len(made) - 1) * file.FrameTime) == made.times_s[-1] - made.times_s[0]
     expected = recordings.joints_in_file(made)
     for i in range(len(made)):
         root.loadPose(i)
-        places = {joint.Name: np.array(joint.PositionWorld) / 100 for joint, _, _ in root.layout()}
+        places = {joint.Name: np.array(joint.PositionWorld) for joint, _, _ in root.layout()}
         found = [places[part] for part in made.skeleton.body.names]
         np.testing.assert_allclose(found, expected[i, : len(found)], atol=1e-5)
 
@@ -47,7 +47,7 @@ def test_another_programs_reader_finds_the_joints_where_they_are(name: str, tmp_
 @pytest.mark.parametrize("name", recordings.NAMES)
 def test_curves_never_jump_by_half_a_turn(name: str) -> None:
     made = recordings.recording(name)
-    lines = bvh(made.skeleton, made.trajectory, 0.04).split("Frame Time:")[1].splitlines()[1:]
+    lines = bvh_of(made.skeleton, made.trajectory, 0.04).split("Frame Time:")[1].splitlines()[1:]
     angles = np.array([line.split() for line in lines], dtype=float)[:, 3:]
     assert np.abs(np.diff(angles, axis=0)).max() < 90
 

@@ -14,9 +14,11 @@ from tracker.errors import FormatError
 from tracker.formats.csv import frames_csv, joints_csv
 from tracker.formats.npz import npz
 from tracker.formats.recording import Recording
+from tracker.formats.sampling import at_rate
 from tracker.geometry.rotations import rotation_from_euler
 from tracker.session.notes import Note
 from tracker.session.verdict import GOOD
+from tracker.video.timecode import Timecode
 
 
 def rows(text: str) -> list[dict[str, str]]:
@@ -166,3 +168,19 @@ def test_at_a_rate_of_its_own_a_note_stands_in_the_nearest_row() -> None:
     coarse = replace(made, sampled_at=np.linspace(0.0, 300.0, len(made)), notes=notes)
     said = [row["note"] for row in rows(frames_csv(coarse)) if row["note"]]
     assert said == ["a · b"]
+
+
+def test_the_films_timecode_stands_in_every_row_and_in_the_archive() -> None:
+    made = replace(recordings.recording("person"), timecode=Timecode.read("10:00:00:20", 25))
+    table = rows(frames_csv(made))
+    assert [table[i]["timecode"] for i in (0, 5, 72)] == [
+        "10:00:00:20",
+        "10:00:01:00",
+        "10:00:03:17",
+    ]
+    at_half = rows(frames_csv(at_rate(made, 12.5)))
+    assert at_half[1]["timecode"] == made.timecode_at(round(float(at_half[1]["film_frame"])))
+    assert str(arrays(npz(made))["timecode"]) == "10:00:00:20"
+    bare = recordings.recording("person")
+    assert {row["timecode"] for row in rows(frames_csv(bare))} == {""}
+    assert str(arrays(npz(bare))["timecode"]) == ""

@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 
 from tests.tracker import session_cases as cases
+from tests.tracker.formats.recordings import bvh_of
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.pose import joint_names
 from tracker.body.shapes import Cylinder
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
-from tracker.formats.bvh import bvh, end_site
 from tracker.formats.csv import angles_csv, column_names, joints_csv
+from tracker.formats.end_sites import end_site
 from tracker.geometry.rotations import Array
 
 TO_BVH = np.diag([1.0, -1.0, -1.0])
@@ -68,7 +69,7 @@ def _read_node(name: str, words: Any) -> Node:
 
 
 def bvh_positions(root: Node, values: list[float]) -> dict[str, Array]:
-    """Where every node is in one frame, centimetres."""
+    """Where every node is in one frame."""
     places: dict[str, Array] = {}
     supply = iter(values)
 
@@ -104,39 +105,39 @@ def test_a_bvh_reader_finds_the_joints_where_they_are(name: str) -> None:
     body = cases.body() if name == "small" else preset(name)
     skeleton = Skeleton.of(body)
     trajectory = cases.motion(skeleton)
-    root, frame_time, frames = read_bvh(bvh(skeleton, trajectory, 1 / 30))
+    root, frame_time, frames = read_bvh(bvh_of(skeleton, trajectory, 1 / 30))
     assert frame_time == pytest.approx(1 / 30)
     assert len(frames) == len(trajectory)
     expected_m = trajectory.joints(skeleton) @ TO_BVH.T
     for values, joints in zip(frames, expected_m, strict=True):
         places = bvh_positions(root, values)
         for part, p in zip(body.names, joints, strict=False):
-            np.testing.assert_allclose(places[part] / 100, p, atol=1e-5)
+            np.testing.assert_allclose(places[part], p, atol=1e-5)
 
 
 def test_limbs_end_at_their_landmarks_or_at_the_end_of_their_shape() -> None:
     skeleton = cases.SKELETON
     trajectory = cases.motion(skeleton)
-    root, _, frames = read_bvh(bvh(skeleton, trajectory, 0.04))
+    root, _, frames = read_bvh(bvh_of(skeleton, trajectory, 0.04))
     tip = joint_names(skeleton).index("tip")
     Ts = trajectory.transforms(skeleton)
     for i, values in enumerate(frames):
         places = bvh_positions(root, values)
         p_tip = trajectory.joints(skeleton)[i, tip]
-        np.testing.assert_allclose(places["left_hand end"] / 100, TO_BVH @ p_tip, atol=1e-5)
+        np.testing.assert_allclose(places["left_hand end"], TO_BVH @ p_tip, atol=1e-5)
         T = Ts[i, skeleton.body.index("right_arm")]
         p_end = (T @ (0.0, -0.4, 0.0, 1.0))[:3]
-        np.testing.assert_allclose(places["right_arm end"] / 100, TO_BVH @ p_end, atol=1e-5)
+        np.testing.assert_allclose(places["right_arm end"], TO_BVH @ p_end, atol=1e-5)
     assert end_site(skeleton.body.parts[0]) == pytest.approx((0.0, 0.3, 0.0))
 
 
 def test_a_standing_body_stands_upright_in_bvh() -> None:
     skeleton = Skeleton.of(preset("adult_male"))
     rest = Trajectory(0, np.tile(np.eye(3), (1, 16, 1, 1)), np.array([[0.0, 0.0, 5.0]]))
-    root, _, frames = read_bvh(bvh(skeleton, rest, 0.04))
+    root, _, frames = read_bvh(bvh_of(skeleton, rest, 0.04))
     places = bvh_positions(root, frames[0])
     assert places["head"][1] > places["waist"][1] > places["left_foot"][1]
-    assert places["waist"][2] == pytest.approx(-500)
+    assert places["waist"][2] == pytest.approx(-5)
     assert frames[0][3:] == [0.0] * 48
 
 
@@ -146,7 +147,7 @@ def test_names_with_blanks_stay_one_word_and_different_in_bvh() -> None:
         for name, parent in (("the trunk", None), ("an arm", "the trunk"), ("an_arm", "the trunk"))
     ]
     skeleton = Skeleton.of(Body(name="odd", parts=tuple(parts)))
-    root, _, _ = read_bvh(bvh(skeleton, cases.motion(skeleton), 0.1))
+    root, _, _ = read_bvh(bvh_of(skeleton, cases.motion(skeleton), 0.1))
     assert [root.name, *(child.name for child in root.children)] == [
         "the_trunk",
         "an_arm",
@@ -157,7 +158,7 @@ def test_names_with_blanks_stay_one_word_and_different_in_bvh() -> None:
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan"), float("inf")])
 def test_bvh_needs_a_time_between_frames(seconds: float) -> None:
     with pytest.raises(FormatError, match="positive time"):
-        bvh(cases.SKELETON, cases.motion(cases.SKELETON), seconds)
+        bvh_of(cases.SKELETON, cases.motion(cases.SKELETON), seconds)
 
 
 def rows(text: str) -> list[dict[str, float]]:

@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.tracker.formats import recordings
+from tests.tracker.formats.recordings import bvh_of
 from tracker.body.pose import joint_names
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats import reading_bvh
-from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
 from tracker.formats.joint_motion import JointMotion
 from tracker.formats.reading import load_motion
@@ -98,7 +98,7 @@ def test_bvh_turns_joints_in_the_order_of_their_channels(tmp_path: Path) -> None
 
 
 def test_bvh_of_ours_is_read_as_an_independent_reader_reads_it(tmp_path: Path) -> None:
-    text = bvh(SKELETON, TRUTH, 1 / 30)
+    text = bvh_of(SKELETON, TRUTH, 1 / 30)
     motion = _read(tmp_path, "ours.bvh", text)
     root = bvhio.readAsHierarchy(str(tmp_path / "ours.bvh"))
     for frame in (0, 31, 72):

@@ -1,0 +1,52 @@
+"""`keypose import --camera`: the lens, what is up and the floor, from another program's camera."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from app.cli.json_output import print_json
+from tracker.errors import FormatError
+
+
+def add_camera(command: argparse.ArgumentParser) -> None:
+    """The option, in a group of its own."""
+    command.add_argument_group("camera").add_argument(
+        "--camera",
+        action="store_true",
+        help="the file holds a camera that stands still: .json or .chan as export writes them, "
+        ".glb or .gltf; sets the lens, what is up and, where the file tells it, the floor",
+    )
+
+
+def require_no_other(arguments: argparse.Namespace, names: tuple[str, ...]) -> None:
+    """An option of another kind would be ignored in silence."""
+    given = [name for name in names if getattr(arguments, name) not in (None, False)]
+    if given:
+        raise FormatError(f"--{given[0].replace('_', '-')} is not for --camera.")
+
+
+def import_camera(arguments: argparse.Namespace) -> None:
+    """Read the file into the session, which nobody else has open, and say what changed."""
+    from app.export.import_camera import turned_deg, with_camera_file
+    from tracker.formats.reading_camera import load_camera
+    from tracker.storage.files import load_session, save_session
+
+    path: Path = arguments.session
+    session = load_session(path)
+    found = load_camera(arguments.file, (session.camera.width, session.camera.height))
+    made = with_camera_file(session, found)
+    save_session(made, path)
+    camera, up = made.camera, turned_deg(session, made)
+    across = 2 * math.degrees(math.atan(camera.width / 2 / camera.fx))
+    if arguments.json:
+        facts = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
+        up_camera, floor = list(made.up_camera or ()), made.floor_m
+        print_json({"written": str(path), **facts, "up_camera": up_camera, "floor_m": floor})
+        return
+    print(f"Lens: {camera.focal_mm:.1f} mm on 35 mm film, {across:.1f}° across.")
+    print(f"Up: turned by {up:.1f}°." if up > 0.01 else "Up: as it was.")
+    if found.floor_m is not None and made.floor_m is not None:
+        print(f"Floor: {-made.floor_m:.2f} m below the camera.")
+    print(f"Written: {path}")

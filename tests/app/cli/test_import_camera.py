@@ -1,0 +1,110 @@
+"""`keypose import --camera`: what another program knows of the camera, in the session."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli.main import main
+from tests.app.cli_cases import refused
+from tests.tracker import session_cases as cases
+from tracker.body.pose import joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.storage.files import load_session, save_session
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    folder = tmp_path / "job"
+    folder.mkdir()
+    return cases.write_session(folder)
+
+
+def chan(folder: Path, *lines: str) -> Path:
+    file = folder / "shot.chan"
+    file.write_text("\n".join(lines))
+    return file
+
+
+def test_the_lens_and_what_is_up_are_the_files(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = load_session(path)
+    file = chan(path.parent, "1 0 1.5 0 -10 0 0 30", "2 0 1.5 0 -10 0 0 30")
+    assert main(["import", str(path), str(file), "--camera"]) == 0
+    made = load_session(path)
+    assert made.camera.fy == pytest.approx(before.camera.height / 2 / np.tan(np.radians(15)))
+    assert made.lens_source == "calibration"
+    tilt = np.radians(10)
+    np.testing.assert_allclose(made.up_camera, [0, -np.cos(tilt), -np.sin(tilt)], atol=1e-6)
+    said = capsys.readouterr().out
+    assert "Up: turned by 10.0°." in said
+    assert f"Written: {path}" in said
+
+
+def test_what_was_posed_is_seen_as_large_as_before(path: Path) -> None:
+    before = load_session(path)
+    assert main(["import", str(path), str(chan(path.parent, "1 0 0 0 0 0 0 20")), "--camera"]) == 0
+    made, skeleton = load_session(path), Skeleton.of(before.body)
+    for old, new in zip(before.keyframes, made.keyframes, strict=True):
+        assert new.root_m[2] / old.root_m[2] == pytest.approx(made.camera.fx / before.camera.fx)
+        places = [
+            session.camera.project(
+                joint_positions(skeleton, pose_transforms(skeleton, k.pose(skeleton)))[0]
+            )
+            - (session.camera.cx, session.camera.cy)
+            for session, k in ((before, old), (made, new))
+        ]
+        np.testing.assert_allclose(*places, atol=1e-6)
+
+
+def test_the_camera_that_was_exported_changes_nothing(path: Path, tmp_path: Path) -> None:
+    from tests.app import results_cases
+    from tracker.storage.results import save_results
+
+    session = load_session(path)
+    tracked = save_results(session, path, results_cases.both(session))
+    save_session(tracked.model_copy(update={"floor_m": -1.0}), path)
+    out = tmp_path / "out"
+    command = ["export", str(path), "--format", "camera,chan,glb", "--out", str(out)]
+    assert main(command) == 0
+    before = load_session(path)
+    for name in ("motion_camera.json", "motion.glb"):
+        assert main(["import", str(path), str(out / name), "--camera"]) == 0
+        made = load_session(path)
+        assert made.camera.model_dump(exclude={"origin"}) == before.camera.model_dump(
+            exclude={"origin"}
+        )
+        assert made.keyframes == before.keyframes
+        assert made.floor_m == pytest.approx(-1.0, abs=1e-5)
+        np.testing.assert_allclose(made.up_camera, [0, -1, 0], atol=1e-6)
+
+
+def test_json_tells_what_was_set(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = chan(path.parent, "1 0 0 0 0 0 0 30")
+    assert main(["import", str(path), str(file), "--camera", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["written"] == str(path)
+    assert said["up_camera"] == [0, -1, 0]
+    assert said["fx"] == load_session(path).camera.fx
+
+
+def test_a_camera_that_moves_leaves_the_session_as_it_was(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = path.read_bytes()
+    file = chan(path.parent, "1 0 0 0 0 0 0 30", "2 0 0 1 0 0 0 30")
+    words = refused(capsys, path.parent, ["import", path, file, "--camera"])
+    assert "shot.chan moves" in words
+    assert path.read_bytes() == before
+
+
+def test_options_of_motion_are_not_for_a_camera(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = chan(path.parent, "1 0 0 0 0 0 0 30")
+    command = ["import", path, file, "--camera", "--fps", "30"]
+    assert "--fps is not for --camera" in refused(capsys, path.parent, command)

@@ -1,0 +1,87 @@
+"""The film's camera for rotomation: JSON, .chan, glTF; and read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.tracker.formats import recordings
+from tests.tracker.formats.glb_reading import Player
+from tests.tracker.formats.test_glb import written
+from tracker.errors import FormatError
+from tracker.formats.camera_files import camera_json, chan
+from tracker.formats.recording import Recording
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import apply_transform
+from tracker.video.timecode import Timecode
+
+TILTED = np.array([0.08, -0.95, -0.3]) / np.linalg.norm([0.08, -0.95, -0.3])
+WIDE = Camera(
+    width=640, height=360, fx=700, fy=700, cx=300, cy=170, distortion=(0.1, -0.02, 0, 0, 0)
+)
+
+
+def tilted(**more: Any) -> Recording:
+    made = recordings.recording("person")
+    return replace(made, up_camera=TILTED, floor_m=-1.4, camera=WIDE, **more)
+
+
+def rows(text: str) -> np.ndarray:  # type: ignore[type-arg]
+    return np.array([[float(n) for n in line.split("\t")] for line in text.splitlines()])
+
+
+def test_json_tells_where_everything_is_seen() -> None:
+    made = tilted(timecode=Timecode.read("01:00:00:00", 25))
+    said = json.loads(camera_json(made))
+    T = np.linalg.inv(np.array(said["T_world_camera"]))
+    player = Player.of(written(made))
+    hand = player.places(player.times_s)["left_hand"]
+    p = made.trajectory.transforms(made.skeleton)[:, made.skeleton.body.index("left_hand"), :3, 3]
+    np.testing.assert_allclose(apply_transform(T, hand), p, atol=1e-5)
+    assert said["cx"] == 300
+    assert said["distortion_k1_k2_p1_p2_k3"][1] == -0.02
+    assert said["timecode_of_frame_0"] == "01:00:00:00"
+    assert (said["first_frame"], said["last_frame"]) == (0, 72)
+    assert said["horizontal_fov_deg"] == pytest.approx(2 * np.degrees(np.arctan(320 / 700)))
+
+
+def test_a_chan_file_has_the_camera_of_the_glb_in_every_frame() -> None:
+    made = tilted()
+    lines = rows(chan(made))
+    assert lines[:, 0].tolist() == list(range(73))
+    assert np.ptp(lines[:, 1:], axis=0).max() == 0
+    T = Player.of(written(made)).transforms(None)["camera"][0]
+    np.testing.assert_allclose(lines[0, 1:4], T[:3, 3], atol=1e-6)
+    # rotated about z first, then x, then y, all in the world's axes
+    R = Rotation.from_euler("zxy", lines[0, [6, 4, 5]], degrees=True).as_matrix()
+    np.testing.assert_allclose(R, T[:3, :3], atol=1e-6)
+    assert lines[0, 5] == pytest.approx(0, abs=1e-9)  # it looks along −z
+    assert lines[0, 7] == pytest.approx(2 * np.degrees(np.arctan(180 / 700)))
+
+
+def test_the_world_of_a_camera_straight_above_is_told_as_well() -> None:
+    made = replace(tilted(), up_camera=np.array([0.0, 0.0, -1.0]))
+    line = rows(chan(made))[0]
+    R = Rotation.from_euler("zxy", line[[6, 4, 5]], degrees=True).as_matrix()
+    np.testing.assert_allclose(R @ [0, 0, -1], [0, -1, 0], atol=1e-9)
+    np.testing.assert_allclose(R @ [0, 1, 0], [0, 0, -1], atol=1e-9)
+
+
+def test_a_telephoto_lens_is_told_in_json_and_not_in_chan() -> None:
+    lens = WIDE.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 9.0})
+    made = replace(tilted(), camera=lens)
+    said = json.loads(camera_json(made))
+    assert said["telephoto_distance_m"] == 9.0
+    assert "vertical_fov_deg" not in said
+    with pytest.raises(FormatError, match="a telephoto lens has none"):
+        chan(made)
+
+
+def test_frames_that_are_not_tracked_have_the_same_camera() -> None:
+    made = recordings.recording("person", without=(1,))
+    assert len(rows(chan(made))) == 73

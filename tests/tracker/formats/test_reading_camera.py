@@ -1,0 +1,167 @@
+"""Cameras of other programs: read where they stand still, refused in one sentence otherwise."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.tracker.formats.test_camera_files import TILTED, WIDE, tilted
+from tests.tracker.formats.test_glb import written
+from tracker.errors import FormatError
+from tracker.formats.camera_files import camera_json, chan
+from tracker.formats.reading_camera import CameraFile, load_camera
+
+SIZE = (WIDE.width, WIDE.height)
+HALF = math.tan(math.radians(20))
+
+
+def read(folder: Path, name: str, content: str | bytes, size: tuple[int, int] = SIZE) -> CameraFile:
+    path = folder / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return load_camera(path, size)
+
+
+def gltf(**node: Any) -> dict[str, Any]:
+    """A scene with a camera at the end of an arm."""
+    return {
+        "asset": {"version": "2.0"},
+        "nodes": [{"name": "arm", "children": [1]}, {"camera": 0, **node}],
+        "cameras": [
+            {"type": "perspective", "perspective": {"yfov": math.radians(40), "znear": 0.1}}
+        ],
+    }
+
+
+def test_json_comes_back_as_it_was_written(tmp_path: Path) -> None:
+    found = read(tmp_path, "camera.json", camera_json(tilted()))
+    assert found.camera == WIDE
+    np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-8)
+    assert found.floor_m == pytest.approx(-1.4)
+
+
+def test_a_telephoto_lens_comes_back_from_json(tmp_path: Path) -> None:
+    lens = WIDE.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 9.0})
+    found = read(tmp_path, "camera.json", camera_json(replace(tilted(), camera=lens)))
+    assert found.camera == lens
+
+
+def test_our_own_glb_tells_the_exact_lens_and_the_floor(tmp_path: Path) -> None:
+    found = read(tmp_path, "motion.glb", written(tilted()))
+    assert found.camera == WIDE
+    np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-6)
+    assert found.floor_m == pytest.approx(-1.4)
+
+
+def test_a_lens_changed_on_the_way_counts_and_not_the_old_numbers(tmp_path: Path) -> None:
+    document = gltf()
+    document["cameras"][0]["extras"] = {
+        **WIDE.model_dump(), "distortion_k1_k2_p1_p2_k3": [0.1, 0, 0, 0, 0]
+    }  # fmt: skip
+    found = read(tmp_path, "shot.gltf", json.dumps(document))
+    assert found.camera.fy == pytest.approx(180 / HALF)
+    assert not found.camera.is_distorted
+
+
+def test_a_chan_file_tells_the_lens_and_what_is_up(tmp_path: Path) -> None:
+    found = read(tmp_path, "shot.chan", chan(tilted()))
+    assert found.camera.fx == pytest.approx(700)
+    assert (found.camera.cx, found.camera.cy) == (319.5, 179.5)
+    np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-8)
+    assert found.floor_m is None
+
+
+def test_a_gltf_camera_tells_its_angle_and_what_is_up(tmp_path: Path) -> None:
+    s = math.sin(math.radians(-15))
+    pitched = gltf(rotation=[s, 0, 0, math.sqrt(1 - s * s)], translation=[1, 2, 3])
+    found = read(tmp_path, "shot.gltf", json.dumps(pitched))
+    assert found.camera.fx == found.camera.fy == pytest.approx(180 / HALF)
+    angle = math.radians(30)  # looking down by so much: up leans toward the camera
+    np.testing.assert_allclose(found.up_camera, [0, -math.cos(angle), -math.sin(angle)], atol=1e-9)
+    assert found.floor_m is None
+
+
+def test_a_camera_for_smaller_pictures_of_the_same_shape_is_scaled(tmp_path: Path) -> None:
+    found = read(tmp_path, "camera.json", camera_json(tilted()), (1280, 720)).camera
+    assert (found.width, found.height, found.fx, found.fy) == (1280, 720, 1400, 1400)
+    point = np.array([0.3, -0.2, 2.0])
+    smaller = WIDE.project(point)
+    np.testing.assert_allclose(found.project(point), 2 * (smaller + 0.5) - 0.5)
+
+
+def animated(tmp_path: Path, values: list[list[float]]) -> bytes:
+    """A GLB whose camera's arm is moved."""
+    from tracker.formats.glb_file import Numbers
+
+    numbers = Numbers()
+    clock = numbers.add(np.arange(len(values), dtype=np.float32), "SCALAR", "animation")
+    output = numbers.add(np.array(values, dtype=np.float32), "VEC3", "animation")
+    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    sampler = {"input": clock, "output": output}
+    return numbers.file(gltf() | {"animations": [{"channels": [channel], "samplers": [sampler]}]})
+
+
+def test_a_camera_with_keys_that_are_all_alike_stands_still(tmp_path: Path) -> None:
+    found = read(tmp_path, "shot.glb", animated(tmp_path, [[1, 2, 3], [1, 2, 3]]))
+    np.testing.assert_allclose(found.up_camera, [0, -1, 0], atol=1e-9)
+
+
+def moved_chan(column: int) -> str:
+    first, second = chan(tilted()).splitlines()[:2]
+    numbers = second.split("\t")
+    numbers[column] = str(float(numbers[column]) + 1)
+    return "\n".join([first, "\t".join(numbers)])
+
+
+REFUSED: dict[str, tuple[str, Any, str]] = {
+    "a moving chan": ("shot.chan", moved_chan(1), "shot.chan moves: a session's camera stands"),
+    "a panning chan": ("shot.chan", moved_chan(5), "shot.chan moves: a session's camera stands"),
+    "a zooming chan": ("shot.chan", moved_chan(7), "shot.chan zooms: a session's camera stands"),
+    "a chan without lens": ("shot.chan", "1 0 0 0 0 0 0", "should have 8 numbers in every line"),
+    "words": ("shot.chan", "a b c d e f g h", "has lines that are not numbers"),
+    "no field of view": ("shot.chan", "1 0 0 0 0 0 0 0", "has numbers that no camera has"),
+    "nothing": ("shot.chan", "", "should have 8 numbers"),
+    "another file": ("shot.fbx", "", "shot.fbx is no camera: .json, .chan, .glb or .gltf is"),
+    "other json": ("shot.json", "{}", "shot.json: "),
+    "no json": ("shot.json", "{", "shot.json is not JSON"),
+    "no camera": ("shot.gltf", json.dumps({"nodes": [{}]}), "shot.gltf has no camera"),
+    "two cameras": (
+        "shot.gltf", json.dumps(gltf() | {"nodes": [{"camera": 0}, {"camera": 0}]}), "2 cameras"
+    ),
+    "an orthographic one": (
+        "shot.gltf", json.dumps(gltf() | {"cameras": [{"type": "orthographic"}]}), "perspective"
+    ),
+    "a damaged one": ("shot.gltf", json.dumps(gltf() | {"cameras": []}), "is a damaged glTF"),
+    "no glb": ("shot.glb", b"glTF", "shot.glb "),
+    "a matrix": (
+        "shot.json", camera_json(tilted()).replace("0.0,\n   1.0", "0.0,\n   NaN"), "shot.json"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_no_standing_camera_is_told_in_one_sentence(case: str, tmp_path: Path) -> None:
+    name, content, words = REFUSED[case]
+    with pytest.raises(FormatError) as refusal:
+        read(tmp_path, name, content)
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_animated_camera_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=r"shot.glb moves: a session's camera stands still"):
+        read(tmp_path, "shot.glb", animated(tmp_path, [[0, 0, 0], [1, 0, 0]]))
+
+
+@pytest.mark.parametrize("name", ["camera.json", "shot.gltf"])
+def test_a_camera_for_pictures_of_another_shape_is_refused(name: str, tmp_path: Path) -> None:
+    document = gltf()
+    document["cameras"][0]["perspective"]["aspectRatio"] = 640 / 360
+    content = camera_json(tilted()) if name == "camera.json" else json.dumps(document)
+    with pytest.raises(FormatError, match="export"):
+        read(tmp_path, name, content, (480, 640))

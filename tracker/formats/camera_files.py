@@ -1,0 +1,97 @@
+"""The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
+
+Both tell where it stands in the world of the GLB (`tracker.formats.floor_world`): metres, y up, the
+floor at zero, the origin below the camera.
+
+JSON:
+
+    format, version         "keypose camera", 1
+    width, height           of the picture, pixels
+    projection              perspective or telephoto
+    fx, fy, cx, cy          pixels; pixel centres are at integers, the upper left one is (0, 0)
+    distortion_k1_k2_p1_p2_k3   as OpenCV has it
+    telephoto_distance_m    of a telephoto lens: the distance at which its scale holds
+    horizontal_fov_deg, vertical_fov_deg    of the whole picture, without distortion
+    focal_35mm              of the lens that shows as much on 35 mm film, millimetres
+    T_world_camera          4×4, rows; its camera looks along +z, x right, y down
+    floor_m                 height of the floor in that world: 0
+    first_frame, last_frame, frames_per_second   of the motion that was exported with it
+    timecode_of_frame_0     where the film tells it
+
+.chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0;
+position x, y, z; rotation about x, y, z, degrees, in the order ZXY, which is Nuke's own; the
+vertical field of view, degrees. The camera looks along −z with y up. The camera stands still, so
+that all lines are alike. A telephoto lens has no field of view, and a .chan file knows neither
+distortion nor a principal point beside the middle.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.axes import FLIP
+from tracker.formats.decimals import fixed_decimals
+from tracker.formats.floor_world import floor_from_camera
+from tracker.formats.recording import Recording
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+
+FORMAT, VERSION = "keypose camera", 1
+DECIMALS = 9
+DEGENERATE = 1e-9
+
+
+def camera_json(recording: Recording) -> str:
+    """The text of the JSON file. FormatError where neither floor nor motion is known."""
+    camera = recording.camera
+    said: dict[str, Any] = {
+        "format": FORMAT,
+        "version": VERSION,
+        **camera.model_dump(include={"width", "height", "projection", "fx", "fy", "cx", "cy"}),
+        "distortion_k1_k2_p1_p2_k3": list(camera.distortion),
+        "focal_35mm": round(camera.focal_mm, 4),
+        "T_world_camera": (floor_from_camera(recording).round(DECIMALS) + 0.0).tolist(),
+        "floor_m": 0.0,
+        "first_frame": recording.frames[0],
+        "last_frame": recording.frames[-1],
+    }
+    if camera.telephoto_distance_m is not None:
+        said["telephoto_distance_m"] = camera.telephoto_distance_m
+    else:
+        across, down = fields_of_view_deg(camera)
+        said |= {"horizontal_fov_deg": round(across, 6), "vertical_fov_deg": round(down, 6)}
+    if recording.rate is not None:
+        said["frames_per_second"] = round(recording.rate, 9)
+    if recording.timecode is not None:
+        said["timecode_of_frame_0"] = str(recording.timecode)
+    return json.dumps(said, indent=1) + "\n"
+
+
+def chan(recording: Recording) -> str:
+    """The text of the .chan file. FormatError for a telephoto lens, which it cannot tell."""
+    if recording.camera.telephoto_distance_m is not None:
+        raise FormatError("A .chan file needs a field of view, and a telephoto lens has none.")
+    T = floor_from_camera(recording)
+    angles_deg = np.degrees(_zxy(T[:3, :3] * FLIP))
+    seen_deg = fields_of_view_deg(recording.camera)[1]
+    numbers = "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))
+    return "".join(f"{frame}\t{numbers}\n" for frame in recording.frames)
+
+
+def fields_of_view_deg(camera: Camera) -> tuple[float, float]:
+    """What the picture spans across and down, as if the principal point were its middle."""
+    across, down = camera.width / 2 / camera.fx, camera.height / 2 / camera.fy
+    return 2 * math.degrees(math.atan(across)), 2 * math.degrees(math.atan(down))
+
+
+def _zxy(R: Array) -> tuple[float, float, float]:
+    """[x, y, z] radians with R = Qy·Qx·Qz; straight down or up, z is 0."""
+    x = math.atan2(-R[1, 2], math.hypot(R[0, 2], R[2, 2]))
+    if math.hypot(R[0, 2], R[2, 2]) < DEGENERATE:
+        return x, math.atan2(-R[2, 0], R[0, 0]), 0.0
+    return x, math.atan2(R[0, 2], R[2, 2]), math.atan2(R[1, 0], R[1, 1])

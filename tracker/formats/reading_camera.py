@@ -1,0 +1,271 @@
+"""A camera that stands still, as another program or this one wrote it: JSON, .chan, glTF.
+
+JSON and .chan as `tracker.formats.camera_files` has them, glTF by its only camera. Their world has
+y up. A camera that moves is refused: this program's stands still.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+import numpy as np
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError
+
+from tracker.errors import FormatError, one_sentence
+from tracker.files import TooLarge, read_regular
+from tracker.formats.axes import FLIP
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
+from tracker.surface.files.parsing.channels import channels_of
+from tracker.surface.files.parsing.glb import Glb
+from tracker.surface.files.parsing.nodes import Nodes
+from tracker.surface.files.parsing.raw import Refused
+
+LARGEST_BYTES: Final = 96 * 2**20
+STILL_M, STILL_RAD = 1e-3, math.radians(0.01)
+"""How far a camera that stands still may stray: files round."""
+ALIKE: Final = 0.01
+"""By what share the sides of pictures may differ that are taken for the same."""
+EXACT: Final = 1e-4
+CHAN_COLUMNS: Final = 8
+MOST_KEYS: Final = 100
+
+Size: TypeAlias = tuple[int, int]
+Row: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+@dataclass(frozen=True, eq=False)
+class CameraFile:
+    """A camera for pictures of a film's size.
+
+    up_camera: (3,) the world's up in the camera frame.
+    floor_m:   the floor's height along up, from the camera's centre; None where nobody told it.
+    """
+
+    camera: Camera
+    up_camera: Array
+    floor_m: float | None
+
+
+def load_camera(path: Path, size: Size) -> CameraFile:
+    """The camera in a file, by the ending of its name, for pictures of (width, height).
+
+    FormatError in one sentence where it is none, moves, or is for pictures of another shape.
+    """
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        raise FormatError(f"{path.name} is no camera: .json, .chan, .glb or .gltf is expected.")
+    try:
+        return read(path.name, read_regular(path, LARGEST_BYTES), size)
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for a camera.") from None
+    except OSError as error:
+        raise FormatError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise FormatError(f"{path.name} is not text, as a camera of its kind has to be.") from None
+    except Refused as refused:
+        raise FormatError(f"{path.name} {refused}") from None
+
+
+# --- JSON
+
+
+class _Said(BaseModel):
+    """What is read of a JSON file."""
+
+    format: Literal["keypose camera"]
+    version: Literal[1]
+    T_world_camera: tuple[Row, Row, Row, Row]
+    distortion: Annotated[tuple[FiniteFloat, ...], Field(alias="distortion_k1_k2_p1_p2_k3")]
+    floor_m: FiniteFloat | None = None
+
+
+def _read_json(file: str, content: bytes, size: Size) -> CameraFile:
+    try:
+        told = json.loads(content)
+        said = _Said.model_validate(told)
+        camera = _exact(told, said.distortion)
+    except ValidationError as error:
+        raise FormatError(f"{file}: {one_sentence(error)}") from None
+    except (ValueError, RecursionError):
+        raise FormatError(f"{file} is not JSON.") from None
+    T = np.array(said.T_world_camera)
+    floor_m = None if said.floor_m is None else said.floor_m - float(T[1, 3])
+    return CameraFile(_resized(file, camera, size), _up(file, T[:3, :3]), floor_m)
+
+
+def _exact(told: dict[str, Any], distortion: Sequence[float]) -> Camera:
+    names = ("width", "height", "fx", "fy", "cx", "cy", "projection", "telephoto_distance_m")
+    known = {name: told[name] for name in names if name in told}
+    return Camera.model_validate({**known, "distortion": tuple(distortion), "origin": "intrinsics"})
+
+
+def _resized(file: str, camera: Camera, size: Size) -> Camera:
+    """The camera for pictures of another size of the same shape."""
+    if (camera.width, camera.height) == size:
+        return camera
+    across, down = size[0] / camera.width, size[1] / camera.height
+    if abs(across / down - 1) > ALIKE:
+        raise FormatError(
+            f"{file} is for pictures of {camera.width} × {camera.height} pixels, and the film has "
+            f"{size[0]} × {size[1]}: export the camera for the film's picture."
+        )
+    changes = {
+        "width": size[0], "height": size[1], "fx": camera.fx * across, "fy": camera.fy * down,
+        "cx": (camera.cx + 0.5) * across - 0.5, "cy": (camera.cy + 0.5) * down - 0.5,
+    }  # fmt: skip
+    return camera.model_copy(update=changes)
+
+
+# --- .chan
+
+
+def _read_chan(file: str, content: bytes, size: Size) -> CameraFile:
+    lines = [line.split() for line in content.decode().splitlines() if line.strip()]
+    if not lines or any(len(line) != CHAN_COLUMNS for line in lines):
+        raise FormatError(
+            f"{file} should have {CHAN_COLUMNS} numbers in every line: frame, position, rotation "
+            "and the vertical field of view."
+        )
+    try:
+        numbers = np.array(lines, dtype=np.float64)
+    except ValueError:
+        raise FormatError(f"{file} has lines that are not numbers.") from None
+    if not np.isfinite(numbers).all() or not ((numbers[:, 7] > 0) & (numbers[:, 7] < 180)).all():
+        raise FormatError(f"{file} has numbers that no camera has.")
+    if np.ptp(numbers[:, 7]) > math.degrees(STILL_RAD):
+        raise FormatError(f"{file} zooms: {_STANDS_STILL}")
+    Rs = _rotations_zxy(np.radians(numbers[:, 4:7]))
+    _require_still(file, numbers[:, 1:4], Rs)
+    camera = _seeing(file, size, math.radians(numbers[0, 7]), None)
+    return CameraFile(camera, _up(file, Rs[0] * FLIP), None)
+
+
+def _rotations_zxy(angles: Array) -> Array:
+    """(N, 3, 3) Qy·Qx·Qz of angles (N, 3) about x, y, z."""
+    c, s = np.cos(angles).T, np.sin(angles).T
+    x, y, z = (_about(axis, c[axis], s[axis]) for axis in range(3))
+    return np.asarray(y @ x @ z)
+
+
+def _about(axis: int, cosines: Array, sines: Array) -> Array:
+    R = np.tile(np.eye(3), (len(cosines), 1, 1))
+    i, k = (axis + 1) % 3, (axis + 2) % 3
+    R[:, i, i] = R[:, k, k] = cosines
+    R[:, k, i], R[:, i, k] = sines, -sines
+    return R
+
+
+# --- glTF
+
+
+def _read_glb(file: str, content: bytes, size: Size) -> CameraFile:
+    return _of_document(file, Glb.read(BytesIO(content)), size)
+
+
+def _read_gltf(file: str, content: bytes, size: Size) -> CameraFile:
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError):
+        raise FormatError(f"{file} is not JSON.") from None
+    if not isinstance(document, dict):
+        raise FormatError(f"{file} is no glTF file.")
+    return _of_document(file, Glb(document, b""), size)
+
+
+def _of_document(file: str, glb: Glb, size: Size) -> CameraFile:
+    try:
+        found = [i for i, node in enumerate(glb.items("nodes")) if "camera" in node]
+        if len(found) != 1:
+            many = "no camera" if not found else f"{len(found)} cameras"
+            raise FormatError(f"{file} has {many}: export the scene with the one that is meant.")
+        said = glb.items("cameras")[glb.items("nodes")[found[0]]["camera"]]
+        Ts = _placed(glb, found[0])
+        camera = _lens(file, said, size)
+        if not np.isfinite(Ts).all():
+            raise ValueError("not finite")
+        own = glb.document.get("asset", {}).get("generator") == "Keypose"
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError):
+        raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
+    Rs = nearest_rotation(Ts[:, :3, :3])
+    _require_still(file, Ts[:, :3, 3], Rs)
+    return CameraFile(camera, _up(file, Rs[0] * FLIP), -float(Ts[0, 1, 3]) if own else None)
+
+
+def _placed(glb: Glb, node: int) -> Array:
+    """(K, 4, 4) where a node is at every key of what moves it; one, at rest, where nothing does."""
+    nodes, above = Nodes.of(glb), [node]
+    while (parent := nodes.parents[above[-1]]) >= 0:
+        above.append(parent)
+    moving = [channel for channel in channels_of(glb) if channel.node in above]
+    times = sorted({float(t) for channel in moving for t in channel.times_s}) or [0.0]
+    if len(times) > MOST_KEYS:
+        times = times[:: len(times) // MOST_KEYS]
+    return np.stack([nodes.worlds(moving, t)[node] for t in times])
+
+
+def _lens(file: str, said: dict[str, Any], size: Size) -> Camera:
+    seen = said.get("perspective")
+    if said.get("type") != "perspective" or not isinstance(seen, dict):
+        raise FormatError(f"{file} has an orthographic camera: give it a perspective lens.")
+    yfov, aspect = float(seen["yfov"]), seen.get("aspectRatio")
+    if not 0 < yfov < math.pi:
+        raise FormatError(f"{file} has a field of view that no camera has.")
+    extras = said.get("extras")
+    if isinstance(extras, dict) and "fy" in extras:
+        try:
+            exact = _exact(extras, extras["distortion_k1_k2_p1_p2_k3"])
+        except (ValidationError, KeyError, TypeError):
+            exact = None
+        if exact and abs(2 * math.atan(exact.height / 2 / exact.fy) - yfov) < EXACT:
+            return _resized(file, exact, size)  # the program in between has not changed the lens
+    return _seeing(file, size, yfov, None if aspect is None else float(aspect))
+
+
+# --- together
+
+
+_STANDS_STILL: Final = (
+    "a session's camera stands still. Export it at one frame, of a shot with a locked camera."
+)
+
+
+def _seeing(file: str, size: Size, vertical_rad: float, aspect: float | None) -> Camera:
+    """A lens by what it spans from top to bottom, its middle that of the picture."""
+    width, height = size
+    if aspect is not None and abs(aspect * height / width - 1) > ALIKE:
+        raise FormatError(
+            f"{file} has a camera for pictures of {aspect:.3g}:1, and the film's are "
+            f"{width / height:.3g}:1: export it with the film's size."
+        )
+    f = height / 2 / math.tan(vertical_rad / 2)
+    try:
+        return Camera(
+            width=width, height=height, fx=f, fy=f, cx=(width - 1) / 2, cy=(height - 1) / 2
+        )
+    except ValidationError as error:
+        raise FormatError(f"{file}: {one_sentence(error)}") from None
+
+
+def _require_still(file: str, ps_world: Array, Rs_world: Array) -> None:
+    turns = np.linalg.norm(log_rotation(transpose(Rs_world[:1]) @ Rs_world), axis=-1)
+    if np.ptp(ps_world, axis=0).max() > STILL_M or turns.max() > STILL_RAD:
+        raise FormatError(f"{file} moves: {_STANDS_STILL}")
+
+
+def _up(file: str, R_world_camera: Array) -> Array:
+    """(3,) the world's y in the camera frame."""
+    if not np.allclose(R_world_camera @ R_world_camera.T, np.eye(3), atol=1e-3):
+        raise FormatError(f"{file}: T_world_camera is no rotation.")
+    return np.asarray(R_world_camera[1] / np.linalg.norm(R_world_camera[1]))
+
+
+_READERS: Final[dict[str, Callable[[str, bytes, Size], CameraFile]]] = {
+    ".json": _read_json, ".chan": _read_chan, ".glb": _read_glb, ".gltf": _read_gltf,
+}  # fmt: skip
