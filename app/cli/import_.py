@@ -46,8 +46,8 @@ _EXAMPLES = """\
   keypose import session.json walk.bvh
   keypose import session.json walk.trc --offset-frames 12 --names names.json
   keypose import session.json openpose/ --keypoints --frames 0,24,48
-  keypose import session.json shot.chan --camera
   keypose import dog.json dogDLC.h5 --keypoints --map withers=neck --map tailtip=tail.end
+  keypose import session.json shot.chan --camera
 """
 
 

@@ -11,6 +11,9 @@ import { isVideoName } from '../store/library.js';
 
 const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
 
+/** Endings of what `keypose import` reads. */
+const IMPORTED = ['.bvh', '.trc', '.c3d', '.csv', '.npz', '.pt', '.pth', '.h5', '.hdf5', '.slp'];
+
 let request = null;
 
 /** Take what was dropped or chosen: one video. */
@@ -89,12 +92,20 @@ function openUploaded({ status, response }, file) {
 }
 
 function refuse(file) {
-  if (!file) return;
-  const isSession = file.name.toLowerCase().endsWith('.json');
-  const words = isSession
-    ? `${file.name} is opened where it lies. Its video and its motion lie beside it: Open a session…`
-    : `${file.name} is not a video. Keypose opens ${KINDS}.`;
-  toast({ kind: 'check', words });
+  if (file) toast({ kind: 'check', words: whyNotVideo(file.name) });
+}
+
+/** What to do with a file that is no video, by its name.
+ * @param {string} name */
+export function whyNotVideo(name) {
+  const lower = name.toLowerCase();
+  if (lower.endsWith('.json')) {
+    return `${name} is opened where it lies. Its video and its motion lie beside it: Open a session…`;
+  }
+  if (IMPORTED.some((ending) => lower.endsWith(ending))) {
+    return `${name} is not a video. Motion and keypoints are imported in a terminal, while the session is closed: keypose import SESSION ${name}, with --keypoints for 2D keypoints.`;
+  }
+  return `${name} is not a video. Keypose opens ${KINDS}.`;
 }
 
 function tooLarge({ name, size }, most) {

@@ -14,6 +14,7 @@ import pytest
 
 from tests.tracker.formats import animals
 from tracker.errors import FormatError
+from tracker.formats import hdf5_child, keypoint_files
 from tracker.formats.reading_keypoints import VideoFacts, load_keypoints
 
 NAMES = ("nose", "Left ear", "tail_base")
@@ -76,7 +77,7 @@ def test_without_h5py_a_sentence_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = WRITERS["DLC fixed"](tmp_path)
-    monkeypatch.setitem(sys.modules, "h5py", None)
+    monkeypatch.setattr(hdf5_child, "find_spec", lambda name: None)
     with pytest.raises(FormatError, match=r"needs h5py: pip install 'keypose\[h5\]', or .* CSV"):
         load_keypoints(path)
 
@@ -95,23 +96,43 @@ def _sentence(path: Path) -> str:
 
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_file_cut_short_or_overwritten_anywhere_is_told_or_read(
-    tmp_path: Path, kind: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
+    monkeypatch.setitem(keypoint_files._TABLES, ".h5", hdf5_child.read_here)
     path = WRITERS[kind](tmp_path)
     content, rng = path.read_bytes(), np.random.default_rng(2)
     for length in rng.integers(0, len(content) - 1, 12):
         path.write_bytes(content[:length])
         _read_or_told(path)
     for place in rng.integers(0, len(content), 40):
-        path.write_bytes(
-            content[:place] + bytes(rng.integers(0, 256, 3, "u1")) + content[place + 3 :]
-        )
+        wrong = bytes(rng.integers(0, 256, 3, "u1"))
+        path.write_bytes(content[:place] + wrong + content[place + 3 :])
         _read_or_told(path)
 
 
 def _read_or_told(path: Path) -> None:
     with suppress(FormatError):
         load_keypoints(path)
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("import os; os.kill(os.getpid(), 11)", "is damaged: copy or export it anew"),
+        ("while True: pass", "takes longer than 1 s to read: use its CSV"),
+        ("print('{}')", "is damaged"),
+    ],
+)
+def test_a_file_that_crashes_the_library_or_never_ends_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, words: str
+) -> None:
+    path = WRITERS["DLC fixed"](tmp_path)
+    stand_in = tmp_path / "python"
+    stand_in.write_text(f"#!{sys.executable}\n{code}\n")
+    stand_in.chmod(0o755)
+    monkeypatch.setattr(hdf5_child, "SECONDS", 1)
+    monkeypatch.setattr(hdf5_child.sys, "executable", str(stand_in))
+    assert words in _sentence(path)
 
 
 def test_a_file_that_leads_to_another_file_is_refused(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from app.export.import_motion import fit_to_session
 from tests.tracker.formats import recordings
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
-from tracker.formats.axes import FLIP
+from tracker.formats.floor_world import parts_in_world
 from tracker.formats.reading import load_motion
 from tracker.formats.smpl import JOINTS, smpl_of
 from tracker.geometry.rotations import Array, log_rotation
@@ -30,17 +30,14 @@ ORIGIN = np.array([0.0, 0.25, -0.03])
 """From the pelvis to the model's own origin, which is what `transl` tells."""
 
 
-def _rotations() -> Array:
-    """Rs_parent_joint (N, 22, 3, 3) of the person's true motion, the pelvis' in the camera."""
-    Ts_camera_part = TRUTH.transforms(SKELETON)
-    Ts_camera_part[..., :3, :3] *= FLIP
-    Rs_parent_bone, _ = smpl_of(SKELETON).motion(Ts_camera_part)
-    return Rs_parent_bone[:, : len(JOINTS)]
+ROTATIONS = smpl_of(SKELETON).motion(parts_in_world(recordings.recording("person"), np.eye(4)))[0]
+ROTATIONS = ROTATIONS[:, : len(JOINTS)]
+"""(N, 22, 3, 3) of the true motion, the pelvis' in the camera's frame."""
 
 
 def _params() -> dict[str, Array]:
-    """That motion as GVHMR gives it, in the camera's frame."""
-    turns = log_rotation(_rotations())
+    """The person's true motion as GVHMR gives it, in the camera's frame."""
+    turns = log_rotation(ROTATIONS)
     return {
         "global_orient": turns[:, 0],
         "body_pose": turns[:, 1:].reshape(len(turns), -1),
@@ -174,10 +171,9 @@ def test_wham_tells_which_frames_its_poses_are_of(tmp_path: Path) -> None:
 
 
 def test_poses_may_be_matrices_and_have_a_batch_of_one(tmp_path: Path) -> None:
-    Rs = _rotations()
     given = {
-        "global_orient": Rs[None, :, :1],
-        "body_pose": Rs[None, :, 1:],
+        "global_orient": ROTATIONS[None, :, :1],
+        "body_pose": ROTATIONS[None, :, 1:],
         "transl": PARAMS["transl"],
     }
     found = load_motion(_npz(tmp_path / "a.npz", **_under("body_params_incam", given)))

@@ -2,7 +2,8 @@
 
 What is assumed. A picture tells size and distance only together: the body keeps its height, and its
 distance follows from that and from the lens. The person is one, and seen by a camera that the
-session describes. Which way a limb points, toward the camera or away, is the network's word.
+session describes. Which way a limb points, toward the camera or away, is the network's word, freed
+of what it is off by all the time, where the poses agree.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from tracker.body.scaling import height
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import KeypointError
+from tracker.fitting.draft.depth_signs import pointing, turned
 from tracker.fitting.draft.first_poses import first_pose
 from tracker.fitting.draft.judged import Judged, Piece, judged
 from tracker.fitting.draft.limbs import Joints, turning_ends
@@ -36,6 +38,9 @@ from tracker.keypoints.region import Box
 from tracker.tracking.cues.anchors import height_px, with_free_joints
 from tracker.tracking.scene import Scene
 
+WORSE = 1.1
+"""Limbs stay as drafted where turning them in depth costs so many times more: what limits and the
+picture do not bear. Less than that tells nothing: both sides look the same."""
 FEW_POINTS = 0.1
 """Density of points on the body's surface, none of which is looked at here."""
 
@@ -158,9 +163,23 @@ class _Work:
         other = consistent_sides(seen, pixels, height(self.skeleton.body))
         if other is not None:
             found = min(found, self._solved(other), key=lambda one: one.cost)
+        told = found.problem.depth
+        found = self._turned(found)
         motion = self._with_ends(found)
         self.done += int(seen.usable.sum())
-        return Piece(found.seen, motion, found.problem.depth)
+        return Piece(found.seen, motion, told)
+
+    def _turned(self, found: _Solved) -> _Solved:
+        """With bones turned in depth where the whole stretch says so, unless all terms together
+        agree with that clearly worse."""
+        joints = Joints.of(with_free_joints(self.skeleton))
+        p_hips = found.seen.bridged(joints.rest)
+        way = pointing(joints, self.camera, p_hips, found.motion)
+        other = turned(joints, found.seen, p_hips, way)
+        if other is None:
+            return found
+        again = self._solved(other)
+        return again if again.cost < WORSE * found.cost else found
 
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(with_free_joints(self.skeleton))

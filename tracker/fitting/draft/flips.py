@@ -1,8 +1,9 @@
 """Whether a limb may point the other way: toward the camera instead of away from it.
 
 In the picture both look the same: the far joint of a bone lies on its ray, at either of the two
-places as far from the near joint as the bone is long. Which one it is, only the network's depth
-tells, and that is less sure of arms than of legs. A bone is doubted where the network does not see
+places as far from the near joint as the bone is long. `depth_signs` decides by the whole stretch;
+what the network told of depth then says how far that is to be believed. A bone is doubted where the
+network does not see
 it point clearly the way it was drafted, over the frames near by in which it points the same way:
 a bone that is mirrored stays so until it passes through the picture's plane.
 """
@@ -13,12 +14,11 @@ import numpy as np
 from scipy.special import expit
 
 from tracker.body.trajectory import Trajectory
+from tracker.fitting.draft.depth_signs import PLANE, tilt
 from tracker.fitting.draft.limbs import Bone, Joints
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 
-PLANE = float(np.sin(np.radians(15.0)))
-"""A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
 NEAR_FRAMES = 10
 """Before and after a frame, in which a bone that points the same way is asked as well."""
 BASE, BY_ALONG, BY_APART, OF_LEG = -1.1, -16.3, 10.3, -3.0
@@ -26,8 +26,8 @@ BASE, BY_ALONG, BY_APART, OF_LEG = -1.1, -16.3, 10.3, -3.0
 whose joints in space are known, area under the curve 0.91, each camera judged by the other three.
 Joint limits, visibility and distances from keypoints tell nothing besides."""
 HALF = 0.05
-"""Probability at which a limb is doubted by half: there 177 of 182 mirrored limbs are, and of three
-limbs that are, one is mirrored."""
+"""Probability at which a limb is doubted by half. On these cameras 46 of the 51 limbs that are
+still mirrored are, and of twelve limbs that are, one is mirrored."""
 
 
 def flip_doubts(joints: Joints, camera: Camera, told_m: Array, motion: Trajectory) -> Array:
@@ -53,21 +53,12 @@ def _mirrored(
 ) -> Array:
     """(N,) probability that a bone is mirrored; 0 where it is in the picture's plane."""
     length = joints.seen_length_m(bone)
-    drafted = _into_picture(camera, p[:, bone.near], p[:, bone.far])
+    drafted = tilt(camera, p, bone)
     told = np.clip(told_m[:, bone.far] - told_m[:, bone.near], -length, length)
     along = _near_mean(np.sign(drafted) * told, drafted)
     apart = _near_mean(np.abs(length * drafted - told), drafted)
     odds = BASE + BY_ALONG * along + BY_APART * apart + OF_LEG * is_leg
     return np.where(np.abs(drafted) >= PLANE, expit(odds), 0.0)
-
-
-def _into_picture(camera: Camera, near: Array, far: Array) -> Array:
-    """(N,) sine of the angle between a bone and the picture's plane, positive away from the camera:
-    along the ray of its far joint."""
-    ray = far if camera.telephoto_distance_m is None else np.array([0.0, 0.0, 1.0])
-    ray = ray / np.linalg.norm(ray, axis=-1, keepdims=True)
-    bone = far - near
-    return np.asarray((bone * ray).sum(-1) / np.maximum(np.linalg.norm(bone, axis=-1), 1e-9))
 
 
 def _near_mean(values: Array, drafted: Array) -> Array:

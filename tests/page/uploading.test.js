@@ -1,0 +1,19 @@
+// What the page says of a dropped file that is no video.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import './browser.js';
+
+const { whyNotVideo } = await import('../../static/start/uploading.js');
+
+test('motion and keypoints of other programs are told how they are imported', () => {
+  for (const name of ['Walk.BVH', 'dogDLC.h5', 'hmr4d_results.pt', 'poses.npz']) {
+    assert.match(whyNotVideo(name), new RegExp(`keypose import SESSION ${name}, with --keypoints`));
+  }
+});
+
+test('a session is opened where it lies, and anything else is no video', () => {
+  assert.match(whyNotVideo('session.json'), /opened where it lies/);
+  assert.match(whyNotVideo('notes.txt'), /notes\.txt is not a video\. Keypose opens MP4/);
+});

@@ -1,0 +1,66 @@
+"""Limbs are drafted toward the camera or away from it as the whole stretch says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, place, walk
+from tracker.fitting.draft import draft_from_keypoints
+from tracker.fitting.draft.depth_signs import most_probable_signs
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS
+
+TILT = 0.35 + 0.25 * np.sin(np.arange(90) / 9)[:, None]
+"""Of a bone that swings and never passes through the picture's plane."""
+NOTHING = np.zeros((90, 1, 2))
+
+
+def _noise(sigma: float) -> Array:
+    return np.random.default_rng(4).normal(0, sigma, TILT.shape)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("bias", [-0.4, 0.0, 0.4])
+def test_a_constant_error_of_the_network_turns_no_bone(sign: float, bias: float) -> None:
+    told = 0.8 * sign * TILT + bias + _noise(0.1)
+    signs, surer = most_probable_signs(TILT, told, NOTHING)
+    assert (signs == sign).all()
+    assert (surer > 0).all()
+
+
+def test_a_bone_changes_its_side_only_through_the_pictures_plane() -> None:
+    true = np.linspace(-0.6, 0.6, 90)[:, None]
+    wrong = true + _noise(0.15)
+    wrong[10:14] *= -1
+    signs, _ = most_probable_signs(np.abs(true), wrong, NOTHING)
+    steep = np.abs(true) > 0.1
+    assert (signs[steep] == np.sign(true[steep])).all()
+
+
+def test_where_the_network_tells_nothing_the_likelier_pose_counts() -> None:
+    unlikely = np.broadcast_to([2.0, 0.0], (90, 1, 2))
+    signs, _ = most_probable_signs(TILT, _noise(0.05), unlikely)
+    assert (signs == 1.0).all()
+
+
+def _biased(clip: Clip, name: str, metres: float) -> Clip:
+    """The clip with one joint told too far from the camera in every frame."""
+    assert clip.keypoints.p_hips is not None
+    p_hips = clip.keypoints.p_hips.copy()
+    p_hips[:, place(name), 2] += metres
+    return replace(clip, keypoints=replace(clip.keypoints, p_hips=p_hips))
+
+
+@pytest.mark.parametrize(("facing_deg", "metres"), [(0, 0.15), (180, -0.15)])
+def test_a_wrist_that_the_network_sees_at_a_wrong_depth_stays_on_its_side(
+    facing_deg: float, metres: float
+) -> None:
+    clip = _biased(walk(60, facing_deg), "right_wrist", metres)
+    draft = draft_from_keypoints(clip.keypoints, CAMERA, clip.body, proportions=False)
+    near, far = (JOINTS.index(f"right_{joint}") for joint in ("elbow", "wrist"))
+    ours, theirs = (p[:, far, 2] - p[:, near, 2] for p in (drafted_joints_m(draft), clip.joints_m))
+    assert np.abs(theirs).min() > 0.08
+    assert (np.sign(ours) == np.sign(theirs)).all()
