@@ -199,8 +199,9 @@ def _angles_deg(joint: Joint, rotations: Array) -> Array:
     made = np.full((len(rotations), 3), np.nan)
     if known.any():
         made[known] = _steady(np.degrees(cardan_zxy(rotations[known])), np.array(joint.usual_deg))
-        if joint.carrier == ROOT:
-            made[known] = np.unwrap(made[known], period=360.0, axis=0)
+        even = np.unwrap(made[known], period=360.0, axis=0)
+        turns = np.round((np.median(even, axis=0) - joint.usual_deg) / 360.0)
+        made[known] = even if joint.carrier == ROOT else even - 360.0 * turns
     return np.asarray(made * signs + 0.0)
 
 
