@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -141,10 +142,26 @@ def test_a_pin_of_the_toes_after_that_of_the_foot_is_the_same_stance() -> None:
     assert [stance.still for stance in gait.stances] == [(43, 71)]
 
 
-def test_the_stances_of_the_filmed_walk_are_its_pins() -> None:
-    """Between its keyframes nothing is tracked here; the pins themselves are 36 to 39 frames
-    apart, which is what its strides last."""
+def test_strides_of_the_filmed_walk_last_as_long_as_its_pins_are_apart() -> None:
+    """`walk_feet.json` is the sample as it was tracked; its pins are what a person accepted."""
+    paths = json.loads(Path(__file__).with_name("walk_feet.json").read_text("utf-8"))
+    first, root = paths["first_frame"], np.array(paths["root"])
     pins = load_session(SAMPLES / "walk" / "session.json").pins
-    for part in ("left_foot", "right_foot"):
-        firsts = [pin.first_frame for pin in pins if pin.part == part][1 if "left" in part else 0 :]
-        assert {b - a for a, b in pairwise(firsts)} <= {36, 37, 39}
+    feet, starts = [], {}
+    for side in ("left", "right"):
+        heel, toe = (np.array(paths[f"{side}_{end}"]) for end in ("heel", "toe"))
+        spans = [pin.span for pin in pins if pin.part == f"{side}_foot"]
+        starts[f"{side}_foot"] = [a for a, _ in spans]
+        feet.append(
+            (FootPath(f"{side}_foot", heel, toe), [(a - first, b - first) for a, b in spans])
+        )
+    gait = gait_of_paths(root, feet, (first + np.arange(len(root))) / 30, first)
+    assert len(gait.strides) == 5
+    for one in gait.strides:
+        pinned = [a for a in starts[one.part] if one.first_frame <= a <= one.last_frame + 6]
+        assert pinned[0] - one.first_frame in range(1, 6)  # the heel first, then all of the foot
+        assert one.last_frame - one.first_frame == pytest.approx(pinned[1] - pinned[0], abs=2)
+        assert one.stance_share == pytest.approx(0.62, abs=0.06)  # as in healthy walking
+        assert one.step_length_m == pytest.approx(one.length_m / 2, abs=0.05)
+        moved = root[one.last_frame - first] - root[one.first_frame - first]
+        assert one.length_m == pytest.approx(np.hypot(moved[0], moved[2]), abs=0.06)
