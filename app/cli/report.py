@@ -24,8 +24,8 @@ def add(commands: Subcommands) -> None:
     details = (
         "It has the verdicts in words, rank and observability over time, the score of every "
         "pass, joint angles, the gait of one who walks, keyframes with their intervals, and "
-        "pictures. The file is "
-        "self-contained and needs no network. Without the video the pictures are left out."
+        "pictures. The file is self-contained and needs no network. Without the video the "
+        "pictures are left out."
     )
     command = add_command(commands, "report", run, summary, details, _EXAMPLES)
     add_session(command)

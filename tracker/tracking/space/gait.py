@@ -205,7 +205,11 @@ def _stances(
         after = still[k + 1][0] - 1 if k + 1 < len(still) else len(times_s) - 1
         strike = _peak(ahead, max(before, _row(times_s, times_s[a] - BEFORE_S)), (a + b) // 2)
         off = _peak(behind, (a + b) // 2, min(after, _row(times_s, times_s[b] + BEFORE_S)))
-        x, _, z = np.nanmean(path.heel[a : b + 1], axis=0)
+        stood = path.heel[a : b + 1]
+        stood = stood[np.isfinite(stood).all(axis=1)]
+        if not len(stood):
+            continue
+        x, _, z = stood.mean(axis=0)
         found.append(
             Stance(
                 path.part,

@@ -165,3 +165,17 @@ def test_strides_of_the_filmed_walk_last_as_long_as_its_pins_are_apart() -> None
         assert one.step_length_m == pytest.approx(one.length_m / 2, abs=0.05)
         moved = root[one.last_frame - first] - root[one.first_frame - first]
         assert one.length_m == pytest.approx(np.hypot(moved[0], moved[2]), abs=0.06)
+
+
+def test_where_the_motion_has_a_gap_there_is_no_stride() -> None:
+    motion = motions.crossing(SKELETON)
+    pins = proposed_pins(SKELETON, motion, 30.0, UP)
+    made = recorded(SKELETON, motion, 30.0)
+    whole = gait_of(SKELETON, motion, made.times_s, made.ground, pins)
+    Rs, ps = motion.Rs_parent_part.copy(), motion.ps_camera_root.copy()
+    Rs[60:80], ps[60:80] = np.nan, np.nan
+    holed = Trajectory(0, Rs, ps)
+    gait = gait_of(SKELETON, holed, made.times_s, made.ground, pins)
+    left = [one for one in whole.strides if one.last_frame < 55 or one.first_frame > 85]
+    assert [one for one in gait.strides if one in left] == left
+    assert len(gait.strides) < len(whole.strides)
