@@ -19,9 +19,7 @@ from app.posing.labels import number_text
 from tracker.body.joint_angles import Angle
 from tracker.formats.recording import Recording
 from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin, sole_of
-from tracker.tracking.space.contacts import proposed_pins
-from tracker.tracking.space.gait import Gait, Stride, gait_of
+from tracker.tracking.space.gait import Gait, Stride
 
 CYCLE = np.linspace(0.0, 100.0, 101)
 CYCLE_JOINTS = ("hip", "knee", "ankle")
@@ -49,13 +47,10 @@ _LARGE: tuple[tuple[Callable[[Stride], float | None], int, str, str], ...] = (
 
 def gait_section(subject: Subject, recording: Recording) -> Html | None:
     """None where no foot makes a stride."""
-    pins, pinned = standing(subject, recording)
-    gait = gait_of(
-        recording.skeleton, recording.trajectory, recording.times_s, recording.ground, pins
-    )
+    gait = recording.gait
     if not gait.strides:
         return None
-    how = "as pinned" if pinned else "as they were found standing"
+    how = "as pinned" if recording.foot_pins else "as they were found standing"
     words = (
         f"Feet stand still {how}; the thin bars reach from heel strike to toe off. A heel strikes "
         "where it is farthest ahead of the pelvis, toes leave where they are farthest behind it "
@@ -83,17 +78,6 @@ def _tiles(strides: Sequence[Stride]) -> Html:
         if known:
             said.append(tile(f"{number_text(float(np.mean(known)), digits)} {unit}", words))
     return element("div", *said, class_="tiles")
-
-
-def standing(subject: Subject, recording: Recording) -> tuple[Sequence[Pin], bool]:
-    """Where feet stand still, and whether a person or the tracker pinned them; else as found."""
-    body = recording.skeleton.body
-    feet = {part.name for part in body.parts if sole_of(part)}
-    pins = [pin for pin in subject.session.pins if pin.part in feet]
-    if pins or not recording.tracks.tracked.all():
-        return pins, True
-    rate, up = recording.frames_per_second, recording.up_camera
-    return proposed_pins(recording.skeleton, recording.trajectory, rate, up), False
 
 
 def strides_table(subject: Subject, gait: Gait) -> Html:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -102,8 +103,7 @@ def test_pinned_feet_stand_as_pinned(subject: Subject, recording: Recording) -> 
         Pin(part=f"{side}_foot", landmarks=sole[side], first_frame=a, last_frame=a + 25)
         for side, a in (("left", 43), ("right", 69), ("left", 94))
     )
-    session = subject.session.model_copy(update={"pins": pins})
-    section = gait_section(type(subject)(**{**vars(subject), "session": session}), recording)
+    section = gait_section(subject, replace(recording, pins=pins))
     assert section is not None
     assert "as pinned" in section
     assert "still 43–68" in section
