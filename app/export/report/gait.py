@@ -38,7 +38,7 @@ _COLUMNS: tuple[tuple[str, Callable[[Stride], float | None], int], ...] = (
 )
 
 _LARGE: tuple[tuple[Callable[[Stride], float | None], int, str, str], ...] = (
-    (lambda one: one.speed_m_s, 2, "m/s", "walking speed"),
+    (lambda one: one.speed_m_s, 2, "m/s", "speed"),
     (lambda one: one.cadence, 0, "/min", "steps"),
     (lambda one: one.length_m, 2, "m", "stride length"),
     (_COLUMNS[-1][1], 0, "%", "stance"),

@@ -116,7 +116,7 @@ def test_the_whole_report_has_both_and_the_parts_own_turns_folded(
     session = load_session(path)
     with open_video_of(session, path) as video:
         found = read(report_html(session, path, video))
-    for words in ("Joint angles", "Grood and Suntay", "Gait", "Zeni et al. 2008", "walking speed"):
+    for words in ("Joint angles", "Grood and Suntay", "Gait", "Zeni et al. 2008", "stride length"):
         assert words in found.text
     assert "details" in [tag for tag, _ in found.tags]
     assert "Each part's turns in its parent's frame" in found.text
