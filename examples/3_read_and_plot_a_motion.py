@@ -28,7 +28,7 @@ keyed = frames["pose"] == "keyframe"
 
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
 for side in ("left", "right"):
-    bend = angles[f"{side}_shin_rx_deg"]
+    bend = angles[f"{side}_knee_flexion_deg"]
     (line,) = axes.plot(angles["time_s"], bend, label=f"{side} knee")
     axes.plot(angles["time_s"][keyed], bend[keyed], "o", color=line.get_color())
 axes.set(xlabel="time, s", ylabel="bend, degrees", title="Dots are keyframes")

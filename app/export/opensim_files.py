@@ -62,7 +62,7 @@ def files_for_model(
         "motion.mot": mot(made, model),
         MARKERS_FILE: markers_xml(sizes),
         SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),
-        IK_FILE: ik_xml([marker.name for marker in markers], larger, times_s),
+        IK_FILE: ik_xml(sizes.placed, larger, times_s),
     }
     files = {name: text.encode() for name, text in texts.items()}
     done = _scaled_model(texts[MARKERS_FILE], scale_xml(sizes, str(model_path.absolute()), larger))

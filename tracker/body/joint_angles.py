@@ -199,8 +199,9 @@ def _angles_deg(joint: Joint, rotations: Array) -> Array:
     made = np.full((len(rotations), 3), np.nan)
     if known.any():
         made[known] = _steady(np.degrees(cardan_zxy(rotations[known])), np.array(joint.usual_deg))
-        if joint.carrier == ROOT:
-            made[known] = np.unwrap(made[known], period=360.0, axis=0)
+        even = np.unwrap(made[known], period=360.0, axis=0)
+        turns = np.round((np.median(even, axis=0) - joint.usual_deg) / 360.0)
+        made[known] = even if joint.carrier == ROOT else even - 360.0 * turns
     return np.asarray(made * signs + 0.0)
 
 
@@ -209,19 +210,27 @@ def _steady(angles: Array, usual: Array) -> Array:
     least from frame to frame and, over time, stay near the usual ones (3,)."""
     both = np.stack([angles, [180.0, 180.0, 180.0] + angles * [1.0, -1.0, 1.0]], axis=1)
     both = usual + _within_half_turn(both - usual)
-    cost = UNUSUAL * np.abs(both - usual).sum(axis=2)  # (N, 2), then of the best way there
-    came_from = np.zeros((len(both), 2), dtype=np.int64)
-    for i in range(1, len(both)):
-        steps = np.abs(_within_half_turn(both[i, :, None] - both[i - 1, None, :])).sum(axis=2)
-        ways = steps + cost[i - 1]
-        came_from[i] = ways.argmin(axis=1)
-        cost[i] += ways.min(axis=1)
-    chosen = int(cost[-1].argmin())
-    made = np.empty_like(angles)
-    for i in reversed(range(len(both))):
-        made[i] = both[i, chosen]
-        chosen = int(came_from[i, chosen])
-    return made
+    cost = UNUSUAL * np.abs(both - usual).sum(axis=2)
+    changes = np.abs(_within_half_turn(both[1:, :, None] - both[:-1, None])).sum(axis=3)
+    return np.asarray(both[np.arange(len(both)), _cheapest(cost, changes)])
+
+
+def _cheapest(cost: Array, changes: Array) -> list[int]:
+    """The way through two states of N frames that costs least in all.
+
+    cost: (N, 2) of being in a state.  changes: (N - 1, 2, 2) of coming to [k] from [j].
+    """
+    first, second = cost[0].tolist()
+    from_second: list[tuple[bool, bool]] = []
+    for (a, b), (aa, ab), (ba, bb) in zip(
+        cost[1:].tolist(), *np.moveaxis(changes, 1, 0).tolist(), strict=True
+    ):
+        from_second.append((second + ab < first + aa, second + bb < first + ba))
+        first, second = a + min(first + aa, second + ab), b + min(first + ba, second + bb)
+    way = [int(second < first)]
+    for came in reversed(from_second):
+        way.append(int(came[way[-1]]))
+    return way[::-1]
 
 
 def _within_half_turn(degrees: Array) -> Array:

@@ -2,11 +2,12 @@
 
 Points and axes are those of the recording's markers (`tracker.formats.marker_sets`): joints and
 landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on the ground,
-where +X is ahead. Millimetres, as POINT:UNITS says. Points are single
-precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
-residual −1, "invalid" in C3D. There are no analog channels. Frames are evenly spaced, as C3D allows
-nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the motion was
-low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
+where +X is ahead. Millimetres, as POINT:UNITS says. Points are single precision, good to a
+thousandth of a millimetre. Where a frame is not tracked its points have the residual −1, "invalid"
+in C3D. The events are heel strikes and toe offs of a person who walks
+(`tracker.tracking.space.gait`). There are no analog channels. Frames are evenly spaced, as C3D
+allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
+motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
 """
 
 from __future__ import annotations
@@ -49,6 +50,7 @@ def c3d(recording: Recording) -> bytes:
     file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
     if recording.filter_hz is not None:
         file.add_parameter("KEYPOSE", "LOW_PASS_HZ", [recording.filter_hz])
+    _add_events(file, recording)
     ps = np.moveaxis(places * MM_PER_M, -1, 0).swapaxes(1, 2)
     missing = np.isnan(ps).any(axis=0)
     file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
@@ -59,6 +61,37 @@ def c3d(recording: Recording) -> bytes:
         path = Path(folder) / "motion.c3d"
         file.write(str(path))
         return path.read_bytes()
+
+
+def _add_events(file: Any, recording: Recording) -> None:
+    """EVENT, as programs for gait read it: what, of which side, and when, from frame 1 on."""
+    found = [
+        (frame, label, icon, _side(stance.part))
+        for stance in recording.gait.stances
+        for frame, label, icon in (
+            (stance.heel_strike, "Foot Strike", 1),
+            (stance.toe_off, "Foot Off", 2),
+        )
+        if frame is not None
+    ]
+    if not found:
+        return
+    found.sort()
+    frames, labels, icons, sides = (list(column) for column in zip(*found, strict=True))
+    seconds = np.array(frames) / recording.frames_per_second
+    for name, values in (
+        ("USED", [len(found)]), ("CONTEXTS", sides), ("LABELS", labels), ("ICON_IDS", icons),
+        ("DESCRIPTIONS", [""] * len(found)), ("SUBJECTS", [""] * len(found)),
+        ("TIMES", np.stack([seconds // 60, seconds % 60])),
+        ("GENERIC_FLAGS", [0] * len(found)),
+    ):  # fmt: skip
+        file.add_parameter("EVENT", name, values)
+
+
+def _side(part: str) -> str:
+    """Left, Right or General, as contexts of events are called."""
+    side = part.partition("_")[0]
+    return side.capitalize() if side in ("left", "right") else "General"
 
 
 def _library() -> Any:

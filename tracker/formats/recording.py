@@ -18,9 +18,12 @@ from tracker.errors import FormatError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
 from tracker.session.notes import Note
+from tracker.session.pins import Pin, sole_of
 from tracker.session.schema import Session
 from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
+from tracker.tracking.space.contacts import proposed_pins
+from tracker.tracking.space.gait import Gait, gait_of
 
 if TYPE_CHECKING:
     from tracker.video.timecode import Timecode
@@ -69,6 +72,7 @@ class Recording:
     timecode:  the video's; None: its file tells none.
     floor_m:   where the floor is, metres along up from the camera's centre; None: as low as the
                body stands.
+    pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
     on_ground: whether these files are on the ground, whatever their markers.
     """
@@ -87,6 +91,7 @@ class Recording:
     part_frames: tuple[int, ...] = ()
     floor_m: float | None = None
     timecode: Timecode | None = None
+    pins: tuple[Pin, ...] = ()
     marker_set: MarkerSetName = "keypose"
     on_ground: bool = False
 
@@ -119,6 +124,7 @@ class Recording:
             part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
             floor_m=session.floor_m,
             timecode=timecode,
+            pins=session.pins,
         )
 
     def __len__(self) -> int:
@@ -186,6 +192,30 @@ class Recording:
             return ()
         R_ground_camera = self.ground.R_ground_camera
         return joint_angles(self.skeleton.body, self.tracks.Rs_parent_part, R_ground_camera)
+
+    @cached_property
+    def foot_pins(self) -> tuple[Pin, ...]:
+        """Those of the pins that hold feet, in the numbers of these frames."""
+        feet = {part.name for part in self.skeleton.body.parts if sole_of(part)}
+        film = self.film_frames
+        found = []
+        for pin in self.pins:
+            if pin.part in feet and pin.last_frame >= film[0] and pin.first_frame <= film[-1]:
+                first, last = (self.frames[int(np.abs(film - f).argmin())] for f in pin.span)
+                found.append(pin.model_copy(update={"first_frame": first, "last_frame": last}))
+        return tuple(found)
+
+    @cached_property
+    def gait(self) -> Gait:
+        """Heel strikes, toe offs and strides, of feet as they are pinned, or else found standing
+        in a motion without gaps; empty where none stands, or nothing is tracked."""
+        pins = self.foot_pins
+        if not self.tracks.tracked.any() or len(self) < 2:
+            return Gait((), ())
+        if not pins and self.tracks.tracked.all():
+            rate, up = self.frames_per_second, self.up_camera
+            pins = proposed_pins(self.skeleton, self.trajectory, rate, up)
+        return gait_of(self.skeleton, self.trajectory, self.times_s, self.ground, pins)
 
     def whole(self, name: str) -> Recording:
         """From the first tracked frame to the last, for a format of this name that holds no gaps.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -42,6 +42,20 @@ def over_time(subject: Subject) -> Html:
         rows += [*_rank_row(subject, scale), *_lane_rows(subject, scale)]
     rows.append(_row("Frame", _axis(scale), "axis"))
     return element("div", *rows, class_="time")
+
+
+def timeline(rows: Iterable[tuple[str, Html]], scale: Scale) -> Html:
+    """Strips by name, one below the other, above the frames."""
+    strips = [_row(name, strip, "strip") for name, strip in rows]
+    return element("div", *strips, _row("Frame", _axis(scale), "axis"), class_="time")
+
+
+def framed(caption: Html, drawn: Html, ends: tuple[str, str], ticks: tuple[str, ...]) -> Html:
+    """A small chart: its drawing, the highest and lowest figure, and words evenly below it."""
+    places = [(100.0 * i / (len(ticks) - 1), words) for i, words in enumerate(ticks)]
+    return element(
+        "figure", caption, _plot(drawn, high=ends[0], low=ends[1]), _ticks(places), class_="multi"
+    )
 
 
 def score_chart(track: SegmentResult) -> Html:

@@ -14,14 +14,14 @@ import numpy as np
 from app.export.report.charts import single_chart
 from app.export.report.figures import figure
 from app.export.report.markup import Child, Html, element
+from app.export.report.motion import recording_of
 from app.export.report.subject import Subject
 from app.export.report.tables import table
 from app.posing import part_label
 from tracker.errors import FormatError
-from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.recording import Recording
 from tracker.formats.sampling import low_passed
 from tracker.geometry.rotations import Array
-from tracker.storage.tracks import Tracks
 
 FILTER_HZ = 6.0
 MOST_PARTS = 12
@@ -60,7 +60,10 @@ def derivatives_section(subject: Subject) -> Child:
 
 def derivatives(subject: Subject) -> list[Derivatives]:
     """Of the root and of every end of a limb. FormatError where the film has too few frames."""
-    recording = low_passed(_recording(subject), FILTER_HZ)
+    found = recording_of(subject)
+    if found is None:
+        return []
+    recording = low_passed(found, FILTER_HZ)
     ps, dt = recording.ps_camera_joint, 1 / recording.frames_per_second
     velocity, acceleration = np.full(ps.shape, np.nan), np.full(ps.shape, np.nan)
     velocity[1:-1] = (ps[2:] - ps[:-2]) / (2 * dt)
@@ -77,19 +80,6 @@ def derivatives(subject: Subject) -> list[Derivatives]:
         )
         for i in _ends(recording)
     ]
-
-
-def _recording(subject: Subject) -> Recording:
-    found = [track for track in subject.fitting.values() if track.finished]
-    times_s = np.array([subject.time_s(i) for i in range(subject.session.video.frame_count)])
-    if not np.isfinite(times_s).all():
-        raise FormatError("Without the video, two keyframes are needed to know how fast it moves.")
-    segments = [
-        RecordedSegment(track.first, track.last, track.verdict)
-        for track in found
-        if track.verdict is not None
-    ]
-    return Recording.of(subject.session, Tracks.of(found, subject.skeleton), segments, times_s)
 
 
 def _ends(recording: Recording) -> list[int]:

@@ -11,10 +11,13 @@ from app.editor.advice import next_step
 from app.editor.judged import Judged
 from app.editor.review_words import answers_words
 from app.export.report.charts import angle_charts, over_time, score_chart
+from app.export.report.clinical import CONVENTIONS, clinical_charts, legend
 from app.export.report.derivatives import derivatives_section
+from app.export.report.gait import gait_section
 from app.export.report.images import thumbnail
 from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element, joined
+from app.export.report.motion import recording_of
 from app.export.report.shell import html_page, logo
 from app.export.report.subject import STATE_WORDS, Subject, subject_of
 from app.export.report.tables import (
@@ -22,10 +25,12 @@ from app.export.report.tables import (
     notes_table,
     part_keyframes,
     segments_table,
+    tile,
     verdict,
 )
 from app.posing.labels import number_text
 from app.render.snapshots import Look
+from tracker.errors import FormatError
 from tracker.session.schema import Session
 from tracker.storage.results import Span, State
 from tracker.video import Video, VideoInfo
@@ -51,6 +56,7 @@ MOST_DOUBTFUL = 24
 MOST_NOTED = 24
 MOST_SCORES = 60
 """What a session of hundreds of keyframes shows of each kind; the rest is left out, and says so."""
+PART_WORDS = "Each part's turns in its parent's frame, over the frames; dots are the keyframes."
 
 
 def report_html(session: Session, session_path: Path, video: Video | None = None) -> bytes:
@@ -61,6 +67,7 @@ def report_html(session: Session, session_path: Path, video: Video | None = None
             head_section(subject),
             verdict_section(subject),
             charts_section(subject),
+            motion_sections(subject),
             derivatives_section(subject),
             keyframes_section(subject),
             notes_section(subject, video),
@@ -92,7 +99,7 @@ def verdict_section(subject: Subject) -> Html:
 
 
 def charts_section(subject: Subject) -> Html:
-    """Rank and observability over time, scores per pass, joint angles."""
+    """Rank and observability over time, scores per pass."""
     if not subject.spans:
         return Html("")
     tracks = [track for track in subject.fitting.values() if track.finished]
@@ -110,14 +117,36 @@ def charts_section(subject: Subject) -> Html:
         more = _left_out(len(tracks) - len(charts), "segments")
         quiet = element("p", words, more, class_="quiet")
         pieces.append(_section("Score per pass", quiet, element("div", *charts, class_="cols")))
-    angles = list(angle_charts(subject))
-    if angles:
-        words = "Each part's turns in its parent's frame, over the frames; dots are the keyframes."
-        quiet = element("p", words, class_="quiet")
-        pieces.append(
-            _section("Joint angles", quiet, element("div", *angles, class_="cols angles"))
-        )
     return joined(pieces)
+
+
+def motion_sections(subject: Subject) -> Html:
+    """Joint angles, a person's by their clinical names, and the gait of one who walks."""
+    parts = list(angle_charts(subject))
+    if not parts:
+        return Html("")
+    of_parts = element("div", *parts, class_="cols angles")
+    quiet = element("p", PART_WORDS, class_="quiet")
+    try:
+        recording = recording_of(subject)
+    except FormatError:
+        recording = None
+    clinical = [] if recording is None else clinical_charts(subject, recording)
+    if recording is None or not clinical:
+        return _section("Joint angles", quiet, of_parts)
+    own = element("summary", "The parts' own turns, about the axes that the page has")
+    return joined(
+        [
+            _section(
+                "Joint angles",
+                element("p", CONVENTIONS, class_="quiet"),
+                legend(),
+                element("div", *clinical, class_="cols clinical"),
+                element("details", own, quiet, of_parts),
+            ),
+            gait_section(subject, recording),
+        ]
+    )
 
 
 def keyframes_section(subject: Subject) -> Html:
@@ -234,25 +263,21 @@ def _tiles(subject: Subject) -> Html:
     """The outcome in large figures."""
     found = Counter(subject.states.values())
     tiles = [
-        _tile(str(found[state]), element("span", words, class_=f"verdict {state}"))
+        tile(str(found[state]), element("span", words, class_=f"verdict {state}"))
         for state, words in STATE_WORDS.items()
         if found[state]
     ]
-    tiles.append(_tile(str(len(subject.keys)), "keyframes"))
+    tiles.append(tile(str(len(subject.keys)), "keyframes"))
     if len(subject.keys) > 1:
-        tiles.append(_tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
+        tiles.append(tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
     measured = (found.diagnostics.rank for found in subject.fitting.values())
     ranks = [rank[rank >= 0] for rank in measured]
     least = min((int(rank.min()) for rank in ranks if len(rank)), default=None)
     if least is not None:
         tiles.append(
-            _tile(f"{least}/{subject.dof_count}", "joint motions visible at the worst frame")
+            tile(f"{least}/{subject.dof_count}", "joint motions visible at the worst frame")
         )
     return element("div", *tiles, class_="tiles")
-
-
-def _tile(figure: str, words: Child) -> Html:
-    return element("div", element("b", figure), words, class_="tile")
 
 
 def _doubtful(subject: Subject) -> list[tuple[Span, int]]:

@@ -76,6 +76,11 @@ def table(
     )
 
 
+def tile(words: str, below: Child) -> Html:
+    """One figure in large, and what it is."""
+    return element("div", element("b", words), below, class_="tile")
+
+
 def verdict(state: State, words: str) -> Html:
     """The words of a verdict in its colour."""
     return element("span", words, class_=f"verdict {state}")

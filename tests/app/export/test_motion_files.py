@@ -102,6 +102,10 @@ def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
     command = ["export", path, "--format", "trc", "--markers", "halpe26", "--out", out]
     words = refused(capsys, path.parent, command)
     assert "this body has no Nose: choose the markers keypose" in words
+    command = ["export", path, "--format", "trc", "--model", path, "--out", out]
+    assert "session.json is not XML" in refused(capsys, path.parent, command)
+    command[5] = path.parent / "absent.osim"
+    assert "absent.osim cannot be read" in refused(capsys, path.parent, command)
 
 
 def test_the_page_offers_every_format_and_unit() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.rendering.mocap import jumping_jacks, needs_mocap, walk
 from tests.tracker import session_cases
 from tracker.body.body import PEOPLE, preset
 from tracker.body.clavicles import with_clavicles
@@ -15,6 +16,8 @@ from tracker.body.joint_angles import (
     joint_angles,
     joints_of,
 )
+from tracker.body.pose import joint_names
+from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array, exp_rotation
 
 BODY = preset("adult_female")
@@ -181,3 +184,39 @@ def test_cardan_angles_make_their_rotation_again() -> None:
         @ exp_rotation(y[:, None] * e[1])
     )  # fmt: skip
     np.testing.assert_allclose(again, R, atol=1e-12)
+
+
+@needs_mocap
+def test_elbows_and_knees_of_recorded_motion_bend_as_far_as_their_bones_do() -> None:
+    skeleton = Skeleton.of(BODY)
+    for motion in (walk(skeleton, constrained=False), jumping_jacks(skeleton)):
+        found = {one.joint.name: one for one in joint_angles(BODY, motion.Rs_parent_part, FACING)}
+        p = dict(zip(joint_names(skeleton), motion.joints(skeleton).swapaxes(0, 1), strict=True))
+        for side in ("left", "right"):
+            for joint, parts in (
+                ("knee", ("thigh", "shin", "foot")),
+                ("elbow", ("upper_arm", "forearm", "hand")),
+            ):
+                near, middle, far = (p[f"{side}_{part}"] for part in parts)
+                upper, lower = middle - near, far - middle
+                across = np.linalg.norm(np.cross(upper, lower), axis=-1)
+                bend = np.degrees(np.arctan2(across, (upper * lower).sum(axis=-1)))
+                one = found[f"{side}_{joint}"]
+                np.testing.assert_allclose(np.abs(one["flexion"]), bend, atol=1.0)
+                aside = np.cos(np.radians([one["flexion"], one["adduction"]])).prod(axis=0)
+                np.testing.assert_allclose(np.degrees(np.arccos(aside)), bend, atol=1e-4)
+
+
+@needs_mocap
+def test_legs_of_a_recorded_walk_swing_forward_and_back_in_turn_within_what_is_healthy() -> None:
+    skeleton = Skeleton.of(BODY)
+    motion = walk(skeleton)
+    found = {one.joint.name: one for one in joint_angles(BODY, motion.Rs_parent_part, FACING)}
+    left, right = (found[f"{side}_hip"]["flexion"] for side in ("left", "right"))
+    assert np.corrcoef(left, right)[0, 1] < -0.6
+    for hip in (left, right):
+        assert -25 < hip.min() < -5
+        assert 20 < hip.max() < 40
+    for side in ("left", "right"):
+        assert 50 < found[f"{side}_knee"]["flexion"].max() < 80
+        assert found[f"{side}_knee"]["flexion"].min() > -5

@@ -21,10 +21,16 @@ PLACES: dict[str, tuple[str, tuple[float, float, float]]] = {
 }
 """By body the one that carries it, and where its joint is there; the left side mirrors it."""
 
-COORDINATES = (
-    *("pelvis_tilt", "pelvis_list", "pelvis_rotation", "pelvis_tx", "pelvis_ty", "pelvis_tz"),
-    *("lumbar_extension", "lumbar_bending", "lumbar_rotation", "hip_flexion_r", "knee_angle_r"),
-)
+COORDINATES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "pelvis": (
+        "FreeJoint",
+        ("pelvis_list", "pelvis_rotation", "pelvis_tilt", "pelvis_tx", "pelvis_ty", "pelvis_tz"),
+    ),
+    "torso": ("BallJoint", ("lumbar_bending", "lumbar_rotation", "lumbar_extension")),
+    "femur_r": ("PinJoint", ("hip_flexion_r",)),
+    "tibia_r": ("PinJoint", ("knee_angle_r",)),
+}
+"""By body the kind of its joint, and its coordinates; the others are welded."""
 
 
 def both_sides() -> dict[str, tuple[str, tuple[float, float, float]]]:
@@ -40,24 +46,31 @@ def both_sides() -> dict[str, tuple[str, tuple[float, float, float]]]:
 def osim(without: str = "", version: str = "40500") -> bytes:
     """The file; `without` leaves a body out."""
     there = {body: place for body, place in both_sides().items() if body != without}
-    bodies = "".join(f'<Body name="{body}"/>' for body in there)
+    bodies = "".join(_BODY.format(body) for body in there)
     joints = "".join(_joint(body, *place) for body, place in there.items())
-    made = "".join(f'<Coordinate name="{name}"/>' for name in COORDINATES)
     return (
         f'<OpenSimDocument Version="{version}"><Model name="small">'
-        f"<BodySet><objects>{bodies}</objects></BodySet>"
-        f"<JointSet><objects>{joints}"
-        f'<FreeJoint name="all"><coordinates>{made}</coordinates></FreeJoint>'
-        "</objects></JointSet></Model></OpenSimDocument>"
+        f'<BodySet name="bodyset"><objects>{bodies}</objects></BodySet>'
+        f'<JointSet name="jointset"><objects>{joints}</objects></JointSet>'
+        "</Model></OpenSimDocument>"
     ).encode()
+
+
+_BODY = (
+    '<Body name="{}"><mass>1</mass><mass_center>0 0 0</mass_center>'
+    "<inertia>0.1 0.1 0.1 0 0 0</inertia></Body>"
+)
 
 
 def _joint(body: str, carrier: str, place: tuple[float, float, float]) -> str:
     base = carrier if carrier.startswith("/") else f"/bodyset/{carrier}"
+    kind, names = COORDINATES.get(body, ("WeldJoint", ()))
+    made = "".join(f'<Coordinate name="{name}"/>' for name in names)
+    coordinates = f"<coordinates>{made}</coordinates>" if made else ""
     return (
-        f'<PinJoint name="{body}_joint"><socket_parent_frame>before</socket_parent_frame>'
-        f"<socket_child_frame>/bodyset/{body}</socket_child_frame><frames>"
+        f'<{kind} name="{body}_joint"><socket_parent_frame>before</socket_parent_frame>'
+        f"<socket_child_frame>/bodyset/{body}</socket_child_frame>{coordinates}<frames>"
         f'<PhysicalOffsetFrame name="before"><socket_parent>{base}</socket_parent>'
         f"<translation>{' '.join(map(str, place))}</translation></PhysicalOffsetFrame>"
-        "</frames></PinJoint>"
+        f"</frames></{kind}>"
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,19 @@ import ezc3d
 import numpy as np
 import pytest
 
+from tests.rendering.motions import crossing
 from tests.tracker.formats import recordings
+from tracker.body.body import preset
 from tracker.body.pose import joint_names
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.c3d import c3d
 from tracker.formats.recording import Recording
+from tracker.formats.sampling import at_rate
 from tracker.formats.trc import trc
+from tracker.session.pins import Pin
+
+WALKER = Skeleton.of(preset("adult_female"))
 
 
 @dataclass
@@ -166,3 +172,35 @@ def test_a_motion_without_two_times_has_no_rate() -> None:
     for write in (lambda: c3d(still), lambda: trc(still, "motion.trc")):
         with pytest.raises(FormatError, match="two frames and the time between"):
             write()
+
+
+def test_c3d_has_heel_strikes_and_toe_offs_as_events(tmp_path: Path) -> None:
+    made = recordings.recorded(WALKER, crossing(WALKER), 30.0)
+    event = read_c3d(c3d(made), tmp_path)["parameters"]["EVENT"]
+    expected = sorted(
+        (frame / 30, label, stance.part)
+        for stance in made.gait.stances
+        for frame, label in ((stance.heel_strike, "Foot Strike"), (stance.toe_off, "Foot Off"))
+        if frame is not None
+    )
+    assert event["USED"]["value"][0] == len(expected) > 8
+    assert event["LABELS"]["value"] == [label for _, label, _ in expected]
+    sides = [part.removesuffix("_foot").capitalize() for _, _, part in expected]
+    assert event["CONTEXTS"]["value"] == sides
+    minutes, seconds = event["TIMES"]["value"]
+    np.testing.assert_allclose(60 * minutes + seconds, [time for time, _, _ in expected], atol=1e-5)
+    assert "EVENT" not in read_c3d(c3d(recordings.recording("box")), tmp_path)["parameters"]
+
+
+@pytest.mark.parametrize("rate", [15.0, 60.0])
+def test_events_of_pinned_feet_are_the_same_at_another_rate(rate: float) -> None:
+    sole = ("left_heel", "left_toe")
+    pins = tuple(
+        Pin(part="left_foot", landmarks=sole, first_frame=a, last_frame=a + 22) for a in (45, 96)
+    )
+    made = replace(recordings.recorded(WALKER, crossing(WALKER), 30.0), pins=pins)
+    other = at_rate(made, rate)
+    assert len(made.gait.strides) == len(other.gait.strides) == 1
+    (one,), (same,) = made.gait.strides, other.gait.strides
+    assert same.time_s == pytest.approx(one.time_s, abs=1.5 / 15)
+    assert same.length_m == pytest.approx(one.length_m, abs=0.02)

@@ -16,6 +16,7 @@ from tests.tracker.formats import recordings
 from tests.tracker.formats.opensim_model import both_sides, osim
 from tests.tracker.formats.test_markers_out import read_trc
 from tracker.body.body import PEOPLE, preset
+from tracker.body.clavicles import with_clavicles
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
@@ -215,6 +216,21 @@ def test_markers_are_on_the_scaled_model_where_they_are_on_the_body_at_rest(
     arms = ("arm", "hand", "elbow", "wrist")  # the model's are bent a little in its zero pose
     for name in names:
         assert off[name] < (0.06 if any(word in name.lower() for word in arms) else 0.02), name
+
+
+def test_a_part_that_models_have_not_is_left_out_and_moving_shoulders_change_nothing() -> None:
+    body = with_clavicles(preset("adult_male"))
+    hat = body.parts[body.index("head")].model_copy(
+        update={"name": "hat", "parent": "head", "landmarks": {"brim": (0.0, 0.0, -0.1)}}
+    )
+    dressed = body.replaced((*body.parts, hat))
+    placed = scaled(MODEL, dressed, markers_of(dressed, "keypose")).placed
+    assert "brim" not in placed
+    plain = preset("adult_male")
+    bare = scaled(MODEL, plain, markers_of(plain, "keypose")).placed
+    for name, (on, place) in bare.items():
+        assert placed[name][0] == on
+        np.testing.assert_allclose(placed[name][1], place, atol=1e-9)
 
 
 def test_setups_name_every_body_and_marker_once() -> None:

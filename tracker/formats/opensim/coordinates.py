@@ -67,6 +67,7 @@ _ALSO_CALLED: Final[Mapping[str, str]] = {
     "L5_S1_Lat_Bending": "lumbar_bending",
     "L5_S1_axial_rotation": "lumbar_rotation",
 }
+_PLACES: Final = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
 _SIDES: Final = {"r": "right", "l": "left"}
 
 
@@ -93,14 +94,6 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
         found |= {f"ankle_angle_{s}": ankle, f"subtalar_angle_{s}": subtalar}
         found[f"mtp_angle_{s}"] = 0.0 * ankle
     return found if model is None else _of_model(found, model.coordinates)
-
-
-_PLACES: Final = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
-
-
-def is_length(coordinate: str) -> bool:
-    """Whether a coordinate is metres, not degrees."""
-    return coordinate in _PLACES
 
 
 def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:

@@ -31,6 +31,15 @@ BALL_SHARE: Final = 0.73
 """Of a foot's length, from the heel to where the toes bend (Gordon et al. 2014, ball of foot)."""
 
 _SIDE: Final = {"r": "right", "l": "left"}
+_LIMBS: Final = {
+    "thigh": ("femur", "tibia", "shin"),
+    "shin": ("tibia", "talus", "foot"),
+    "upper_arm": ("humerus", "ulna", "forearm"),
+    "forearm": ("radius", "hand", "hand"),
+}
+"""By part the model's body, the one that hangs on it, and the part that hangs on ours."""
+_UPPER: Final = ("chest", "clavicle", "neck", "head")
+_KINDS: Final = {*_LIMBS, *_UPPER, "waist", "foot", "hand"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +53,13 @@ class Scaled:
 
 
 def scaled(model: OpenSimModel, body: Body, markers: tuple[Marker, ...]) -> Scaled:
-    """The model as large as the body. FormatError where the body is not a person's."""
+    """The model as large as the body, with the markers on parts that it has.
+
+    FormatError where its torso does not hang on its pelvis.
+    """
     factors = _factors(model, body)
-    return Scaled(factors, {m.name: _placed(model, body, factors, m) for m in markers})
+    known = [m for m in markers if _kind_and_side(m.part)[0] in _KINDS]
+    return Scaled(factors, {m.name: _placed(model, body, factors, m) for m in known})
 
 
 def mid_hips(model: OpenSimModel, factors: Mapping[str, Array]) -> Array:
@@ -128,7 +141,7 @@ def _placed(
     if kind == "waist":
         ours = (_anatomical(body, "right_thigh") + _anatomical(body, "left_thigh")) / 2
         return "pelvis", mid_hips(model, factors) + p - ours
-    if kind in ("chest", "clavicle", "neck", "head"):
+    if kind in _UPPER:
         p_torso = joints["torso"].p_body * factors["torso"] + p + _under(body, marker.part)
         p_torso = p_torso - _behind_hips(model, factors)
         head = joints.get("head")
@@ -144,12 +157,7 @@ def _placed(
         turned = np.diag([1.0, 1.0, 1.0 if s == "r" else -1.0])
         at = joints[f"hand_{s}"].p_body * factors[f"hand_{s}"]
         return f"hand_{s}", at + turned @ R_PALM_FORWARD @ turned @ p
-    upper, lower, part = {
-        "thigh": ("femur", "tibia", "shin"),
-        "shin": ("tibia", "talus", "foot"),
-        "upper_arm": ("humerus", "ulna", "forearm"),
-        "forearm": ("radius", "hand", "hand"),
-    }[kind]
+    upper, lower, part = _LIMBS[kind]
     near, far = joints[f"{upper}_{s}"].p_body, joints[f"{lower}_{s}"].p_parent
     factor = factors[f"{upper}_{s}"]
     along = _anatomical(body, f"{_SIDE[s]}_{part}")

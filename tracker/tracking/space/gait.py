@@ -69,6 +69,8 @@ class Stride:
     """From a heel strike to the same foot's next. What another foot would tell is None without one.
 
     step_length_m: from where the other foot stood to where this one comes down.
+    step_width_m:  how far the other foot stood beside the line of this one's, on its own side;
+                   negative where the feet cross.
     stance_share:  of the stride's time that the foot is on the ground, 0 to 1.
     """
 
@@ -203,7 +205,11 @@ def _stances(
         after = still[k + 1][0] - 1 if k + 1 < len(still) else len(times_s) - 1
         strike = _peak(ahead, max(before, _row(times_s, times_s[a] - BEFORE_S)), (a + b) // 2)
         off = _peak(behind, (a + b) // 2, min(after, _row(times_s, times_s[b] + BEFORE_S)))
-        x, _, z = np.nanmean(path.heel[a : b + 1], axis=0)
+        stood = path.heel[a : b + 1]
+        stood = stood[np.isfinite(stood).all(axis=1)]
+        if not len(stood):
+            continue
+        x, _, z = stood.mean(axis=0)
         found.append(
             Stance(
                 path.part,
@@ -248,7 +254,8 @@ def _stride(
         ahead = path / length
         from_other = np.subtract(next_.place_m, others[0].place_m)
         step = float(from_other @ ahead)
-        width = float(abs(from_other[0] * ahead[1] - from_other[1] * ahead[0]))
+        beside = float(from_other[0] * ahead[1] - from_other[1] * ahead[0])  # other to the right
+        width = -beside if others[0].part.startswith("left") else beside
     if one.toe_off is not None:
         share = (float(times_s[one.toe_off - first_frame]) - start) / (end - start)
     return Stride(

@@ -1,0 +1,62 @@
+"""A session of a person who walks, tracked, as results and files have it; its film is small and
+shows nobody."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from tests.rendering.motions import crossing
+from tests.tracker.video_cases import write_numbered
+from tracker.body.body import preset
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from tracker.session.verdict import GOOD
+from tracker.storage.files import open_video_of, save_session
+from tracker.storage.results import Results, save_results, segment_key
+from tracker.tracking.result import Diagnostics, SegmentResult
+
+FRAMES, KEYED = 153, (0, 51, 102, 152)
+SKELETON = Skeleton.of(preset("adult_female"))
+WIDTH, HEIGHT = 64, 48
+
+
+def write_walk(folder: Path) -> tuple[Path, Results]:
+    """The session file beside its film, with six steps and a keyframe at every stride."""
+    folder.mkdir()
+    clip = folder / "walk.mkv"
+    write_numbered(clip, FRAMES)
+    motion = crossing(SKELETON, FRAMES)
+    camera = Camera(width=WIDTH, height=HEIGHT, fx=60.0, fy=60.0, cx=31.5, cy=23.5)
+    session = Session(
+        video=VideoReference(
+            path=clip.name, fingerprint="", frame_count=FRAMES, width=WIDTH, height=HEIGHT
+        ),
+        camera=camera,
+        body=SKELETON.body,
+        keyframes=tuple(Keyframe.of(SKELETON, motion.pose(f), f, f / 25) for f in KEYED),
+        settings=TrackSettings(quality="fast"),
+    )
+    path = folder / "session.json"
+    save_session(session, path)
+    results = Results()
+    for first, last in pairwise(KEYED):
+        results = results.with_result(_segment(session, motion, first, last))
+    save_session(save_results(session, path, results), path)
+    open_video_of(session, path).close()
+    return path, results
+
+
+def _segment(session: Session, motion: Trajectory, first: int, last: int) -> SegmentResult:
+    rows, steps = slice(first, last + 1), last - first
+    parts, dofs = SKELETON.part_count, SKELETON.dof_count
+    nothing = Diagnostics(
+        np.full(steps, dofs), np.ones((steps, dofs)), *(np.ones((steps, parts)) for _ in range(2))
+    )
+    path = Trajectory(first, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])
+    key = segment_key(session, first, last)
+    return SegmentResult(path, GOOD, nothing, (1.0,), ("pass",), key=key)
