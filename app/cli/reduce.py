@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _SOURCES = ("tracked", "drafts", "imported")
 """As in app.editor.reduced, which would load more than help needs."""
+_FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
 _EXAMPLES = """\
   keypose reduce jump.keypose
@@ -160,7 +161,8 @@ def _print(
     what = "part keyframes" if found.parts is not None else "keyframes"
     yours = f", {facts['kept']} of them yours" if facts["kept"] else ""
     print(
-        f"{len(reduction.frames)} {what} for {reduction.known_count} {found.source} frames"
+        f"{len(reduction.frames)} {what} for {reduction.known_count} "
+        f"{_FOUND[found.source]} frames"
         f"{yours}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
     print(f"Frames: {', '.join(map(str, reduction.frames))}")

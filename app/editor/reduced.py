@@ -89,10 +89,11 @@ def reducible(
         raise Refused("A limb is keyed alone between two keyframes: add them first.")
     if parts:
         first, last = max(first, doc.spans[0][0]), min(last, doc.spans[-1][1])
+        if first >= last:
+            raise Refused("A limb is keyed alone between two keyframes: choose frames there.")
     chosen, motion = _motion(doc, fitting, imported, source, first, last)
-    first, last = motion.first_frame, motion.last_frame
     stay = [k for k in doc.keyframes if first <= k.frame <= last]
-    motion = _through(doc, motion, stay, always=not replacing or bool(parts))
+    motion = _known(_through(doc, motion, stay, always=not replacing or bool(parts)))
     required = [] if replacing and not parts else [keyframe.frame for keyframe in stay]
     required += [k.frame for k in doc.part_keyframes if parts and first <= k.frame <= last]
     indices = frozenset(map(doc.body.index, parts)) if parts else None
@@ -177,9 +178,8 @@ def _motion(
     }
     for one in SOURCES if source is None else (source,):
         motion = _gathered(doc, makers[one](), first, last)
-        known = np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
-        if len(known) > 1:
-            return one, require_range(motion, first + int(known[0]), first + int(known[-1]))
+        if np.isfinite(motion.ps_camera_root[:, 0]).sum() > 1:
+            return one, motion
     if source is None:
         where = "" if (first, last) == (0, doc.video.frame_count - 1) else " in these frames"
         raise Refused(f"There is no motion to reduce{where}: track, draft or import one first.")
@@ -229,6 +229,12 @@ def _through(
             pose = keyframe.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     return Trajectory(motion.first_frame, Rs, ps)
+
+
+def _known(motion: Trajectory) -> Trajectory:
+    """From the first frame with a pose to the last one."""
+    known = motion.first_frame + np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
+    return require_range(motion, int(known[0]), int(known[-1]))
 
 
 # --- limbs alone
