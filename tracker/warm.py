@@ -25,7 +25,8 @@ from tracker.fitting.pose.texture import texture_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import transform
 from tracker.geometry.view import ViewCamera
-from tracker.reduction import Tolerance, reduce_motion
+from tracker.reduction.reduce import reduce_motion
+from tracker.reduction.result import Tolerance
 from tracker.solver.posed import Posed
 from tracker.tracking.cycle import track_segment
 from tracker.tracking.diagnostics.observability import observe

@@ -29,7 +29,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import ReductionError
 from tracker.geometry.rotations import Array
-from tracker.reduction.reduce import require_range
+from tracker.reduction.result import require_range
 from tracker.session.schema import MOST, FirstMotion, Keyframe, PartKeyframe, Session
 from tracker.storage.results import Fitting
 

@@ -53,7 +53,7 @@ from app.store.state import (
 )
 from app.store.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
-from tracker.reduction import Reduction
+from tracker.reduction.result import Reduction
 from tracker.storage.chronicle import mark_of
 from tracker.video import VideoInfo
 

@@ -18,7 +18,8 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import KeyposeError
-from tracker.reduction import Reduction, Tolerance, reduce_motion
+from tracker.reduction.reduce import reduce_motion
+from tracker.reduction.result import Reduction, Tolerance
 from tracker.session import Keyframe, Session
 from tracker.storage.fingerprints import segment_keys
 from tracker.storage.first_motion import kept_beside, of_session, save_own_motion
