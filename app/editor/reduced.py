@@ -26,7 +26,7 @@ from app.editor.part_edits import limbs_of
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
+from tracker.body.trajectory import Trajectory, displaced
 from tracker.errors import ReductionError
 from tracker.geometry.rotations import Array
 from tracker.reduction.result import require_range
@@ -207,14 +207,17 @@ def _posed(doc: Session, keyframes: Iterable[Keyframe]) -> list[Trajectory]:
 
 def _on_keyframes(doc: Session, imported: Trajectory) -> list[Trajectory]:
     """An imported motion made to meet the keyframes between each two of them."""
-    from tracker.tracking.initial.chains import fit_to_keyframes  # loads the loops
-
     skeleton, motions = Skeleton.of(doc.body), [imported]
     for a, b in pairwise(doc.keyframes):
-        given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
-        met = fit_to_keyframes(imported, *given, smoothed=False)
-        motions += [] if met is None else [met]
+        ends = imported.first_frame <= a.frame and b.frame <= imported.last_frame
+        if ends and all(_has_pose(imported, each.frame) for each in (a, b)):
+            given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
+            motions.append(displaced(imported, *given))
     return motions
+
+
+def _has_pose(motion: Trajectory, frame: int) -> bool:
+    return bool(np.isfinite(motion.ps_camera_root[frame - motion.first_frame]).all())
 
 
 def _through(

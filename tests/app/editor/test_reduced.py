@@ -9,8 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.document.open import with_kept_motion
+from app.editor.motion import motion_between
 from app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
 from app.editor.refusal import Refused
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from tests.app import surface_cases
 from tests.app.editor.desk import SAMPLE, after, desk
@@ -44,6 +47,13 @@ def reduced(doc: Session, found: Reducible, metres: float = 0.05) -> Reduction:
     skeleton = Skeleton.of(doc.body)
     given = found.motion, Tolerance(metres), found.required, found.parts
     return reduce_motion(skeleton, doc.camera, *given)
+
+
+def shown(state: EditorState) -> Trajectory:
+    """What the page shows of all frames."""
+    poses = [shown_pose(state, frame).pose for frame in range(LAST + 1)]
+    Rs = np.stack([pose.Rs_parent_part for pose in poses])
+    return Trajectory(0, Rs, np.stack([pose.p_camera_root for pose in poses]))
 
 
 def interpolated(doc: Session) -> Trajectory:
@@ -108,11 +118,12 @@ def test_a_corrected_keyframe_moves_its_two_stretches_and_nothing_else(tmp_path:
     frames = reduced(state.doc, found).frames
     own = save_own_motion(state.doc, tmp_path / "session.json", found.motion)
     done = with_reduction(state, found, frames, own, replacing=False)
+    done = with_kept_motion(done, tmp_path / "session.json")
     at = 4
     turned = {"do": "angles", "part": "right_forearm", "x": -70, "free": True}
     corrected = after(done, {"do": "go", "frame": frames[at]}, turned)
     moved = np.arange(frames[at - 1] + 1, frames[at + 1])
-    before, now = interpolated(done.doc), interpolated(corrected.doc)
+    before, now = shown(done), shown(corrected)
     same = np.setdiff1d(np.arange(LAST + 1), moved)
     for name in ("Rs_parent_part", "ps_camera_root"):
         assert getattr(before, name)[same].tobytes() == getattr(now, name)[same].tobytes()
@@ -121,6 +132,22 @@ def test_a_corrected_keyframe_moves_its_two_stretches_and_nothing_else(tmp_path:
     keys = segment_keys(done.doc), segment_keys(corrected.doc)
     changed = [span for span in keys[0] if keys[0][span] != keys[1][span]]
     assert changed == [(frames[at - 1], frames[at]), (frames[at], frames[at + 1])]
+
+
+def test_with_few_keyframes_the_motion_shown_is_still_what_it_was(tmp_path: Path) -> None:
+    state, path = drafted(desk()), tmp_path / "session.json"
+    found = reducible(state.doc, {}, None, replacing=True)
+    frames = reduced(state.doc, found, 0.6).frames
+    assert len(frames) <= 1 + LAST // 20 + 1
+    own = save_own_motion(state.doc, path, found.motion)
+    done = with_kept_motion(with_reduction(state, found, frames, own, replacing=True), path)
+    now = shown(done)
+    np.testing.assert_allclose(now.Rs_parent_part, found.motion.Rs_parent_part, atol=1e-9)
+    np.testing.assert_allclose(now.ps_camera_root, found.motion.ps_camera_root, atol=1e-9)
+    known = motion_between(done, 0, LAST)
+    np.testing.assert_allclose(
+        known.Ts_camera_part, found.motion.transforms(done.skeleton), atol=1e-9
+    )
 
 
 def test_the_motion_is_kept_and_only_segments_within_it_start_from_it(tmp_path: Path) -> None:
