@@ -14,7 +14,7 @@ from tracker.errors import SessionError
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
 from tracker.storage.first_motion import kept_beside, of_session, save_own_motion
-from tracker.storage.tracking import track_session
+from tracker.storage.tracking import require_first_motion, track_session
 from tracker.tracking.pool import PassFinished
 
 PERSON = Path(__file__).parents[3] / "sample_videos" / "person" / "session.json"
@@ -55,6 +55,16 @@ def test_only_segments_within_the_run_start_from_it_as_it_is(tmp_path: Path) -> 
     assert what == "import"
     np.testing.assert_allclose(trajectory.ps_camera_root, motion.ps_camera_root, atol=1e-6)
     assert begun[others[0]][0] != "import"
+
+
+def test_a_body_with_other_parts_is_tracked_as_if_nothing_was_kept(tmp_path: Path) -> None:
+    session = load_session(PERSON)
+    first, last = session.spans[0]
+    own = save_own_motion(session, tmp_path / "session.json", bent(session, first, last))
+    body = session.body.model_copy(update={"parts": session.body.parts[:-1]})
+    other = session.model_copy(update={"first_motion": own, "body": body})
+    assert of_session(other, tmp_path) is None
+    require_first_motion(other, None)
 
 
 def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
