@@ -25,6 +25,8 @@ from tracker.fitting.pose.texture import texture_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import transform
 from tracker.geometry.view import ViewCamera
+from tracker.reduction.reduce import reduce_motion
+from tracker.reduction.result import Tolerance
 from tracker.solver.posed import Posed
 from tracker.tracking.cycle import track_segment
 from tracker.tracking.diagnostics.observability import observe
@@ -62,6 +64,7 @@ def warm() -> None:
     observe(scene, clip, last)
     _compare(scene, [level[0] for level in clip.levels], poses[0])
     _match(clip.levels[0][0])
+    reduce_motion(skeleton, camera, segment.interpolated(), Tolerance())
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), ViewCamera.of(camera))
     if not is_warm():  # compiled, they load in no time, should there be surfaces at all
         _surface(body, poses[0], camera)

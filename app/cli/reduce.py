@@ -15,12 +15,13 @@ from app.cli.json_output import print_json
 
 if TYPE_CHECKING:
     from app.editor.reduced import Reducible
-    from tracker.reduction import Reduction, Tolerance
+    from tracker.reduction.result import Reduction, Tolerance
     from tracker.session import Session
 
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _SOURCES = ("tracked", "drafts", "imported")
 """As in app.editor.reduced, which would load more than help needs."""
+_FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
 _EXAMPLES = """\
   keypose reduce jump.keypose
@@ -93,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:
     from app.editor.reduced import reducible
     from tracker.body.skeleton import Skeleton
-    from tracker.reduction import reduce_motion
+    from tracker.reduction.reduce import reduce_motion
     from tracker.storage.first_motion import kept_beside
     from tracker.storage.results import load_results
 
@@ -160,7 +161,8 @@ def _print(
     what = "part keyframes" if found.parts is not None else "keyframes"
     yours = f", {facts['kept']} of them yours" if facts["kept"] else ""
     print(
-        f"{len(reduction.frames)} {what} for {reduction.known_count} {found.source} frames"
+        f"{len(reduction.frames)} {what} for {reduction.known_count} "
+        f"{_FOUND[found.source]} frames"
         f"{yours}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
     print(f"Frames: {', '.join(map(str, reduction.frames))}")
@@ -201,7 +203,7 @@ def _facts(
 def _tolerance(text: str) -> Tolerance:
     """ "2cm", "5px", or both with a comma between."""
     from tracker.errors import ReductionError
-    from tracker.reduction.compare import Tolerance
+    from tracker.reduction.result import Tolerance
 
     given = {"metres": math.inf, "pixels": math.inf}
     for word in text.split(","):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.document.edit_log import Beginning
@@ -38,6 +39,7 @@ from tracker.storage.files import (
     video_path,
 )
 from tracker.storage.finding import with_present_fingerprints
+from tracker.storage.first_motion import load_first_motion
 from tracker.storage.results import Results, load_results
 from tracker.surface.new_session import Reading
 from tracker.surface.source import holds_meshes
@@ -139,7 +141,17 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         selected=session.body.parts[0].name,
         timecode=opened.video.info.timecode,
     )
-    return state, problem
+    return with_kept_motion(state, opened.session_path), problem
+
+
+def with_kept_motion(state: EditorState, session_path: Path) -> EditorState:
+    """The state with the motion from before it was reduced, as the document names it; without one
+    where that cannot be read: tracking, which starts from it, says why."""
+    reference, kept = state.doc.first_motion, None
+    if reference is not None and reference.own:
+        with suppress(SessionError):
+            kept = load_first_motion(session_path.parent / reference.file, state.doc.body)
+    return replace(state, kept=kept)
 
 
 def _where_it_opens(opening: Pose, body: Body, video: Video) -> Pose:

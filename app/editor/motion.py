@@ -1,4 +1,5 @@
-"""The motion as it is known now: tracked where it is, interpolated between keyframes elsewhere."""
+"""The motion as it is known now: tracked where it is; elsewhere as it was before it was reduced to
+keyframes, or interpolated between them."""
 
 from __future__ import annotations
 
@@ -94,14 +95,17 @@ def _motions(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, 
         if end < first or start > last or at > last:
             continue
         found = fitting.get((start, end))
-        motion = _interpolated(edit, start, end) if found is None else found.trajectory
+        motion = _untracked(edit, start, end) if found is None else found.trajectory
         rows = slice(at - start, min(end, last) - start + 1)
         at = min(end, last) + 1
         yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
 
 
-def _interpolated(edit: EditorState, start: int, end: int) -> Trajectory:
-    skeleton = settled_skeleton(edit)
-    found = (find(edit.settled.keyframes, frame) for frame in (start, end))
-    posed = [known.pose(skeleton) for known in found if known is not None]
-    return interpolate(posed[0], posed[-1], start, end)  # of an open end one pose is known
+def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
+    found = edit.between(edit.settled, start, end)
+    if found is not None:
+        return found
+    skeleton = settled_skeleton(edit)  # of an open end one pose is known
+    known = (find(edit.settled.keyframes, frame) for frame in (start, end))
+    pose = next(keyframe.pose(skeleton) for keyframe in known if keyframe is not None)
+    return interpolate(pose, pose, start, end)

@@ -26,10 +26,10 @@ from app.editor.part_edits import limbs_of
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
+from tracker.body.trajectory import Trajectory, displaced
 from tracker.errors import ReductionError
 from tracker.geometry.rotations import Array
-from tracker.reduction.reduce import require_range
+from tracker.reduction.result import require_range
 from tracker.session.schema import MOST, FirstMotion, Keyframe, PartKeyframe, Session
 from tracker.storage.results import Fitting
 
@@ -89,10 +89,11 @@ def reducible(
         raise Refused("A limb is keyed alone between two keyframes: add them first.")
     if parts:
         first, last = max(first, doc.spans[0][0]), min(last, doc.spans[-1][1])
+        if first >= last:
+            raise Refused("A limb is keyed alone between two keyframes: choose frames there.")
     chosen, motion = _motion(doc, fitting, imported, source, first, last)
-    first, last = motion.first_frame, motion.last_frame
     stay = [k for k in doc.keyframes if first <= k.frame <= last]
-    motion = _through(doc, motion, stay, always=not replacing or bool(parts))
+    motion = _known(_through(doc, motion, stay, always=not replacing or bool(parts)))
     required = [] if replacing and not parts else [keyframe.frame for keyframe in stay]
     required += [k.frame for k in doc.part_keyframes if parts and first <= k.frame <= last]
     indices = frozenset(map(doc.body.index, parts)) if parts else None
@@ -177,9 +178,8 @@ def _motion(
     }
     for one in SOURCES if source is None else (source,):
         motion = _gathered(doc, makers[one](), first, last)
-        known = np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
-        if len(known) > 1:
-            return one, require_range(motion, first + int(known[0]), first + int(known[-1]))
+        if np.isfinite(motion.ps_camera_root[:, 0]).sum() > 1:
+            return one, motion
     if source is None:
         where = "" if (first, last) == (0, doc.video.frame_count - 1) else " in these frames"
         raise Refused(f"There is no motion to reduce{where}: track, draft or import one first.")
@@ -207,14 +207,17 @@ def _posed(doc: Session, keyframes: Iterable[Keyframe]) -> list[Trajectory]:
 
 def _on_keyframes(doc: Session, imported: Trajectory) -> list[Trajectory]:
     """An imported motion made to meet the keyframes between each two of them."""
-    from tracker.tracking.initial.chains import fit_to_keyframes  # loads the loops
-
     skeleton, motions = Skeleton.of(doc.body), [imported]
     for a, b in pairwise(doc.keyframes):
-        given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
-        met = fit_to_keyframes(imported, *given, smoothed=False)
-        motions += [] if met is None else [met]
+        ends = imported.first_frame <= a.frame and b.frame <= imported.last_frame
+        if ends and all(_has_pose(imported, each.frame) for each in (a, b)):
+            given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
+            motions.append(displaced(imported, *given))
     return motions
+
+
+def _has_pose(motion: Trajectory, frame: int) -> bool:
+    return bool(np.isfinite(motion.ps_camera_root[frame - motion.first_frame]).all())
 
 
 def _through(
@@ -229,6 +232,12 @@ def _through(
             pose = keyframe.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     return Trajectory(motion.first_frame, Rs, ps)
+
+
+def _known(motion: Trajectory) -> Trajectory:
+    """From the first frame with a pose to the last one."""
+    known = motion.first_frame + np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
+    return require_range(motion, int(known[0]), int(known[-1]))
 
 
 # --- limbs alone

@@ -79,6 +79,9 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
     if place == 0 or place == len(known):
         return ShownPose(known[min(place, len(known) - 1)].pose(state.skeleton), "held")
     before, after = known[place - 1], known[place]
+    motion = state.between(state.doc, before.frame, after.frame) if state.kept else None
+    if motion is not None:
+        return ShownPose(motion.pose(frame), "between")
     share = (frame - before.frame) / (after.frame - before.frame)
     return ShownPose(
         _mixed(before.pose(state.skeleton), after.pose(state.skeleton), share), "between"

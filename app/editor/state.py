@@ -12,6 +12,7 @@ from app.editor.pointer_views import up_of
 from app.posing import Readout, opening_pose
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, displaced, interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.history import History
 from tracker.session.pins import Pin
@@ -57,7 +58,8 @@ class EditorState:
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
     body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
-    pins changed last, until it is known anew; dismissed_pins: what was refused of it.
+    pins changed last, until it is known anew; dismissed_pins: what was refused of it.  kept: the
+    motion from before it was reduced to keyframes.
     """
 
     doc: Session
@@ -76,6 +78,7 @@ class EditorState:
     proposed_pins: tuple[Pin, ...] = ()
     dismissed_pins: tuple[Pin, ...] = ()
     timecode: Timecode | None = None
+    kept: Trajectory | None = None
 
     @property
     def frame_count(self) -> int:
@@ -99,6 +102,20 @@ class EditorState:
     def tracked(self, frame: int) -> Pose | None:
         """The tracked pose at a frame."""
         return pose_at(self.fitting, frame)
+
+    def between(self, doc: Session, start: int, end: int) -> Trajectory | None:
+        """The motion between two neighbouring keyframes that is not tracked: as it was before it
+        was reduced, where it was, displaced to meet them; else interpolated. None where one of
+        them is no keyframe."""
+        at = {k.frame: k for k in doc.keyframes if k.frame in (start, end)}
+        if len(at) < 2:
+            return None
+        skeleton = self.skeleton if doc.body is self.doc.body else Skeleton.of(doc.body)
+        given = (at[start].pose(skeleton), at[end].pose(skeleton), start, end)
+        own = doc.first_motion is not None and doc.first_motion.own_run(start, end) is not None
+        if own and self.kept is not None:
+            return displaced(self.kept, *given)
+        return interpolate(*given)
 
     @property
     def proposals(self) -> tuple[Pin, ...]:

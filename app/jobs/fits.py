@@ -166,7 +166,7 @@ class Fit:
         return FollowedAhead(order.job, found)
 
     def _reduce(self, order: ReduceOrder, session: Session) -> Reduced:
-        from tracker.reduction import reduce_motion  # loads what only this needs
+        from tracker.reduction.reduce import reduce_motion  # loads what only this needs
 
         told = -1
 

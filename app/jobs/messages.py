@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from app.editor.reduced import Reducible
     from tracker.fitting.draft import Proposal
     from tracker.fitting.sizes import Proposal as SizesProposal
-    from tracker.reduction import Reduction, Tolerance
+    from tracker.reduction.result import Reduction, Tolerance
     from tracker.tracking.ahead.follow import FoundAhead
 
 Wanted: TypeAlias = tuple[int, int, str]

@@ -52,7 +52,7 @@ from tracker.storage.keypoints import of_session, save_keypoints
 from tracker.storage.results import pose_at
 
 if TYPE_CHECKING:
-    from tracker.reduction import Reduction
+    from tracker.reduction.result import Reduction
     from tracker.tracking.ahead.follow import FoundAhead
 
 SAME = 1e-9

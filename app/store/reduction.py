@@ -11,7 +11,7 @@ from app.editor.reduced import Reducible, reducible, with_reduction
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from tracker.errors import SessionError
-from tracker.reduction import Reduction, Tolerance
+from tracker.reduction.result import Reduction, Tolerance
 from tracker.storage.atomic import make_folder
 from tracker.storage.first_motion import kept_beside, save_own_motion
 

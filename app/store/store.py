@@ -20,7 +20,7 @@ from pydantic import ValidationError
 
 from app.document.library import Library, id_of
 from app.document.library.names import clean_name
-from app.document.open import OpenSession, edit_state, open_for_editing
+from app.document.open import OpenSession, edit_state, open_for_editing, with_kept_motion
 from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
@@ -54,7 +54,7 @@ from app.store.state import (
 )
 from app.store.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
-from tracker.reduction import Reduction
+from tracker.reduction.result import Reduction
 from tracker.storage.chronicle import mark_of
 from tracker.video import VideoInfo
 
@@ -192,6 +192,8 @@ class Store:
         if edit is before:
             return
         if before is not None:
+            if self._opened and edit.doc.first_motion != before.doc.first_motion:
+                edit = with_kept_motion(edit, self._opened.session_path)
             edit = edit.stamped(before, time.time())
         fit = self._app_state.fit
         self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)

@@ -47,14 +47,24 @@ def ghosts(page: Page) -> int:
     return (page.locator("#tsvg path.reduced").get_attribute("d") or "").count("M")
 
 
-def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> None:
-    drafted = len(section(page, "keys.drafts"))
+def begun(page: Page) -> None:
+    """Ask for a reduction, and wait until its keyframes are shown."""
     page.keyboard.press("Control+k")
     page.keyboard.type("unbake")
     until_counted(page, "#search [role=option]", 1)
     page.keyboard.press("Enter")
     until_told(page, "reduction", is_found, SECONDS_TO_REDUCE)
     until_counted(page, ".reducecard", 1)
+
+
+def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> None:
+    drafted, revision = len(section(page, "keys.drafts")), section(page, "revision")
+    begun(page)
+    page.keyboard.press("Escape")
+    until_counted(page, ".reducecard", 0)
+    assert section(page, "reduction") is None
+    assert section(page, "revision") == revision
+    begun(page)
     fine = section(page, "reduction.frames")
     until(lambda: ghosts(page) == len(fine) - 2)
     screen(page, "reduce")
@@ -76,13 +86,3 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     page.keyboard.press("Control+z")
     until_told(page, "keys.drafts", lambda drafts: len(drafts) == drafted)
     assert len(section(page, "keys.frames")) == 2
-
-
-def test_esc_discards_the_preview_and_nothing_changed(page: Page) -> None:
-    revision = section(page, "revision")
-    page.evaluate("() => import('/static/actions/actions.js').then((m) => m.perform('reduce'))")
-    until_told(page, "reduction", is_found, SECONDS_TO_REDUCE)
-    page.keyboard.press("Escape")
-    until_told(page, "reduction", lambda told: told is None)
-    until_counted(page, ".reducecard", 0)
-    assert section(page, "revision") == revision

@@ -9,7 +9,7 @@ import numpy as np
 
 from tracker.body.pose import Pose, joint_positions, part_transforms
 from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen, rotation_between
+from tracker.geometry.rotations import Array, frozen, rotation_between, transpose
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +84,26 @@ def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Tr
     ps = start.p_camera_root + shares[:, None] * step
     ps[-1] = end.p_camera_root
     return Trajectory(first_frame, Rs, ps)
+
+
+def displaced(motion: Trajectory, start: Pose, end: Pose, first: int, last: int) -> Trajectory:
+    """A motion from `first` to `last`, made to meet two poses there and as it was between.
+
+    What it misses either pose by is added to it, turns in the parts' frames: all of it at that end,
+    none at the other, and between as `interpolate` leads from one to the other. A motion that has
+    both poses stays as it is.
+    """
+    rows = slice(first - motion.first_frame, last - motion.first_frame + 1)
+    Rs, ps = motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
+    misses = [
+        Pose(transpose(Rs[n]) @ pose.Rs_parent_part, pose.p_camera_root - ps[n])
+        for n, pose in ((0, start), (-1, end))
+    ]
+    by = interpolate(misses[0], misses[1], first, last)
+    R, p = Rs @ by.Rs_parent_part, ps + by.ps_camera_root
+    R[0], R[-1] = start.Rs_parent_part, end.Rs_parent_part
+    p[0], p[-1] = start.p_camera_root, end.p_camera_root
+    return Trajectory(first, R, p)
 
 
 def joined(pieces: list[Trajectory]) -> Trajectory:

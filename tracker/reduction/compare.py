@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,35 +12,13 @@ from numpy.typing import NDArray
 from tracker.body.body import Part
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
-from tracker.errors import ReductionError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.kernels.intervals import interval_costs, interval_misses, reached_from
 from tracker.kernels.layout import ComparedBody, DenseMotion, IntervalWork, Lens, Limits
+from tracker.reduction.result import Tolerance
 
 Frames = NDArray[np.int64]
-
-LEAST_M, LEAST_PX = 1e-4, 0.01
-"""The smallest tolerances: below, rounding of a file's numbers would ask for every frame."""
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """How far interpolation may lead any point of the body away from the motion.
-
-    metres: in space.  pixels: in the picture, of an ideal lens. Infinite where one does not count.
-    """
-
-    metres: float = 0.02
-    pixels: float = math.inf
-
-    def __post_init__(self) -> None:
-        if not (self.metres >= LEAST_M and self.pixels >= LEAST_PX):
-            raise ReductionError(
-                f"The tolerance must be at least {1000 * LEAST_M:g} mm, or {LEAST_PX:g} pixels."
-            )
-        if math.isinf(self.metres) and math.isinf(self.pixels):
-            raise ReductionError("The tolerance must be given in space or in the picture.")
 
 
 @dataclass(frozen=True, eq=False)

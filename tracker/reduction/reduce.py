@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
@@ -13,41 +12,10 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import ReductionError
 from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
-from tracker.reduction.compare import Comparison, Tolerance
+from tracker.geometry.rotations import frozen
+from tracker.reduction.compare import Comparison
 from tracker.reduction.fewest import fewest_frames
-
-
-@dataclass(frozen=True, eq=False)
-class Reduction:
-    """The frames of a motion to keep as keyframes.
-
-    frames:    of the video, ascending.
-    first_frame: of the motion.
-    misses:    (N,) for every frame of the motion how far the point of the body that is farthest
-        off is from the motion where it is interpolated between the keyframes, as a share of the
-        tolerance; 0 at keyframes, NaN where the motion has no pose.
-    """
-
-    frames: tuple[int, ...]
-    first_frame: int
-    misses: Array
-    tolerance: Tolerance
-
-    @property
-    def worst(self) -> float:
-        """The largest miss, as a share of the tolerance."""
-        return float(np.nanmax(self.misses))
-
-    @property
-    def known_count(self) -> int:
-        """Frames with a pose."""
-        return int(np.isfinite(self.misses).sum())
-
-    @property
-    def frames_per_keyframe(self) -> float:
-        """Frames that one keyframe stands for."""
-        return (self.frames[-1] - self.frames[0]) / max(len(self.frames) - 1, 1)
+from tracker.reduction.result import Reduction, Tolerance
 
 
 def reduce_motion(
@@ -106,14 +74,3 @@ def _required(comparison: Comparison, frames: Collection[int]) -> set[int]:
         if not (0 <= n < len(motion) and comparison.known[n]):
             raise ReductionError(f"Frame {frame} is a keyframe, but the motion has no pose there.")
     return {frame - motion.first_frame for frame in frames}
-
-
-def require_range(motion: Trajectory, first: int, last: int) -> Trajectory:
-    """The frames of a motion from first to last; ReductionError where it has not all of them."""
-    if not motion.first_frame <= first <= last <= motion.last_frame:
-        raise ReductionError(
-            f"The motion has frames {motion.first_frame} to {motion.last_frame}: choose a range "
-            "within them."
-        )
-    rows = slice(first - motion.first_frame, last - motion.first_frame + 1)
-    return Trajectory(first, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])

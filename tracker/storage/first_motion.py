@@ -98,14 +98,19 @@ def _write(body: Body, session_path: Path, motion: Trajectory) -> str:
 
 
 def of_session(session: Session, folder: Path) -> Trajectory | None:
-    """The motion a session's segments may start from; None where it has or uses none.
+    """The motion a session's segments may start from; None where it has or uses none, or its own
+    from before the body got other parts.
 
     folder: of the session's file.
     SessionError in one sentence when its file is missing, damaged, or of another body.
     """
-    if session.first_motion is None or session.settings.initial == "linear":
+    reference = session.first_motion
+    if reference is None or session.settings.initial == "linear":
         return None
-    return load_first_motion(folder / session.first_motion.file, session.body)
+    names, motion = _read(folder / reference.file)
+    if reference.own and names != session.body.names:
+        return None
+    return _of_body(names, motion, session.body, reference.file)
 
 
 def kept_beside(session: Session, folder: Path) -> Trajectory | None:
@@ -117,6 +122,19 @@ def kept_beside(session: Session, folder: Path) -> Trajectory | None:
 
 def load_first_motion(path: Path, body: Body) -> Trajectory:
     """The motion in a file; SessionError in one sentence when there is none for this body."""
+    return _of_body(*_read(path), body, path.name)
+
+
+def _of_body(names: tuple[str, ...], motion: Trajectory, body: Body, file: str) -> Trajectory:
+    if names != body.names:
+        raise SessionError(
+            f"{file} was imported for other parts than the session's body has: import it again."
+        )
+    return motion
+
+
+def _read(path: Path) -> tuple[tuple[str, ...], Trajectory]:
+    """The names of the parts, and their motion; SessionError where there is none."""
     try:
         content = read_regular(path, LARGEST_PACKED_BYTES)
     except OSError as error:
@@ -127,15 +145,9 @@ def load_first_motion(path: Path, body: Body) -> Trajectory:
     try:
         if path.name != _name(content):
             raise ValueError("its content does not fit its name")
-        names, motion = _motion(archive_arrays(content))
+        return _motion(archive_arrays(content))
     except ValueError as error:
         raise SessionError(f"The imported motion {str(path)!r} is damaged: {error}.") from None
-    if names != body.names:
-        raise SessionError(
-            f"{path.name} was imported for other parts than the session's body has: import it "
-            "again."
-        )
-    return motion
 
 
 def _motion(arrays: dict[str, NDArray[Any]]) -> tuple[tuple[str, ...], Trajectory]:

@@ -189,7 +189,9 @@ def require_first_motion(session: Session, first_motion: Trajectory | None) -> N
             "settings.initial is import, but the session has no imported motion: run keypose "
             "import first, or set it to auto."
         )
-    if initial != "linear" and imported is not None and first_motion is None:
+    if imported is None or imported.own:  # without its own motion a segment starts as any other
+        return
+    if initial != "linear" and first_motion is None:
         raise SessionError(
             f"The imported motion {imported.file} was not read; tracking starts from it."
         )

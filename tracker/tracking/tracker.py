@@ -11,7 +11,7 @@ from typing import TypeAlias
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.surface_points import SurfacePoints, sample_points
-from tracker.body.trajectory import Pass, Trajectory
+from tracker.body.trajectory import Pass, Trajectory, displaced
 from tracker.errors import SessionError
 from tracker.geometry.camera import Camera
 from tracker.keypoints.keypoints import Keypoints
@@ -208,11 +208,13 @@ class Tracker:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
-        imported, own = None, any(a <= first and last <= b for a, b in self._own)
-        if self._first_motion is not None:
-            imported = fit_to_keyframes(self._first_motion, start, end, first, last, not own)
-        if own and settings.initial == "auto":
-            settings = settings.model_copy(update={"initial": "import"})
+        imported, known = None, self._first_motion
+        if known is not None and any(a <= first and last <= b for a, b in self._own):
+            imported = displaced(known, start, end, first, last)
+            if settings.initial == "auto":
+                settings = settings.model_copy(update={"initial": "import"})
+        elif known is not None:
+            imported = fit_to_keyframes(known, start, end, first, last)
         segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
         scene = self.scene(span, method.density)

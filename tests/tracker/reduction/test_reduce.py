@@ -18,9 +18,9 @@ from tracker.body.trajectory import Trajectory, interpolate
 from tracker.errors import ReductionError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
-from tracker.reduction import Reduction, Tolerance, reduce_motion
 from tracker.reduction.compare import _compared_body
-from tracker.reduction.reduce import require_range
+from tracker.reduction.reduce import reduce_motion
+from tracker.reduction.result import Reduction, Tolerance, require_range
 
 Floats = NDArray[np.float64]
 

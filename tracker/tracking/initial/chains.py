@@ -110,24 +110,20 @@ def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
 
 
 def fit_to_keyframes(
-    motion: Trajectory, start: Pose, end: Pose, first: int, last: int, smoothed: bool = True
+    motion: Trajectory, start: Pose, end: Pose, first: int, last: int
 ) -> Trajectory | None:
     """An imported motion made to meet both keyframes; None where it does not reach both, or has
     frames without a pose (NaN) between.
 
-    It is smoothed, unless it is known to be the film's. Its turns continue from the first keyframe,
-    and drift correction makes them meet the second one. The root's path is shifted by what is
-    missing at either end, linearly between.
+    It is smoothed. Its turns continue from the first keyframe, and drift correction makes them meet
+    the second one. The root's path is shifted by what is missing at either end, linearly between.
     """
     if first < motion.first_frame or last > motion.last_frame:
         return None
     rows = slice(first - motion.first_frame, last - motion.first_frame + 1)
     if not np.isfinite(motion.ps_camera_root[rows]).all():
         return None
-    if smoothed:
-        R, t = _smooth(motion, first, last)
-    else:
-        R, t = motion.Rs_parent_part[rows].copy(), motion.ps_camera_root[rows]
+    R, t = _smooth(motion, first, last)
     s = np.linspace(0.0, 1.0, len(t))[:, None]
     path = t + (1 - s) * (start.p_camera_root - t[0]) + s * (end.p_camera_root - t[-1])
     path[0], path[-1] = start.p_camera_root, end.p_camera_root

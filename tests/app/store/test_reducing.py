@@ -1,0 +1,163 @@
+"""A reduction at the page: previewed, asked again, applied as one step, or left without a trace."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
+from app.jobs.fits import Fit
+from app.jobs.messages import Report
+from app.jobs.worker_cache import WorkerCache
+from app.store import runner
+from tests.app.serving import ROOT
+from tests.app.store.test_fitter import Desk, Worker, at_a_desk
+from tests.page.test_page_shapes import declared, differences
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.session import Keyframe
+from tracker.storage.files import load_session, save_session
+
+REDUCE = {"do": "reduce", "cm": 6.0}
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", Worker)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """The sample with its true motion drafted between the keyframes."""
+    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
+    path = tmp_path / "person" / "session.json"
+    session, truth = load_session(path), np.load(path.with_name("truth.npz"))
+    skeleton, keyed = Skeleton.of(session.body), {k.frame for k in session.keyframes}
+    poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
+    drafts = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
+    found = [d.model_copy(update={"drafted": True}) for d in drafts if d.frame not in keyed]
+    save_session(session.model_copy(update={"drafts": tuple(found)}), path)
+    return path
+
+
+def worked(desk: Desk, cancelled: bool = False) -> list[Report]:
+    """The newest order done as the worker process does it; what that reports."""
+    reports: list[Report] = []
+    stop = Event()
+    if cancelled:
+        stop.set()
+    Fit(desk.worker.fits[-1], stop, reports.append).run(WorkerCache())
+    return reports
+
+
+def answered(desk: Desk) -> Any:
+    """The newest order is done, and what the page is told then."""
+    for report in worked(desk):
+        desk.worker.report(report)
+    return desk.section("reduction")
+
+
+def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before = desk.edit.doc
+        desk.do(REDUCE)
+        told = desk.section("reduction")
+        assert (told["busy"], told["frames"], told["source"]) == (True, [], "drafts")
+        desk.do({"do": "apply_reduction"})
+        assert await desk.words() == ["The keyframes are not known yet. Wait a moment."]
+        told = answered(desk)
+        assert told["frames"][0] == 0
+        assert told["kept"] == 4
+        assert 0 < told["off_cm"] <= 6
+        assert list(differences(told, "Reduction", declared(), "reduction")) == []
+        assert desk.edit.doc is before
+        desk.do({**REDUCE, "cm": 30.0, "stroke": "a"})
+        assert desk.section("reduction")["frames"] == told["frames"]  # until the others are known
+        coarse = answered(desk)
+        assert len(coarse["frames"]) < len(told["frames"])
+        desk.do({"do": "apply_reduction"})
+        assert desk.section("reduction") is None
+        assert desk.section("keys")["frames"] == coarse["frames"]
+        assert desk.section("keys")["drafts"] == []
+        assert desk.section("undo")["undo"] == "reduce to keyframes"
+        assert desk.edit.kept is not None
+        desk.do({"do": "undo"})
+        assert desk.edit.doc is before
+        assert desk.edit.kept is None
+        desk.do({"do": "redo"})
+        assert desk.edit.kept is not None
+
+    at_a_desk(path, work)
+    assert load_session(path).first_motion is not None
+
+
+def test_edits_wait_for_the_answer_and_what_is_discarded_leaves_nothing_behind(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before = desk.edit.doc
+        desk.do(REDUCE)
+        answered(desk)
+        desk.do({"do": "angles", "part": "head", "x": 9}, {"do": "undo"}, {"do": "go", "frame": 7})
+        assert await desk.words() == ["Apply or discard the keyframes of the reduction first."] * 2
+        assert desk.edit.frame == 7
+        desk.do({"do": "discard_reduction"})
+        assert desk.section("reduction") is None
+        assert desk.edit.doc is before
+        assert not list(path.parent.glob("first-*"))
+        desk.do({"do": "discard_reduction"})
+        assert await desk.words() == ["There are no keyframes of a reduction to answer."]
+
+    at_a_desk(path, work)
+
+
+def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        desk.do(REDUCE)
+        assert [type(report) for report in worked(desk, cancelled=True)] == [JobFinished]
+        desk.do({"do": "cancel"})
+        assert desk.section("reduction") is None
+        desk.do(REDUCE)
+        order = desk.worker.fits[-1]
+        desk.worker.report(Reducing(order.job, 30, 73))
+        assert desk.store._runner.job.percent == pytest.approx(41, abs=1)  # told now and then
+        desk.worker.report(JobFailed(order.job, "It failed."))
+        assert desk.section("reduction") is None
+        assert await desk.words() == ["It failed."]
+
+    at_a_desk(path, work)
+
+
+def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        desk.do({"do": "reduce"}, {**REDUCE, "first": 70, "last": 99})
+        words = await desk.words()
+        assert "a tolerance is needed" in words[0]
+        assert "The video has frames 0 to 72" in words[1]
+        assert desk.section("reduction") is None
+        desk.do(REDUCE)
+        told = answered(desk)
+        desk.do({**REDUCE, "limbs": ["waist"]})
+        assert "Press K to key all of it" in (await desk.words())[0]
+        assert desk.section("reduction") == told
+
+    at_a_desk(path, work)
+
+
+def test_the_order_holds_the_motion_and_the_reports_its_progress(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        desk.do({**REDUCE, "px": 9.0, "first": 10, "last": 50})
+        (order,) = desk.worker.fits
+        assert isinstance(order, ReduceOrder)
+        assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
+        assert (order.tolerance.metres, order.tolerance.pixels) == (0.06, 9.0)
+        *progress, last = worked(desk)
+        assert isinstance(last, Reduced)
+        assert {10, 24, 48, 50} <= set(last.reduction.frames)
+        counts = [report.done for report in progress if isinstance(report, Reducing)]
+        assert counts == sorted(counts)
+
+    at_a_desk(path, work)
