@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from app.posing.chains import Chain
 from app.posing.elbows import Elbow, Swivel
 from app.posing.gesture import Gesture, Posed, Reach, Readout
@@ -92,6 +94,8 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
     context = limb.context
     after = GestureContext.of(context.skeleton, context.turned(reached.rotations), False)
     way = view.project(after.joint(limb.lower)) - seen.middle_at
+    if not np.isfinite(way).all():  # drawn behind the camera
+        return reached
     return seen.with_end(seen.middle_at + along * way, goal.at)
 
 

@@ -29,8 +29,8 @@ LEVEL, CHANGED_M = 0.08, 0.01
 it hardly leaves the pointer."""
 
 NEAR_M, FAR_M = 0.1, 0.25
-"""So much nearer or farther a limb is taken until it begins to point to where it was, and until it
-does."""
+"""Taken nearer or farther by more than the first, a limb begins to point to where it was; by the
+second it does."""
 
 SIDEWAYS, NOT_SIDEWAYS = math.radians(10.0), math.radians(30.0)
 """What a hinge lacks is done to its sides up to the first angle; from the second on not at all."""
@@ -56,11 +56,11 @@ class SeenLimb:
     @classmethod
     def of(cls, limb: TwoBones, view: PointerView, before: GestureContext) -> SeenLimb:
         """A limb as it was seen before it was perhaps carried along."""
-        elbow = Elbow(TwoBones.of(before, limb.upper, limb.lower, limb.tip), CLEAR)
-        centre, middle, end = elbow.limb.centre, elbow.joint, elbow.limb.end
+        centre, middle = before.joint(limb.upper), before.joint(limb.lower)
+        end = before.placed(limb.lower, limb.tip)
         bones = (centre, middle), (middle, end)
         sides = [float(unit(to - start) @ view.ray_through(to)) for start, to in bones]
-        bends_to = before.R_camera_part(limb.upper) @ elbow.natural()
+        bends_to = before.R_camera_part(limb.upper) @ Elbow(limb).natural()
         bends = float(bends_to @ view.ray_through(middle))
         left_m = float(view.depth(centre) - view.depth(limb.centre))
         return cls(limb, view, (sides[0], sides[1]), bends, left_m)

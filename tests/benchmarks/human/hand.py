@@ -129,10 +129,15 @@ class Hand:
         if hips and px(np.mean(hips, axis=0)) > FAR_PX:
             self.desk.act("drag", "move the body", self._moved(np.mean(hips, axis=0)))
 
+    @property
+    def _trunk(self) -> list[str]:
+        """The joints of the trunk that anybody is sure of."""
+        return [n for n in (*HIPS, *SHOULDERS) if n not in self.desk.clip.unmeasured]
+
     def _carried(self) -> do.Drag | None:
         """The body carried to where its trunk is seen; None where it is there."""
         off = self.desk.off()
-        trunk = [off[n] for n in (*HIPS, *SHOULDERS) if n in off]
+        trunk = [off[n] for n in self._trunk if n in off]
         way = np.mean(trunk, axis=0) if trunk else np.zeros(2)
         return self._moved(way) if px(way) > PLACED_PX else None
 
@@ -152,7 +157,7 @@ class Hand:
     def _pull_corners(self) -> None:
         """Drag shoulders and hips that look wrong onto where they are seen, and the body onto where
         the trunk is, each time what brings the trunk nearest, as long as that helps."""
-        trunk = (*HIPS, *SHOULDERS)
+        trunk = self._trunk
         for _ in trunk:
             tries = [("move the body", self._carried())]
             for handle in handles(self.desk.state.doc.body):
@@ -221,8 +226,7 @@ class Hand:
 
     def _turn_head(self) -> None:
         """Turn the head by its surface until its top is where it is seen."""
-        off = self.desk.off().get("head_top")
-        if off is not None and px(off) > LOOKS_RIGHT_PX:
+        if self._is_off("head_top"):
             top = self.desk.project(self.desk.shown().pose)["head_top"]
             head = Surface(kind="surface", part="head", tool="rotate")
             self._drag_if_it_helps("turn the head", head, "head_top", top)
@@ -246,8 +250,7 @@ class Hand:
         return self._stay_or_along(self._onto(_grip(handle), handle.anchor), joints)
 
     def _is_off(self, joint: str) -> bool:
-        off = self.desk.off().get(joint)
-        return off is not None and px(off) > LOOKS_RIGHT_PX
+        return joint in self.wrong()
 
     def _drag_if_it_helps(
         self, why: str, grip: Any, joint: str, start: Array | None = None
