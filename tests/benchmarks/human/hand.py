@@ -34,6 +34,8 @@ SEEN_DEG, FAR_PX = 35.0, 25.0
 """A trunk turned by less is not seen to be; a body farther from its hips is carried there."""
 TURN_GAIN = 0.2
 """A drag that takes a smaller share of the error of what it moves is cancelled."""
+LIMB_GAIN = 0.1
+"""The same of the error of a limb: what brings one joint nearer and another off is not done."""
 DEEP_M, DEPTH_SIGMA_M = 0.2, 0.03
 """A hand or foot so much too near or too far is seen to be in the side view; and how well it is put
 right there."""
@@ -240,14 +242,19 @@ class Hand:
                 continue
             if kind == "middle" and not self._helps(self._limb_drag(handle), joint):
                 self._bend(handle)
-            if self._is_off(joint):
-                self._do_if_it_helps(f"pull {_word(handle)}", self._limb_drag(handle), joint)
+            message = self._limb_drag(handle)
+            if self._is_off(joint) and self._gain(message, self._seen_of(handle)) > LIMB_GAIN:
+                self._do_if_it_helps(f"pull {_word(handle)}", message, joint)
 
     def _limb_drag(self, handle: BodyHandle) -> do.Drag:
         """A handle of a limb dragged onto where its joint is seen; the limb's others stay or come
         along."""
-        joints = [name for name in handle.limb if name in self.desk.clip.places]
-        return self._stay_or_along(self._onto(_grip(handle), handle.anchor), joints)
+        drag = self._onto(_grip(handle), handle.anchor)
+        return self._stay_or_along(drag, self._seen_of(handle))
+
+    def _seen_of(self, handle: BodyHandle) -> list[str]:
+        """The joints of a handle's limb that are looked at."""
+        return [name for name in handle.limb if name in self.desk.clip.places]
 
     def _is_off(self, joint: str) -> bool:
         return joint in self.wrong()
