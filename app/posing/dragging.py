@@ -22,6 +22,7 @@ from app.posing.moving import move_root
 from app.posing.pointer_view import PointerView
 from app.posing.reaching import reach
 from app.posing.size_drags import resize_by_drag
+from app.posing.trunk import drag_corner
 from app.posing.turning import rotate_by_ring, rotate_by_surface
 from tracker.body.body import Body
 from tracker.body.pose import Pose
@@ -53,9 +54,8 @@ def drag(
     view, handle = sights[gesture.view], gesture.handle
     if isinstance(handle, SizeHandle):
         return resize_by_drag(context, view, gesture, handle, linked)
-    if gesture.carry:
-        held = Held(pinned=held.pinned)
     taken = _taken(body, gesture, handle)
+    held = _held(held, view, gesture, taken)
     if isinstance(taken, BodyHandle):
         return _by_handle(context, view, gesture, taken, held)
     part = body.index(taken)
@@ -64,6 +64,18 @@ def drag(
     else:
         turned = rotate_by_surface(context, view, gesture, part, axes_frame, angle_before)
     return with_held_ends(context, turned, held, Moved(taken))
+
+
+def _held(held: Held, view: PointerView, gesture: Gesture, taken: BodyHandle | str) -> Held:
+    """What stays in a gesture, and whether in the picture or in space.
+
+    A drag along the picture says nothing of depth; that of the whole body in depth, only how large
+    it is seen.
+    """
+    carried = isinstance(taken, BodyHandle) and taken.kind == "root"
+    in_picture = view.is_films and gesture.axis is None and (carried or not gesture.depth)
+    placed = frozenset[str]() if gesture.carry else held.placed
+    return Held(placed, held.pinned, view if in_picture else None)
 
 
 def _taken(
@@ -91,7 +103,10 @@ def _taken(
 def _by_handle(
     context: GestureContext, view: PointerView, gesture: Gesture, handle: BodyHandle, held: Held
 ) -> Posed:
-    """The root carried, or a limb pulled."""
+    """The root carried, the trunk posed by one of its corners, or a limb pulled."""
+    if handle.kind == "corner":
+        posed = drag_corner(context, view, gesture, handle)
+        return with_held_ends(context, posed, held, Moved(handle.movers[0]))
     if handle.kind == "root":
         return with_held_ends(context, move_root(context, view, gesture), held, Moved(handle.part))
     posed = reach(context, view, gesture, handle, held)

@@ -5,7 +5,7 @@ Otherwise, `Elbow`: the upper limb swings so that the joint comes under the poin
 where it is as far as the bones allow: the lower limb keeps pointing at that place, the upper one
 turning about itself so that the hinge can. Near the places where this would be a sudden turn of
 the limb about itself (a joint dragged straight through, or to the wrong side) less and less of it
-is done.
+is done. `seen_limbs.py` uses it for limbs whose joints stay where they are seen.
 """
 
 from __future__ import annotations
@@ -81,9 +81,13 @@ class Swivel:
 
 @dataclass(frozen=True, eq=False)
 class Elbow:
-    """A limb whose middle joint is dragged; `limb` is all that is known of it."""
+    """A limb whose middle joint is dragged; `limb` is all that is known of it.
+
+    clear: share of the lower bone's length, see `CLEAR`.
+    """
 
     limb: TwoBones
+    clear: float = CLEAR
 
     @property
     def joint(self) -> Array:
@@ -96,52 +100,55 @@ class Elbow:
         radius = length(self.joint - limb.centre)
         resting = context.resting_direction(limb.upper, limb.hinge.upper)
         place = on_sphere(view, goal, limb.centre, radius, self.joint, resting)
-        R_swung = self._swung(unit(place - limb.centre), resting)
+        return self.bent(place, limb.end)
+
+    def bent(self, place: Array, end: Array) -> Reached:
+        """The limb with its middle joint at a place (3,) on the sphere about its first joint, and
+        its lower bone pointing at `end` (3,), as far as the hinge allows; camera frame."""
+        limb, context = self.limb, self.limb.context
         axis = unit(place - limb.centre)
-        R_upper = turn(axis, self._twist(R_swung, place)) @ R_swung
-        by = self._hinge_turn(R_upper)
+        R_swung = self._swung(axis)
+        twist = self._facing(R_swung, place, end)
+        twist -= self._facing(context.R_camera_part(limb.upper), self.joint, limb.end)
+        R_upper = turn(axis, twist) @ R_swung
+        by = self._hinge_turn(R_upper, end)
         rotations = {
             limb.upper: context.R_camera_parent(limb.upper).T @ R_upper,
             limb.lower: turn(limb.hinge.axis, by) @ context.pose.Rs_parent_part[limb.lower],
         }
-        return Reached(rotations, limb.centre, radius)
+        return Reached(rotations, limb.centre, length(self.joint - limb.centre))
 
-    def _swung(self, direction: Array, resting: Array) -> Array:
+    def _swung(self, direction: Array) -> Array:
         limb = self.limb
         R_before = limb.context.R_camera_part(limb.upper)
         start = unit(self.joint - limb.centre)
+        resting = limb.context.resting_direction(limb.upper, limb.hinge.upper)
         return np.asarray(Swing.of(start, resting).to(direction) @ R_before)
 
-    def _twist(self, R_upper: Array, joint: Array) -> float:
-        """How far the upper limb turns about itself for the hinge to face the end's old place."""
-        limb = self.limb
-        R_before = limb.context.R_camera_part(limb.upper)
-        return self._facing(R_upper, joint) - self._facing(R_before, self.joint)
-
-    def _facing(self, R_upper: Array, joint: Array) -> float:
-        """The softened angle from where the hinge bends the lower limb to the end's old place."""
+    def _facing(self, R_upper: Array, joint: Array, end: Array) -> float:
+        """The softened angle from where the hinge bends the lower limb to the end's place."""
         limb = self.limb
         axis = unit(joint - limb.centre)
-        wanted = across(limb.end - joint, axis)
-        clear = smooth_step(length(wanted) / (CLEAR * length(limb.hinge.lower)))
+        wanted = across(end - joint, axis)
+        clear = smooth_step(length(wanted) / (self.clear * length(limb.hinge.lower)))
         if clear == 0.0:
             return 0.0
-        bends_to = across(R_upper @ self._natural(), axis)
+        bends_to = across(R_upper @ self.natural(), axis)
         return clear * softened(signed_angle(bends_to, wanted, axis))
 
-    def _natural(self) -> Array:
+    def natural(self) -> Array:
         """(3,) across the upper limb, in its frame: to where its hinge bends the lower limb."""
         hinge = self.limb.hinge
         now = across(hinge.lower, unit(hinge.upper))
         bent_well = length(now) > math.sin(math.radians(3.0)) * length(hinge.lower)
         return unit(now) if bent_well else hinge.side * cross(hinge.axis, unit(hinge.upper))
 
-    def _hinge_turn(self, R_upper: Array) -> float:
-        """How far the hinge turns for the lower limb to point at the end's old place."""
+    def _hinge_turn(self, R_upper: Array, end: Array) -> float:
+        """How far the hinge turns for the lower limb to point at the end's place."""
         limb, hinge = self.limb, self.limb.hinge
         joint = limb.centre + R_upper @ hinge.upper
-        wanted = across(R_upper.T @ (limb.end - joint), hinge.axis)
-        clear = smooth_step(length(wanted) / (CLEAR * length(hinge.lower)))
+        wanted = across(R_upper.T @ (end - joint), hinge.axis)
+        clear = smooth_step(length(wanted) / (self.clear * length(hinge.lower)))
         if clear == 0.0:
             return 0.0
         by = clear * softened(signed_angle(hinge.lower, wanted, hinge.axis))

@@ -54,7 +54,7 @@ class End(_Plain):
 
 
 class Middle(_Plain):
-    """An elbow or a knee: its upper limb turns."""
+    """An elbow or a knee: its upper limb turns. A shoulder or a hip: the trunk follows."""
 
     kind: Literal["joint"]
     name: Name
@@ -99,8 +99,8 @@ class Gesture(InView):
     """A drag from where the pointer went down to where it is now, in the view's coordinates.
 
     snap: steps of 5° or 1 cm.  free: joint limits do not count.  axis: only along or about this
-    axis.  depth: up and down in the view mean farther and nearer.  carry: hands and feet that
-    would stay in their places go along, unless they are pinned.
+    axis.  depth: up and down in the view mean farther and nearer.  carry: what would stay in
+    its place goes along, unless it is pinned.
     """
 
     model_config = ConfigDict(

@@ -24,7 +24,7 @@ class BodyHandle:
     """
 
     name: str
-    kind: Literal["root", "end", "middle", "head"]
+    kind: Literal["root", "end", "middle", "head", "corner"]
     part: str
     anchor: str
     label: str
@@ -33,11 +33,12 @@ class BodyHandle:
 
 
 def handles(body: Body) -> tuple[BodyHandle, ...]:
-    """The root, and of every limb the end and the joints between.
+    """The root, of every limb the end and the joints between, and the corners of the trunk.
 
     A hand and a foot are dragged by their joint, and keep their direction in what carries them. A
     limb of two parts is dragged by its tip. The head takes neck and chest with it. A clavicle turns
-    when the shoulder is dragged, and stays when elbow or hand are.
+    when the shoulder is dragged, and stays when elbow or hand are. A shoulder without one, and a
+    hip, are corners: they take the trunk with them.
     """
     skeleton = Skeleton.of(body)
     root = body.parts[0].name
@@ -47,7 +48,26 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
             found.append(_head(skeleton, limb))
         elif not _carries_more(skeleton, limb):
             found += _of_limb(body, limb)
-    return tuple(found)
+    return (*found, *_corners(skeleton, found))
+
+
+def _corners(skeleton: Skeleton, found: list[BodyHandle]) -> list[BodyHandle]:
+    """Where the left and right limbs hang on the trunk, of a body that has a head."""
+    body = skeleton.body
+    head = next((handle for handle in found if handle.kind == "head"), None)
+    if head is None:
+        return []
+    trunk = (body.parts[0].name, *head.movers)
+    corners = []
+    for handle in found:
+        first = handle.limb[0]
+        on = body.parts[body.index(first)].parent
+        hinged = handle.kind == "end" and handle.movers[0] == first
+        if hinged and on in trunk and body.mirror_of(first) != first:
+            label = joint_label(first)
+            name = label.lower().replace(" ", "_")
+            corners.append(BodyHandle(name, "corner", on, first, label, trunk, trunk))
+    return corners
 
 
 def handle_named(body: Body, name: str) -> BodyHandle:
@@ -64,7 +84,7 @@ def handle_at_far_end(body: Body, part: str) -> BodyHandle | None:
     """The handle that carries a part's far end: of the upper arm the elbow's, of the hand the
     wrist's. None where there is none, as for the chest."""
     body.index(part)
-    known = [handle for handle in handles(body) if handle.kind != "root"]
+    known = [handle for handle in handles(body) if handle.kind not in ("root", "corner")]
     children = {p.name for p in body.parts if p.parent == part}
     for handle in known:
         if handle.anchor in children and part in handle.limb:

@@ -1,12 +1,14 @@
-"""Hands and feet that stay where they are in space while the rest of the body moves.
+"""Hands and feet that stay where they are while the rest of the body moves.
 
 After a drag has moved what it moves, every limb whose end is held is bent anew so that the end
 comes back to its place, with the direction it had as far as its joint's limits let it. A limb
-that is too short for that is stretched straight toward the place.
+that is too short for that is stretched straight toward the place. A place is one in space, or of a
+drag on the picture where the limb is seen (`seen_limbs.py`).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,12 +17,14 @@ from app.posing.chains import Chain
 from app.posing.gesture import Posed
 from app.posing.gesture_context import GestureContext
 from app.posing.handles import BodyHandle, handles
+from app.posing.pointer_view import PointerView
+from app.posing.seen_limbs import SeenLimb
 from app.posing.two_bones import TwoBones
-from app.posing.vectors import length
+from app.posing.vectors import length, smooth_step
 from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from tracker.geometry.rotations import Array, exp_rotation, log_rotation
 
 MISSED_M = 0.002
 """An end this far from its place is called out of reach."""
@@ -30,6 +34,10 @@ _SAME = 1e-12
 
 _AT_REST = 1e-9
 
+_TURNED_BACK, _NOT_BACK = math.radians(50.0), math.radians(110.0)
+"""How far what carries a hand or a foot turns until that no longer keeps all of its direction, and
+until it keeps none."""
+
 
 @dataclass(frozen=True)
 class Held:
@@ -37,10 +45,20 @@ class Held:
 
     placed: where the trunk or a joint of their own limb is dragged.
     pinned: whatever is changed, unless it is they themselves.
+    seen: the film's own view where something is dragged in it: it shows nothing of depth, so there
+        limbs whose ends are placed stay where they are seen, elbows and knees too. None where ends
+        stay where they are in space, as those that are pinned always do.
     """
 
     placed: frozenset[str] = frozenset()
     pinned: frozenset[str] = frozenset()
+    seen: PointerView | None = None
+
+    def limb_in_picture(self, limb: TwoBones, end: str, before: GestureContext) -> SeenLimb | None:
+        """The limb of an end that stays where it is seen; None of one that does not."""
+        if self.seen is None or end not in self.placed - self.pinned:
+            return None
+        return SeenLimb.of(limb, self.seen, before)
 
 
 NONE_HELD = Held()
@@ -99,7 +117,7 @@ def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> 
         bending = _bending(handle, held, moved)
         if len(bending) < 2:
             continue
-        found = _brought_back(before, pose, handle, bending, _is_carried(handle, moved))
+        found = _BroughtBack(before, handle, bending, held, moved).found(pose)
         if found is None:
             continue
         pose, missed_m = found
@@ -128,33 +146,68 @@ def _bending(handle: BodyHandle, held: Held, moved: Moved) -> tuple[str, ...]:
     return ()
 
 
-def _brought_back(
-    before: GestureContext, after: Pose, handle: BodyHandle, bending: tuple[str, ...], whole: bool
-) -> tuple[Pose, float] | None:
-    """The pose with one limb bent anew, and the metres its end is off; None where it never moved.
+@dataclass(frozen=True, eq=False)
+class _BroughtBack:
+    """One limb bent anew, so that its end is where it was before; `bending` are its parts that
+    bend."""
 
-    whole: the limb was moved as a whole; then it begins as it lay in space, so that elbows and
-    knees do not turn with the trunk.
-    """
-    skeleton = before.skeleton
-    context = GestureContext.of(skeleton, after, before.limits_on)
-    part, p_part = context.point(handle.anchor)
-    place = before.placed(part, p_part)
-    last = skeleton.body.index(handle.limb[-1])
-    if _is_same(before, context, last, place, context.placed(part, p_part)):
-        return None
-    parts = tuple(skeleton.body.index(name) for name in bending)
-    if whole:
-        first = parts[0]
-        R = context.R_camera_parent(first).T @ before.R_camera_part(first)
-        context = GestureContext.of(skeleton, context.turned({first: R}), before.limits_on)
-    tip = p_part if part == parts[-1] else skeleton.joints[part]
-    bent = _limb(context, parts, tip).toward(place)
-    pose = context.turned(bent.rotations)
-    if last not in parts:
-        pose = _facing_as_before(before, pose, last)
-    end = GestureContext.of(skeleton, pose, False).placed(part, p_part)
-    return pose, length(end - place)
+    before: GestureContext
+    handle: BodyHandle
+    bending: tuple[str, ...]
+    held: Held
+    moved: Moved
+
+    def found(self, after: Pose) -> tuple[Pose, float] | None:
+        """The pose, and the metres its end is off; None where it never moved."""
+        before, skeleton = self.before, self.before.skeleton
+        context = GestureContext.of(skeleton, after, before.limits_on)
+        part, p_part = context.point(self.handle.anchor)
+        place = before.placed(part, p_part)
+        last = skeleton.body.index(self.handle.limb[-1])
+        if _is_same(before, context, last, place, context.placed(part, p_part)):
+            return None
+        pose = self._bent(context, place)
+        if last not in self._parts:
+            pose = _facing_as_before(before, pose, last)
+        end = GestureContext.of(skeleton, pose, False).placed(part, p_part)
+        return pose, self._missed_m(end, place)
+
+    @property
+    def _parts(self) -> tuple[int, ...]:
+        return tuple(self.before.skeleton.body.index(name) for name in self.bending)
+
+    def _bent(self, context: GestureContext, place: Array) -> Pose:
+        """Where the limb was moved as a whole, it begins as it lay in space, so that elbows and
+        knees do not turn with the trunk."""
+        before, parts = self.before, self._parts
+        if _is_carried(self.handle, self.moved):
+            R = context.R_camera_parent(parts[0]).T @ before.R_camera_part(parts[0])
+            context = GestureContext.of(
+                before.skeleton, context.turned({parts[0]: R}), before.limits_on
+            )
+        part, p_part = context.point(self.handle.anchor)
+        tip = p_part if part == parts[-1] else before.skeleton.joints[part]
+        limb = _limb(context, parts, tip)
+        seen = None
+        if isinstance(limb, TwoBones):
+            seen = self.held.limb_in_picture(limb, self.handle.name, before)
+        if seen is None:
+            return context.turned(limb.toward(place).rotations)
+        if self._drags(parts[1]):
+            return context.pose
+        ats = (seen.view.project(p) for p in (before.joint(parts[1]), place))
+        return context.turned(seen.with_end(*ats).rotations)
+
+    def _drags(self, part: int) -> bool:
+        """Whether the joint of this part is what is dragged."""
+        return self.moved.joint and self.before.skeleton.body.index(self.moved.part) == part
+
+    def _missed_m(self, end: Array, place: Array) -> float:
+        """How far an end is from its place; where it stays in the picture, as that shows it."""
+        view = self.held.seen
+        if view is None or self.handle.name in self.held.pinned:
+            return length(end - place)
+        return length(view.project(end) - view.project(place)) * view.metres_per_unit(place)
 
 
 def _is_same(
@@ -171,10 +224,16 @@ def _limb(context: GestureContext, parts: tuple[int, ...], tip: Array) -> TwoBon
 
 
 def _facing_as_before(before: GestureContext, pose: Pose, part: int) -> Pose:
-    """The pose with a part turned as it was in space, as far as its limits let it."""
+    """The pose with a part turned as it was in space, as far as its limits let it.
+
+    Where what carries it has turned far, less and less: else it would jump from one limit to
+    another.
+    """
     context = GestureContext.of(before.skeleton, pose, before.limits_on)
-    R = context.R_camera_parent(part).T @ before.R_camera_part(part)
-    return context.turned({part: context.allowed(part, R)})
+    R = pose.Rs_parent_part[part]
+    back = log_rotation(R.T @ context.R_camera_parent(part).T @ before.R_camera_part(part))
+    share = 1.0 - smooth_step((length(back) - _TURNED_BACK) / (_NOT_BACK - _TURNED_BACK))
+    return context.turned({part: context.allowed(part, R @ exp_rotation(share * back))})
 
 
 def keep_pinned(

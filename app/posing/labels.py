@@ -14,7 +14,8 @@ _AXES_OF_KIND = {
     "foot": {"x": "Bend", "y": "Turn", "z": "Roll"},
 }
 _JOINTS = {
-    "upper_arm": "shoulder", "forearm": "elbow", "shin": "knee", "hand": "wrist", "foot": "ankle"
+    "upper_arm": "shoulder", "forearm": "elbow", "hand": "wrist",
+    "thigh": "hip", "shin": "knee", "foot": "ankle",
 }  # fmt: skip
 _SIDES = ("left", "right")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from app.posing.chains import Chain
 from app.posing.elbows import Elbow, Swivel
 from app.posing.gesture import Gesture, Posed, Reach, Readout
@@ -13,8 +15,12 @@ from app.posing.pointer_view import PointerView
 from app.posing.spine import Spine
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached, TwoBones
-from app.posing.vectors import across, length, unit
+from app.posing.vectors import across, length, smooth_step, unit
 from tracker.geometry.rotations import Array
+
+CORRECTED, DRAWN_FAR = 0.25, 0.5
+"""A drag of an end so long, in lengths of its limb, leaves the joint between where it is seen, and
+one so long does not."""
 
 LEVEL_M = 0.005
 """A handle that is no nearer and no farther than this has kept its depth."""
@@ -29,7 +35,9 @@ def reach(
 ) -> Posed:
     """The limb of a handle posed so that the handle comes under the pointer.
 
-    An elbow or a knee whose hand or foot is held goes round it, as near to the pointer as it can.
+    Of a limb of two bones whose end is held, the other joint stays where it is seen while one is
+    dragged on the picture. In other views an elbow or a knee goes round the end, as near to the
+    pointer as it can; so it does where the end is pinned.
     """
     part, p_part = context.point(handle.anchor)
     before = context.placed(part, p_part)
@@ -58,14 +66,37 @@ def _solve(
     if handle.kind == "middle" and len(movers) == 1:
         end = _end_beyond(context, handle)
         if end is not None:
-            limb = _two_bones(context, end)
-            way = Swivel if end.name in held.placed | held.pinned else Elbow
-            return way(limb).reach(view, goal)
+            return _middle_dragged(_two_bones(context, end), view, goal, end.name, held)
     if len(movers) == 1:
         return _swung(context, view, goal, movers[0], tip, before)
     if len(movers) == 2:
-        return TwoBones.of(context, *movers, tip).reach(view, goal)
+        return _end_dragged(TwoBones.of(context, *movers, tip), view, goal, handle.name, held)
     return Chain(context, movers, tip).reach(view, goal)
+
+
+def _middle_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: Held) -> Reached:
+    seen = held.limb_in_picture(limb, end, limb.context)
+    if seen is not None:
+        return seen.with_middle(goal.at, seen.end_at)
+    way = Swivel if end in held.placed | held.pinned else Elbow
+    return way(limb).reach(view, goal)
+
+
+def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: Held) -> Reached:
+    """A hand or a foot that is corrected leaves elbow or knee where they are seen; one that is
+    drawn far takes them along."""
+    reached = limb.reach(view, goal)
+    seen = held.limb_in_picture(limb, end, limb.context)
+    if seen is None:
+        return reached
+    drawn = length(goal.p_camera - limb.end) / limb.hinge.farthest_m
+    along = smooth_step((drawn - CORRECTED) / (DRAWN_FAR - CORRECTED))
+    context = limb.context
+    after = GestureContext.of(context.skeleton, context.turned(reached.rotations), False)
+    way = view.project(after.joint(limb.lower)) - seen.middle_at
+    if not np.isfinite(way).all():  # drawn behind the camera
+        return reached
+    return seen.with_end(seen.middle_at + along * way, goal.at)
 
 
 def _end_beyond(context: GestureContext, handle: BodyHandle) -> BodyHandle | None:

@@ -74,12 +74,24 @@ def on_sphere(
     level = in_level(view, goal, centre, radius, p_before)
     if level is not None:
         return level
-    origin, ray = view.ray(goal.at)
+    away = view.ray_through(p_before)
+    drawn = length(view.at_depth(goal.at, p_before) - p_before)
+    share = farness(float((p_before - centre) @ away) / radius, float(resting @ away), drawn)
+    return under_pointer(view, goal.at, centre, radius, share)
+
+
+def under_pointer(
+    view: PointerView, at: Array, centre: Array, radius: float, share: float
+) -> Array:
+    """(3,) the point of a sphere that is seen at `at`, or past its outline the nearest of that.
+
+    share: see `farness`.
+    """
+    origin, ray = view.ray(at)
     foot = origin + float((centre - origin) @ ray) * ray - centre
     beside = length(foot)
     if beside >= radius:
         return np.asarray(centre + radius / beside * foot)
-    share = _farness(view, goal, centre, radius, p_before, resting)
     way = foot + share * math.sqrt(radius**2 - beside**2) * ray
     return np.asarray(centre + radius * unit(way))
 
@@ -104,15 +116,17 @@ def in_level(
     return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(way))
 
 
-def _farness(
-    view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
+def farness(
+    was: float, toward: float, drawn_m: float, level: float = _LEVEL, changed_m: float = CHANGED_M
 ) -> float:
-    """1 for the far side, −1 for the near one; between while a level point changes sides."""
-    away = view.ray_through(p_before)
-    was = float((p_before - centre) @ away)
+    """1 for the far side of a sphere, −1 for the near one; between while a level point changes
+    sides.
+
+    was: how far beyond the centre the point was, in radii; `level` is level.  toward: the same of
+    the direction to whose side a level point goes.  drawn_m: how far the point is drawn; it has
+    changed sides at `changed_m`.
+    """
     sign = math.copysign(1.0, was)
-    toward = float(resting @ away)
-    if abs(was) > _LEVEL * radius or toward * sign > -_CLEAR:
+    if abs(was) > level or toward * sign > -_CLEAR:
         return sign
-    drawn = length(view.at_depth(goal.at, p_before) - p_before)
-    return sign * (1.0 - 2.0 * smooth_step(drawn / CHANGED_M))
+    return sign * (1.0 - 2.0 * smooth_step(drawn_m / changed_m))

@@ -463,7 +463,7 @@ const DRAGGING = {
   snapAngle: { label: '5° steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
   snapLength: { label: '1 cm steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
   depth: { label: 'Nearer or farther', keys: ['D'], heard: 'drag' },
-  carry: { label: 'Hands and feet go along', keys: ['Alt'], heard: 'drag' },
+  carry: { label: 'Take the rest along', keys: ['Alt'], heard: 'drag' },
   free: { label: 'Ignore joint limits', keys: ['U'], heard: 'drag' },
   oneAxis: { label: 'One axis', keys: ['X', 'Y', 'Z'], heard: 'drag' },
   cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },

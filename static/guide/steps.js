@@ -85,8 +85,8 @@ const BY_HAND = [
     takes: { view: 'main', kinds: ['end', 'middle'] },
     word: 'Limbs',
     title: 'Pull the limbs into place',
-    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. Click a foot
-      or the head for rings that rotate it.`,
+    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. Where shoulders
+      or hips are off, drag those too. Click a foot or the head for rings that rotate it.`,
   },
   {
     name: 'depth',

@@ -26,11 +26,13 @@ export function beginOnTarget(view, press, target) {
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const carries = movesWhole();
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const place = { ...view.inMessage(), ...limbOnly(handle.kind === 'root' || carries) };
+  const movesAll = ['root', 'corner'].includes(target.kind) || carries;
+  const place = { ...view.inMessage(), ...limbOnly(movesAll) };
   const messageAt = (at, keys) => ({
     do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free, carry: carries || keys.carry,
   });
-  const extra = { target, carries, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
+  const hint = target.kind === 'corner' ? 'corner' : handle.kind;
+  const extra = { target, carries, wedge, point: target.point, limb: ui.limb, hint, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
   if (target.kind !== 'ring' && !target.limb?.includes(server.view.selected)) select(target.part);
   beginDrag(view, press, messageAt, extra);

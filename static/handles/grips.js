@@ -1,4 +1,5 @@
-// The grab handles: hands, feet, head, the joints between, and the diamond that carries the body.
+// The grab handles: hands, feet, head, the joints between, shoulders and hips, and the diamond that
+// carries the body.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
@@ -8,7 +9,8 @@ import { isOfPlace } from './reviewmarks.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';
 
-const RADIUS = { end: 6, head: 6, middle: 4, root: 8 };
+const RADIUS = { end: 6, head: 6, middle: 4, corner: 4, root: 8 };
+const SENT_AS = { end: 'end', head: 'end', middle: 'joint', corner: 'joint' };
 const DEPTH_GUIDE = 44;
 
 /** The grab handles in a view: [{key, handle, at, radius, label, part, …}]. */
@@ -23,7 +25,7 @@ function gripOf(view, given) {
   const [x, y] = view.project(point);
   if (!Number.isFinite(x + y)) return null;
   const { kind, name, part, label, limb } = given;
-  const handle = kind === 'root' ? { kind } : { kind: kind === 'middle' ? 'joint' : 'end', name };
+  const handle = kind === 'root' ? { kind } : { kind: SENT_AS[kind], name };
   const radius = RADIUS[kind] * gripScale(view);
   return { key: `grip:${name}`, kind, handle, part, label, limb, point, at: [x, y], radius };
 }

@@ -23,7 +23,8 @@ from tests.app.posing.posing_cases import (
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
 
-MOST_CALLS = 5000
+MOST_CALLS, MOST_CALLS_OF_TRUNK = 5000, 8000
+"""Of one move of the pointer; the trunk is found in a few steps of least squares."""
 """About two milliseconds of a usual computer. Calls are counted: a time would depend on it, and on
 what else it does."""
 
@@ -100,9 +101,11 @@ def test_a_move_of_the_pointer_is_little_work() -> None:
     pose, views, skeleton = walking(), sights(), Skeleton.of(PERSON)
     p = points(PERSON, pose)
     calls: dict[str, Any] = {}
+    most: dict[str, int] = {}
     for handle in handles(PERSON):
         start = views["main"].project(p[handle.anchor])
         sent = gesture("main", as_sent(handle), start, start + np.array([30, -20]))
+        most[handle.name] = MOST_CALLS_OF_TRUNK if handle.kind == "corner" else MOST_CALLS
         calls[handle.name] = lambda sent=sent: drag(PERSON, pose, sent, views)
     for axis in "xyz":
         ring = {"kind": "ring", "part": "left_upper_arm", "axis": axis}
@@ -111,7 +114,7 @@ def test_a_move_of_the_pointer_is_little_work() -> None:
     calls["pick"] = lambda: parts_at(skeleton, pose, views["main"], (330, 170))
     calls["angles"] = lambda: (angles_deg(skeleton, pose), at_limit(skeleton, pose))
     for name, call in calls.items():
-        assert work(call) < MOST_CALLS, name
+        assert work(call) < most.get(name, MOST_CALLS), name
 
 
 def work(act: Callable[[], object]) -> int:

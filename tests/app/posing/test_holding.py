@@ -89,7 +89,7 @@ def test_hands_and_feet_stay_while_the_waist_is_dragged(
     np.testing.assert_allclose(sights()[view].project(after["waist"]), end, atol=1e-6)
     for name in ENDS:
         if name not in posed.readout.unreached:
-            assert off_m(pose, posed.pose, name) < 0.002
+            assert view == "main" or off_m(pose, posed.pose, name) < 0.002
             assert off_px(pose, posed.pose, (name,)) < PIXEL
 
 
@@ -124,12 +124,13 @@ def test_hands_stay_while_head_or_chest_are_dragged_and_the_legs_do_not_move(
 
 @every_pose
 @given(way=way, view=st.sampled_from(VIEWS), side=st.sampled_from(["left", "right"]))
-def test_an_elbow_or_knee_goes_round_the_line_to_its_held_end(
+def test_an_elbow_or_knee_goes_round_the_line_to_its_held_end_where_depth_is_seen_or_it_is_pinned(
     pose: Pose, way: tuple[float, float], view: str, side: str
 ) -> None:
+    held = Held(pinned=frozenset(ENDS)) if view == "main" else ALL
     for joint, part, end in (("elbow", "forearm", "hand"), ("knee", "shin", "foot")):
         handle = {"kind": "joint", "name": f"{side}_{joint}"}
-        posed, _ = pulled(PERSON, pose, handle, f"{side}_{part}", view, way)
+        posed, _ = pulled(PERSON, pose, handle, f"{side}_{part}", view, way, held)
         p, q = points(PERSON, pose), points(PERSON, posed.pose)
         np.testing.assert_allclose(q[f"{side}_{end}"], p[f"{side}_{end}"], atol=1e-9)
         circle = around(p, LIMB_OF[f"{side}_{end}"].limb[0], f"{side}_{part}", f"{side}_{end}")
@@ -250,8 +251,11 @@ def test_knees_keep_their_place_when_the_hips_turn_over_planted_feet() -> None:
         (HEAD, "head_top"),
         ({"kind": "joint", "name": "left_knee"}, "left_shin"),
         ({"kind": "joint", "name": "left_elbow"}, "left_forearm"),
+        ({"kind": "end", "name": "left_hand"}, "left_hand"),
+        ({"kind": "joint", "name": "left_shoulder"}, "left_upper_arm"),
+        ({"kind": "joint", "name": "left_hip"}, "left_thigh"),
     ],
-    ids=["waist", "head", "knee", "elbow"],
+    ids=["waist", "head", "knee", "elbow", "hand", "shoulder", "hip"],
 )
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("pose", [standing(PERSON), walking()], ids=["standing", "walking"])
@@ -273,7 +277,7 @@ def test_no_limb_jumps_while_its_end_is_held(
 @pytest.mark.parametrize("body", [DOG, ARMS, CHAIN], ids=lambda body: body.name)
 def test_limbs_of_two_or_more_bones_hold_their_ends_on_any_body(body: Body) -> None:
     held = ends_to_hold(body)
-    names = Held(placed=frozenset(handle.name for handle in held))
+    names = Held(pinned=frozenset(handle.name for handle in held))
     for seed in range(3):
         pose = bent(body, seed, 0.3)
         root = body.parts[0].name
@@ -320,7 +324,7 @@ def test_holding_all_four_is_still_little_work() -> None:
             pulled(PERSON, pose, handle, anchor, "main", (0.05, 0.02))
         finally:
             sys.setprofile(None)
-        assert count < 5000, handle
+        assert count < 6000, handle
 
 
 def test_every_handle_can_be_dragged_anywhere_with_all_ends_held() -> None:

@@ -32,10 +32,10 @@ whole body is carried more finely, for everything hangs on it."""
 TURN_DEG = 2.0
 SEEN_DEG, FAR_PX = 35.0, 25.0
 """A trunk turned by less is not seen to be; a body farther from its hips is carried there."""
-TURNS_DEG = (-20.0, -10.0, -5.0, 5.0, 10.0, 20.0)
-"""How far a ring is turned until what hangs on it looks right: about that."""
 TURN_GAIN = 0.2
 """A drag that takes a smaller share of the error of what it moves is cancelled."""
+LIMB_GAIN = 0.1
+"""The same of the error of a limb: what brings one joint nearer and another off is not done."""
 DEEP_M, DEPTH_SIGMA_M = 0.2, 0.03
 """A hand or foot so much too near or too far is seen to be in the side view; and how well it is put
 right there."""
@@ -50,7 +50,6 @@ AXES: tuple[Axis, ...] = ("x", "y", "z")
 HIPS = ("left_thigh", "right_thigh", "hips")
 SHOULDERS = ("left_upper_arm", "right_upper_arm")
 TRUNK = (*HIPS, *SHOULDERS, "head_top")
-ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +80,9 @@ class Hand:
             before = len(self.desk.script)
             self._match_size()
             self.carry()
-            self._turn("waist", (*HIPS, *SHOULDERS))
-            self._turn("chest", (*SHOULDERS, "head_top"))
-            self.carry()
+            self._turn("waist")
+            self._turn("chest")
+            self._pull_corners()
             self._turn_head()
             self._bow()
             self._pull("end")
@@ -122,39 +121,67 @@ class Hand:
         if abs(farther) > SIZE_SHARE:
             farther += float(self.random.normal(0.0, SIZE_SIGMA))
             rise = farther * RISE_TO_E * desk.state.doc.camera.height
-            desk.drag("match the size", Root(kind="root"), np.array([0.0, -rise]), depth=True)
+            message = self._moved(np.array([0.0, -rise]), depth=True)
+            desk.act("drag", "match the size", message)
 
     def carry(self) -> None:
-        """Carry the body where the trunk is seen, or its hips while it is far from there."""
-        desk, off = self.desk, self.desk.off()
-        hips, trunk = ([off[n] for n in names if n in off] for names in (HIPS, (*HIPS, *SHOULDERS)))
-        far = hips and px(np.mean(hips, axis=0)) > FAR_PX
-        way = np.mean(hips if far else trunk, axis=0) if trunk else np.zeros(2)
-        if px(way) <= PLACED_PX:
-            return
-        nearer = [px(off[n]) - px(off[n] - way) for n in ENDS if n in off]
-        along = bool(nearer) and float(np.mean(nearer)) > 0
-        message = desk.as_drag(Root(kind="root"), way, "main", carry=along)
-        if far or self._gain(message, (*HIPS, *SHOULDERS)) > TURN_GAIN:
-            desk.act("drag", "move the body", message)
+        """Carry the body to where its hips are seen while it is far from there."""
+        off = self.desk.off()
+        hips = [off[n] for n in HIPS if n in off]
+        if hips and px(np.mean(hips, axis=0)) > FAR_PX:
+            self.desk.act("drag", "move the body", self._moved(np.mean(hips, axis=0)))
+
+    @property
+    def _trunk(self) -> list[str]:
+        """The joints of the trunk that anybody is sure of."""
+        return [n for n in (*HIPS, *SHOULDERS) if n not in self.desk.clip.unmeasured]
+
+    def _carried(self) -> do.Drag | None:
+        """The body carried to where its trunk is seen; None where it is there."""
+        off = self.desk.off()
+        trunk = [off[n] for n in self._trunk if n in off]
+        way = np.mean(trunk, axis=0) if trunk else np.zeros(2)
+        return self._moved(way) if px(way) > PLACED_PX else None
+
+    def _moved(self, way: Array, depth: bool = False) -> do.Drag:
+        """The body dragged by pixels (2,), its limbs staying or coming along."""
+        stay = self.desk.as_drag(Root(kind="root"), way, "main", depth=depth)
+        return self._stay_or_along(stay, list(self.desk.off()))
+
+    def _stay_or_along(self, stay: do.Drag, joints: Sequence[str]) -> do.Drag:
+        """A drag, or the same with Alt, by which what would stay comes along: whichever brings
+        joints nearer to where they are seen."""
+        along = stay.model_copy(update={"carry": True})
+        return max((stay, along), key=lambda message: self._gain(message, joints))
 
     # --- parts
 
-    def _turn(self, part: str, joints: Sequence[str]) -> None:
-        """Turn a part of the trunk by its rings as long as joints on it come nearer; where it
-        plainly faces another way than the person's, until it does not."""
+    def _pull_corners(self) -> None:
+        """Drag shoulders and hips that look wrong onto where they are seen, and the body onto where
+        the trunk is, each time what brings the trunk nearest, as long as that helps."""
+        trunk = self._trunk
+        for _ in trunk:
+            tries = [("move the body", self._carried())]
+            for handle in handles(self.desk.state.doc.body):
+                if handle.kind == "corner" and handle.anchor in self.wrong():
+                    message = self._onto(_grip(handle), handle.anchor)
+                    tries.append(("pull a shoulder or a hip", message))
+            gains = [0.0 if message is None else self._gain(message, trunk) for _, message in tries]
+            best = int(np.argmax(gains))
+            if gains[best] <= TURN_GAIN:
+                break
+            self.desk.act("drag", *tries[best])
+
+    def _turn(self, part: str) -> None:
+        """Turn a part of the trunk that plainly faces another way than the person's by its rings,
+        until it does not."""
+        joints = (*HIPS, *SHOULDERS) if part == "waist" else (*SHOULDERS, "head_top")
         selected = False
         for _ in AXES:
             turns = [turn for turn in self._turned(part) if abs(turn[1]) >= SEEN_DEG]
-            plain = bool(turns)
-            if not plain and any(self._is_off(n) for n in joints):
-                turns = [(axis, deg) for axis in AXES for deg in TURNS_DEG]
-                turns += [turn for turn in self._turned(part) if abs(turn[1]) > 2 * TURN_DEG]
             if not turns:
                 break
-            ring, deg, gain = self._best_turn(part, turns, joints)
-            if gain < TURN_GAIN and not plain:
-                break
+            ring, deg, _ = self._best_turn(part, turns, joints)
             if not selected:
                 self.desk.act("click", f"select the {part}", do.Select(part=part))
                 selected = True
@@ -201,8 +228,7 @@ class Hand:
 
     def _turn_head(self) -> None:
         """Turn the head by its surface until its top is where it is seen."""
-        off = self.desk.off().get("head_top")
-        if off is not None and px(off) > LOOKS_RIGHT_PX:
+        if self._is_off("head_top"):
             top = self.desk.project(self.desk.shown().pose)["head_top"]
             head = Surface(kind="surface", part="head", tool="rotate")
             self._drag_if_it_helps("turn the head", head, "head_top", top)
@@ -211,23 +237,35 @@ class Hand:
         """Drag every handle of a kind whose joint looks wrong onto where the joint is seen. Where
         an elbow or a knee does not get there, its hand or foot is too near or too far."""
         for handle in handles(self.desk.state.doc.body):
-            joint, grip = handle.anchor, _grip(handle)
+            joint = handle.anchor
             if handle.kind != kind or not self._is_off(joint):
                 continue
-            if kind == "middle" and not self._helps(self._onto(grip, joint), joint):
+            if kind == "middle" and not self._helps(self._limb_drag(handle), joint):
                 self._bend(handle)
-            if self._is_off(joint):
-                self._drag_if_it_helps(f"pull {_word(handle)}", grip, joint)
+            message = self._limb_drag(handle)
+            if self._is_off(joint) and self._gain(message, self._seen_of(handle)) > LIMB_GAIN:
+                self._do_if_it_helps(f"pull {_word(handle)}", message, joint)
+
+    def _limb_drag(self, handle: BodyHandle) -> do.Drag:
+        """A handle of a limb dragged onto where its joint is seen; the limb's others stay or come
+        along."""
+        drag = self._onto(_grip(handle), handle.anchor)
+        return self._stay_or_along(drag, self._seen_of(handle))
+
+    def _seen_of(self, handle: BodyHandle) -> list[str]:
+        """The joints of a handle's limb that are looked at."""
+        return [name for name in handle.limb if name in self.desk.clip.places]
 
     def _is_off(self, joint: str) -> bool:
-        off = self.desk.off().get(joint)
-        return off is not None and px(off) > LOOKS_RIGHT_PX
+        return joint in self.wrong()
 
     def _drag_if_it_helps(
         self, why: str, grip: Any, joint: str, start: Array | None = None
     ) -> None:
         """Drag until a joint is where it is seen; where that leads nowhere a person cancels."""
-        message = self._onto(grip, joint, start)
+        self._do_if_it_helps(why, self._onto(grip, joint, start), joint)
+
+    def _do_if_it_helps(self, why: str, message: do.Drag, joint: str) -> None:
         if self._helps(message, joint):
             self.desk.act("drag", why, message)
 
@@ -323,7 +361,7 @@ def px(way: Array) -> float:
 
 
 def _grip(handle: BodyHandle) -> Any:
-    if handle.kind == "middle":
+    if handle.kind in ("middle", "corner"):
         return Middle(kind="joint", name=handle.name)
     return End(kind="end", name=handle.name)
 

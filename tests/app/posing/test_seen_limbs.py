@@ -1,0 +1,227 @@
+"""On the picture, elbow and hand each stay where they are seen while the other is dragged."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.posing import Held, PointerView, Posed, drag, ends_to_hold, handle_named, handles
+from app.posing.gesture_context import GestureContext
+from app.posing.seen_limbs import SeenLimb
+from app.posing.two_bones import TwoBones
+from tests.app.posing.posing_cases import (
+    PERSON,
+    TELEPHOTO,
+    Floats,
+    as_sent,
+    gesture,
+    points,
+    pull,
+    sights,
+    standing,
+    tumbling,
+    walking,
+)
+from tests.app.posing.test_holding import ALL, ENDS, off_m, off_px, pulled
+from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import exp_rotation
+
+SEEN_PX = 0.5
+MIDDLE_OF = {
+    "left_hand": "left_elbow",
+    "right_hand": "right_elbow",
+    "left_foot": "left_knee",
+    "right_foot": "right_knee",
+}
+LIMB_OF = {h.name: (*h.movers, h.anchor) for h in ends_to_hold(PERSON)}
+REST = points(PERSON, standing(PERSON))
+UPPER_M, LOWER_M = (
+    {end: float(np.linalg.norm(REST[a[k + 1]] - REST[a[k]])) for end, a in LIMB_OF.items()}
+    for k in (0, 1)
+)
+every_end = pytest.mark.parametrize("end", ENDS)
+
+
+def bent() -> Pose:
+    """Walking with hands and feet drawn well toward the trunk."""
+    pose = walking()
+    for name in ENDS:
+        handle = handle_named(PERSON, name)
+        way = (0.1, -0.12) if "hand" in name else (0.15, -0.2)
+        pose = pull(PERSON, pose, handle, "side", way)[0].pose
+    return pose
+
+
+def bent_in_depth() -> list[tuple[Pose, str]]:
+    """Limbs whose upper bone points clearly nearer or farther: its length decides how far."""
+    found = []
+    for pose in (walking(), tumbling(), bent()):
+        p = points(PERSON, pose)
+        for end in ENDS:
+            first, middle = (p[name] for name in LIMB_OF[end][:2])
+            away = sights()["main"].ray_through(middle)
+            if abs(float((middle - first) @ away)) > 0.2 * UPPER_M[end]:
+                found.append((pose, end))
+    assert len(found) >= 6
+    return found
+
+
+def within_reach(pose: Pose, end: str, seed: int) -> tuple[Floats, Floats]:
+    """Where (3,) a limb's middle joint could be, on the side where it is, and where (3,) its end
+    is: the lower bone can reach the end's line of sight from there."""
+    view, p = sights()["main"], points(PERSON, pose)
+    first, middle, at_end = (p[name] for name in LIMB_OF[end])
+    rng = np.random.default_rng(seed)
+    for _ in range(1000):
+        goal = first + exp_rotation(rng.normal(0.0, 0.12, 3)) @ (middle - first)
+        away, ray = (view.ray_through(at) for at in (goal, at_end))
+        sides = [float((at - first) @ away) / UPPER_M[end] for at in (middle, goal)]
+        reaches = np.linalg.norm(np.cross(goal, ray)) < 0.9 * LOWER_M[end]
+        if sides[0] * sides[1] > 0 and min(map(abs, sides)) > 0.09 and reaches:
+            return goal, at_end
+    raise AssertionError(f"{end} lies level")
+
+
+def dragged(pose: Pose, name: str, way_m: tuple[float, float], **more: object) -> Posed:
+    handle = handle_named(PERSON, name)
+    return pulled(PERSON, pose, as_sent(handle), handle.anchor, "main", way_m, **more)[0]  # type: ignore[arg-type]
+
+
+def anchor_of(name: str) -> str:
+    return handle_named(PERSON, name).anchor
+
+
+@pytest.mark.parametrize(("pose", "end"), bent_in_depth())
+def test_an_elbow_or_knee_is_dragged_and_its_hand_or_foot_stays_where_it_is_seen(
+    pose: Pose, end: str
+) -> None:
+    """Unless the limb would have to turn about itself by far, which is done in part only."""
+    view, handle = sights()["main"], handle_named(PERSON, MIDDLE_OF[end])
+    off = []
+    for seed in range(5):
+        goal, at_end = within_reach(pose, end, seed)
+        at = view.project(points(PERSON, pose)[handle.anchor]), view.project(goal)
+        sent = gesture("main", as_sent(handle), *at)
+        posed = drag(PERSON, pose, sent, sights(), held=ALL).pose
+        p = points(PERSON, posed)
+        np.testing.assert_allclose(p[handle.anchor], goal, atol=1e-6)
+        beyond, _ = Limits.of(PERSON).excess(posed.Rs_parent_part)
+        assert np.degrees(np.abs(beyond[PERSON.index(handle.part)])).max() < 1.0
+        off.append(np.linalg.norm(view.project(p[end]) - view.project(at_end)))
+    assert np.median(off) < 1e-3
+    assert max(off) < 5.0
+
+
+@every_end
+@pytest.mark.parametrize("way_m", [(0.03, 0.0), (0.0, 0.03), (-0.03, 0.0), (0.0, -0.03)])
+def test_a_hand_or_foot_is_dragged_and_its_elbow_or_knee_stays_where_it_is(
+    end: str, way_m: tuple[float, float]
+) -> None:
+    pose = bent()
+    posed = dragged(pose, end, way_m)
+    assert not posed.readout.out_of_reach
+    if off_m(pose, posed.pose, anchor_of(MIDDLE_OF[end])) > 1e-9:  # it had to come along
+        lower = [points(PERSON, posed.pose)[name] for name in LIMB_OF[end][1:]]
+        level = (lower[1] - lower[0]) @ sights()["main"].ray_through(lower[1])
+        assert abs(level) < 1e-6 * LOWER_M[end]
+
+
+def test_a_hand_dragged_farther_than_its_forearm_reaches_takes_the_elbow_along() -> None:
+    pose = bent()
+    for way_m in ((0.2, 0.0), (0.15, -0.15), (-0.2, 0.0)):
+        posed = dragged(pose, "left_hand", way_m)
+        assert not posed.readout.out_of_reach
+        assert off_m(pose, posed.pose, "left_forearm") > 0.01
+
+
+def test_beyond_the_reach_of_both_bones_a_limb_is_straight_and_says_so() -> None:
+    posed = dragged(walking(), "left_hand", (1.5, -0.4))
+    p, reach = points(PERSON, posed.pose), posed.readout.reach
+    assert posed.readout.out_of_reach
+    assert reach is not None
+    away = np.linalg.norm(p["left_hand"] - p["left_upper_arm"])
+    assert away == pytest.approx(reach.radius_m, abs=2e-3)
+
+
+@pytest.mark.parametrize("name", ["left_elbow", "left_hand"])
+def test_alt_drags_a_limb_as_if_nothing_stayed(name: str) -> None:
+    pose = walking()
+    along = dragged(pose, name, (0.06, -0.05), carry=True)
+    free = dragged(pose, name, (0.06, -0.05), held=Held())
+    np.testing.assert_array_equal(along.pose.Rs_parent_part, free.pose.Rs_parent_part)
+    stays = dragged(pose, name, (0.06, -0.05))
+    assert np.abs(stays.pose.Rs_parent_part - along.pose.Rs_parent_part).max() > 0.01
+
+
+def test_a_pinned_hand_stays_in_its_place_in_space_while_its_elbow_is_dragged() -> None:
+    pose = bent()
+    held = Held(ALL.placed, frozenset({"left_hand"}))
+    posed = dragged(pose, "left_elbow", (0.03, 0.02), held=held)
+    assert off_m(pose, posed.pose, "left_hand") < 1e-6
+
+
+@pytest.mark.parametrize("pose", [bent(), tumbling()], ids=["bent", "tumbling"])
+def test_elbows_and_knees_stay_where_they_are_seen_too_while_the_trunk_is_dragged(
+    pose: Pose,
+) -> None:
+    """As far as bones reach: most of them, and the others nearly."""
+    joints = (*ENDS, *(anchor_of(name) for name in MIDDLE_OF.values()))
+    for name, way_m in (("root", (0.02, -0.01)), ("root", (-0.015, 0.015)), ("head", (0.02, 0.0))):
+        posed = dragged(pose, name, way_m)
+        off = [off_px(pose, posed.pose, (joint,)) for joint in joints]
+        assert np.median(off) < SEEN_PX
+        assert max(off) < 4.0
+
+
+def test_the_body_taken_nearer_leaves_hands_and_feet_where_they_are_seen() -> None:
+    pose = bent()
+    for up in (0.05, -0.05):
+        stays, along = (
+            dragged(pose, "root", (0.0, up), depth=True, carry=carry) for carry in (False, True)
+        )
+        assert abs(stays.pose.p_camera_root[2] - pose.p_camera_root[2]) > 0.1
+        off = [[off_px(pose, made.pose, (end,)) for end in ENDS] for made in (stays, along)]
+        assert np.median(off[0]) < np.median(off[1]) / 3
+
+
+def test_a_body_taken_far_nearer_leaves_its_limbs_behind() -> None:
+    """They point to where they were: feet stay farther away than the hips that are taken nearer."""
+    pose = walking()
+    posed = dragged(pose, "root", (0.0, 0.15), depth=True)
+    p = points(PERSON, posed.pose)
+    assert posed.pose.p_camera_root[2] < pose.p_camera_root[2] - 0.3
+    for end in ("left_foot", "right_foot"):
+        assert p[end][2] > p["waist"][2] + 0.1
+        assert off_px(pose, posed.pose, (end,)) < SEEN_PX
+
+
+def test_a_level_limb_bends_as_its_joint_can() -> None:
+    """An upright straight leg whose knee is dragged sideways bends forward, not backward."""
+    view = PointerView.of(TELEPHOTO)
+    context = GestureContext.of(Skeleton.of(PERSON), walking(), True)
+    limb = TwoBones.of(context, *indices("left_thigh", "left_shin"), tip("left_foot"))
+    seen = SeenLimb.of(limb, view, context)
+    level = SeenLimb(limb, view, (0.01, -0.01), -0.9)
+    for one in (seen, level):
+        reached = one.with_end(one.middle_at, one.end_at + np.array([0.0, -8.0]))
+        pose = context.turned(reached.rotations)
+        bend = GestureContext.of(context.skeleton, pose, True).angles(limb.lower)[0]
+        assert 0.0 <= bend <= np.radians(135) + 1e-6
+
+
+def indices(*names: str) -> tuple[int, int]:
+    upper, lower = (PERSON.index(name) for name in names)
+    return upper, lower
+
+
+def tip(name: str) -> Floats:
+    return np.array(PERSON.parts[PERSON.index(name)].joint_m)
+
+
+def test_nothing_changes_when_a_joint_is_grabbed() -> None:
+    for pose in (walking(), tumbling(), bent()):
+        for handle in handles(PERSON):
+            still = dragged(pose, handle.name, (0.0, 0.0)).pose
+            assert np.abs(still.Rs_parent_part - pose.Rs_parent_part).max() < 1e-6, handle.name
