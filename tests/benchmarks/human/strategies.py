@@ -123,6 +123,7 @@ def settle(hand: Hand, *, fit: bool) -> None:
 def key(desk: Desk) -> None:
     """K."""
     desk.act("key", "K", do.AddKey(frame=desk.frame))
+    desk.ledger.end_first()
 
 
 def live(desk: Desk) -> None:
