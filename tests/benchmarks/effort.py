@@ -51,8 +51,8 @@ from tracker.session import Keyframe
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
 COLUMNS = (
-    "right", "keyframes", "clicks", "keys", "drags", "looks", "seconds", "actions for 1800",
-    "minutes for 1800",
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "seconds", "first keyframe",
+    "s a frame after", "actions for 1800", "minutes for 1800",
 )  # fmt: skip
 WIDE = COLUMNS[1:]
 CAUSES = 12
@@ -152,7 +152,10 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
         ]
     keyframes = Over(tuple(float(t.keyframes) for t in trials))
     seconds = Over(tuple(t.effort.seconds for t in trials))
-    cells = (f"{right} of {len(trials)}", keyframes, *counts, seconds, actions, minutes)
+    first = Over(tuple(t.effort.first_seconds for t in trials))
+    then = Over(tuple(t.effort.seconds_a_frame for t in trials))
+    told = (keyframes, *counts, seconds, first, then, actions, minutes)
+    cells = (f"{right} of {len(trials)}", *told)
     table.row(strategy.name, *cells, expected=expected)
 
 

@@ -102,3 +102,29 @@ def test_drafts_wait_while_something_is_dragged(path: Path) -> None:
         assert moved(desk.doc) == [3, 5]
 
     try_at(path, act)
+
+
+def test_what_was_learned_is_there_when_the_session_is_opened_again(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        learn(3, 5, 6)
+
+    async def again(desk: Desk) -> None:
+        assert moved(desk.doc) == [3, 5, 6]
+        desk.do({"do": "undo"})
+        assert moved(desk.doc) == []
+        assert not desk.doc.keyframes
+
+    try_at(path, act)
+    try_at(path, again)
+
+
+def test_a_keyframe_deleted_or_on_another_body_teaches_nothing(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        learn(3, 5, 6)
+        count = len(Worker.newest.fits)
+        desk.do({"do": "delete_key", "frame": 4})
+        assert len(Worker.newest.fits) == count
+
+    try_at(path, act)

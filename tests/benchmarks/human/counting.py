@@ -41,11 +41,12 @@ class Act:
 @dataclass(frozen=True)
 class Effort:
     """What was done for so many frames of a clip; the first `setup` of it once a clip, however long
-    that is."""
+    that is. first: up to the first keyframe, from which all drafts learn."""
 
     acts: tuple[Act, ...]
     frames: int
     setup: int = 0
+    first: int = 0
 
     @property
     def actions(self) -> int:
@@ -69,6 +70,16 @@ class Effort:
         once = seconds_of(self.acts[: self.setup])
         return (once + (self.seconds - once) * LONG_FRAMES / self.frames) / 60
 
+    @property
+    def first_seconds(self) -> float:
+        """Until the first keyframe stands."""
+        return seconds_of(self.acts[: self.first])
+
+    @property
+    def seconds_a_frame(self) -> float:
+        """After that, for each frame of the clip."""
+        return (self.seconds - self.first_seconds) / self.frames
+
     def by_cause(self) -> list[tuple[str, int, float]]:
         """What for, how many acts and how many seconds, the most seconds first."""
         counts = Counter(act.why for act in self.acts)
@@ -87,6 +98,7 @@ class Ledger:
 
     acts: list[Act] = field(default_factory=list)
     setup: int = 0
+    first: int = 0
 
     def note(self, kind: Kind, why: str) -> None:
         self.acts.append(Act(kind, why))
@@ -95,5 +107,9 @@ class Ledger:
         """What was done until now is done once for a clip."""
         self.setup = len(self.acts)
 
+    def end_first(self) -> None:
+        """The first keyframe stands."""
+        self.first = self.first or len(self.acts)
+
     def effort(self, frames: int) -> Effort:
-        return Effort(tuple(self.acts), frames, self.setup)
+        return Effort(tuple(self.acts), frames, self.setup, self.first)

@@ -6,9 +6,10 @@ the median over all frames that are seen, and 10 px at worst.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from app.editor import actions as do
 from app.editor.shown import shown_pose
 from app.editor.suggest import NEXT_FRAMES
 from tests.benchmarks.human.desk import Desk
-from tests.benchmarks.human.hand import TRUNK, Hand
+from tests.benchmarks.human.hand import TRUNK, Hand, px
 from tests.benchmarks.needed import MEDIAN_PX, WORST_PX
 from tracker.body.pose import Pose
 from tracker.session.settings import ALL_CUES, TrackSettings
 
+Choice: TypeAlias = Callable[[Desk, set[int]], int | None]
+"""The frame to look at next, given those that were looked at; None where there is none."""
 MANY_WRONG = 3
 """With so many joints wrong, somebody lets the pose be fitted before touching it."""
 LOOK_EVERY = 8
@@ -62,13 +65,17 @@ def outcome(desk: Desk) -> Outcome:
     by_joint: dict[str, list[float]] = {}
     for frame, joints in desk.clip.true.items():
         at = desk.project(motion_at(desk, frame))
-        slack = 0.0 if frame in desk.clip.marked else CARRIED_PX
+        slack = _slack(desk, frame)
         for name in joints.keys() - desk.clip.unmeasured:
             uv = joints[name]
             off = float(np.linalg.norm(np.subtract(uv, at[name])))
             by_joint.setdefault(name, []).append(max(off - slack, 0.0))
     medians = [float(np.median(px)) for px in by_joint.values()]
     return Outcome(max(medians), max(max(px) for px in by_joint.values()))
+
+
+def _slack(desk: Desk, frame: int) -> float:
+    return 0.0 if frame in desk.clip.marked else CARRIED_PX
 
 
 def motion_at(desk: Desk, frame: int) -> Pose:
@@ -116,6 +123,7 @@ def settle(hand: Hand, *, fit: bool) -> None:
 def key(desk: Desk) -> None:
     """K."""
     desk.act("key", "K", do.AddKey(frame=desk.frame))
+    desk.ledger.end_first()
 
 
 def live(desk: Desk) -> None:
@@ -167,9 +175,16 @@ def before(hand: Hand) -> None:
 
 
 def now(hand: Hand) -> None:
-    """A box and a draft, its places confirmed, then the review, each place put right where it is
-    wrong: a limb alone, or all of the body."""
+    """A box and a draft, three of its places confirmed, then the review, each place put right where
+    it is wrong: a limb alone, or all of the body."""
     confirm_draft(hand)
+    live(hand.desk)
+    review(hand)
+
+
+def now_by_places(hand: Hand) -> None:
+    """The same with every place of the draft confirmed first."""
+    confirm_every_place(hand)
     live(hand.desk)
     review(hand)
 
@@ -182,18 +197,31 @@ def now_by_keyframes(hand: Hand) -> None:
 
 
 def confirm_draft(hand: Hand) -> None:
-    """A box, a draft, and its places as keyframes."""
-    desk = hand.desk
-    draft(desk)
-    while desk.to_confirm:
-        ahead = [f for f in desk.to_confirm if f > desk.frame]
-        go_next(desk, (ahead or desk.to_confirm)[0])
-        settle(hand, fit=False)
+    """A box, a draft, and of its places the next one and both ends as keyframes: what lies between
+    is seen better once it is tracked."""
+    draft(hand.desk)
+    confirm_next(hand)
     ends(hand)
 
 
+def confirm_every_place(hand: Hand) -> None:
+    """The same with all places of the draft."""
+    draft(hand.desk)
+    while hand.desk.to_confirm:
+        confirm_next(hand)
+    ends(hand)
+
+
+def confirm_next(hand: Hand) -> None:
+    """N, to the next place of the draft, and its pose as a keyframe."""
+    desk = hand.desk
+    ahead = [f for f in desk.to_confirm if f > desk.frame]
+    go_next(desk, (ahead or desk.to_confirm)[0])
+    settle(hand, fit=False)
+
+
 def review(hand: Hand) -> None:
-    """Shift R, and place after place until all is right; then whatever else is seen to be wrong."""
+    """Shift R, and place after place until all is right; then wherever nobody looked yet."""
     desk, looks = hand.desk, _Looks()
     desk.act("key", "Shift R")
     for _ in range(MOST_PLACES):
@@ -201,9 +229,8 @@ def review(hand: Hand) -> None:
             return
         open_ = [place for place in desk.places if place.frame not in looks.right]
         if not open_:
-            if not _look_through(hand, looks, alone=True):
-                return
-            continue
+            mend(hand, by_length, looks.right)
+            return
         place = open_[0]
         looks.right.add(place.frame)
         desk.look(place.frame)  # the review goes there by itself
@@ -278,6 +305,65 @@ def follow_advice(hand: Hand) -> None:
         settle(hand, fit=True)
 
 
+# --- which frame next
+
+
+def now_by(choose: Choice) -> Callable[[Hand], None]:
+    """As `now`, with the frames to put right chosen in another way than by the review."""
+
+    def work(hand: Hand) -> None:
+        confirm_draft(hand)
+        live(hand.desk)
+        mend(hand, choose)
+
+    return work
+
+
+def mend(hand: Hand, choose: Choice, looked: Collection[int] = ()) -> None:
+    """Go where a rule says and put right what is wrong there, until all is right."""
+    desk, looked = hand.desk, set(looked)
+    most = desk.clip.frames / GIVE_UP_FRAMES
+    for _ in range(MOST_PLACES):
+        if outcome(desk).right or len(desk.keys) >= most:
+            return
+        frame = choose(desk, looked)
+        if frame is None or frame in looked:
+            if not _look_through(hand, _Looks(), alone=True):
+                return
+            continue
+        looked |= {frame, go_next(desk, frame)}
+        _use_tracked(desk)
+        desk.judge()
+        if not hand.looks_right():
+            put_right(hand)
+
+
+def by_advice(desk: Desk, looked: set[int]) -> int | None:
+    """What N says."""
+    return desk.suggested.frame
+
+
+def by_length(desk: Desk, looked: set[int]) -> int | None:
+    """The middle of the longest stretch in which nothing was looked at or posed."""
+    known = looked | {*desk.keys, *(part.frame for part in desk.state.doc.part_keyframes)}
+    first, last = max(pairwise(sorted(known)), key=lambda gap: gap[1] - gap[0])
+    return (first + last) // 2 if last - first > 1 else None
+
+
+def by_truth(desk: Desk, looked: set[int]) -> int | None:
+    """Where a joint is farthest off, which nobody knows: no rule can do better by much."""
+    free = [frame for frame in desk.clip.true if frame not in looked]
+    return max(free, key=lambda frame: worst_px(desk, frame), default=None)
+
+
+def worst_px(desk: Desk, frame: int) -> float:
+    """How far off the worst joint of a frame is."""
+    at, slack = desk.project(motion_at(desk, frame)), _slack(desk, frame)
+    measured = desk.clip.true[frame].items()
+    off = [px(uv - at[name]) for name, uv in measured if name not in desk.clip.unmeasured]
+    return max(off, default=0.0) - slack
+
+
 def _look_through(hand: Hand, looks: _Looks, alone: bool = False) -> bool:
     """Go through the clip, correct the first frame that looks wrong; whether there was one."""
     desk = hand.desk
@@ -319,5 +405,10 @@ LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False)
 PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals)
 BEFORE = Strategy("before", TrackSettings(), before)
 KEYED = Strategy("whole keyframes", TrackSettings(cues=ALL_CUES, smooth=True), now_by_keyframes)
+PLACES = Strategy("every place", TrackSettings(cues=ALL_CUES, smooth=True), now_by_places)
 NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
-STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, NOW)
+RULES = tuple(
+    Strategy(f"now, {name}", NOW.settings, now_by(choose))
+    for name, choose in (("N", by_advice), ("middle", by_length), ("truth", by_truth))
+)
+STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, PLACES, NOW, *RULES)

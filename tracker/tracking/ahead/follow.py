@@ -146,8 +146,10 @@ class _Work:
         halts = [self._judged(way, scene, count, is_last=is_last) for way in ways]
         reached = [count if halt is None else halt.step for halt in halts]
         best = reached.index(max(reached))
-        self.trusted, self.meanwhile = _cut(ways[best].motion, reached[best]), None
         halt = halts[best]
+        if halt is not None and reached[best] < len(self._so_far()) - 1:
+            return halt.stop  # what fewer steps were trusted with stays: the doubt came with more
+        self.trusted, self.meanwhile = _cut(ways[best].motion, reached[best]), None
         return None if halt is None else halt.stop
 
     def _judged(

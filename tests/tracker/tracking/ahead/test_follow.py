@@ -14,7 +14,10 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.session.ahead import Direction, Stop
 from tracker.session.settings import ALL_CUES, TrackSettings
+from tracker.tracking.ahead import follow
 from tracker.tracking.ahead.follow import FoundAhead, follow_ahead
+from tracker.tracking.ahead.followed import Followed
+from tracker.tracking.ahead.stops import Stopped
 from tracker.tracking.cues.sources import GivenKeypoints
 from tracker.tracking.pool import Cancelled
 from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
@@ -182,3 +185,17 @@ def test_where_nobody_is_found_it_says_so_and_goes_by_brightness() -> None:
     nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
     found = _heard("forward", FILM.truth.first_frame, nowhere)
     assert found.notes == (NO_KEYPOINTS,)
+
+
+def test_what_was_trusted_stays_when_more_frames_bring_a_doubt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def doubted(_: object, followed: Followed, **__: object) -> Stopped | None:
+        """As soon as there are more than the first 8 steps."""
+        doubt = Stopped(2, Stop(cause="uncertain", part="left_hand"))
+        return doubt if len(followed.motion) > 9 else None
+
+    monkeypatch.setattr(follow, "BLOCK", 8)
+    monkeypatch.setattr(follow, "stopped", doubted)
+    found = ahead(BOX, 0)
+    assert (found.to_frame, found.stop) == (8, Stop(cause="uncertain", part="left_hand"))
