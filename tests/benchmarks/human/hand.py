@@ -125,9 +125,9 @@ class Hand:
             desk.act("drag", "match the size", message)
 
     def carry(self) -> None:
-        """Carry the body to where its hips are seen while it is far from there."""
+        """Carry the body to where its hips, or its shoulders, are seen while it is far off."""
         off = self.desk.off()
-        hips = [off[n] for n in HIPS if n in off]
+        hips = [off[n] for n in HIPS if n in off] or [off[n] for n in SHOULDERS if n in off]
         if hips and px(np.mean(hips, axis=0)) > FAR_PX:
             self.desk.act("drag", "move the body", self._moved(np.mean(hips, axis=0)))
 
