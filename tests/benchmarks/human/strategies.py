@@ -6,7 +6,7 @@ the median over all frames that are seen, and 10 px at worst.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TypeAlias
@@ -221,7 +221,7 @@ def confirm_next(hand: Hand) -> None:
 
 
 def review(hand: Hand) -> None:
-    """Shift R, and place after place until all is right; then wherever nobody looked yet."""
+    """Shift R, and place after place until all is right; then whatever else is seen to be wrong."""
     desk, looks = hand.desk, _Looks()
     desk.act("key", "Shift R")
     for _ in range(MOST_PLACES):
@@ -229,8 +229,9 @@ def review(hand: Hand) -> None:
             return
         open_ = [place for place in desk.places if place.frame not in looks.right]
         if not open_:
-            mend(hand, by_length, looks.right)
-            return
+            if not _look_through(hand, looks, alone=True):
+                return
+            continue
         place = open_[0]
         looks.right.add(place.frame)
         desk.look(place.frame)  # the review goes there by itself
@@ -319,9 +320,9 @@ def now_by(choose: Choice) -> Callable[[Hand], None]:
     return work
 
 
-def mend(hand: Hand, choose: Choice, looked: Collection[int] = ()) -> None:
+def mend(hand: Hand, choose: Choice) -> None:
     """Go where a rule says and put right what is wrong there, until all is right."""
-    desk, looked = hand.desk, set(looked)
+    desk, looked = hand.desk, set[int]()
     most = desk.clip.frames / GIVE_UP_FRAMES
     for _ in range(MOST_PLACES):
         if outcome(desk).right or len(desk.keys) >= most:
