@@ -265,20 +265,6 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
     assert err.endswith("\nThis is an error in Keypose, not in your input.\n")
 
 
-COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
-COMMANDS += ("schema", "models", "config", "doctor", "completion")
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_helps_with_examples(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main([command, "--help"])
-    assert stop.value.code == 0
-    assert f"examples:\n  keypose {command}" in capsys.readouterr().out
-
-
 def loaded_by(code: str) -> set[str]:
     """The modules that a fresh interpreter has loaded after this code."""
     code = f"import sys, atexit; atexit.register(lambda: print(*sys.modules)); {code}"
