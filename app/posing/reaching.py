@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from app.posing.chains import Chain
@@ -21,6 +23,10 @@ from tracker.geometry.rotations import Array
 CORRECTED, DRAWN_FAR = 0.25, 0.5
 """A drag of an end so long, in lengths of its limb, leaves the joint between where it is seen, and
 one so long does not."""
+
+MISSED_PX, HALVINGS = 0.5, 6
+"""Where less of it would leave the end more than this beside the pointer, what takes the joint
+between along is found to a share of 1 in 64."""
 
 LEVEL_M = 0.005
 """A handle that is no nearer and no farther than this has kept its depth."""
@@ -84,7 +90,7 @@ def _middle_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held
 
 def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: Held) -> Reached:
     """A hand or a foot that is corrected leaves elbow or knee where they are seen; one that is
-    drawn far takes them along."""
+    drawn far takes them along, and so does one that would not come under the pointer otherwise."""
     reached = limb.reach(view, goal)
     seen = held.limb_in_picture(limb, end, limb.context)
     if seen is None:
@@ -96,7 +102,34 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
     way = view.project(after.joint(limb.lower)) - seen.middle_at
     if not np.isfinite(way).all():  # drawn behind the camera
         return reached
-    return seen.with_end(seen.middle_at + along * way, goal.at)
+
+    def taken(share: float) -> Reached:
+        return seen.with_end(seen.middle_at + share * way, goal.at)
+
+    def missed_px(found: Reached) -> float:
+        posed = GestureContext.of(context.skeleton, context.turned(found.rotations), False)
+        return length(view.project(posed.placed(limb.lower, limb.tip)) - goal.at)
+
+    allowed = missed_px(reached) + MISSED_PX
+    return _least(taken, along, lambda found: missed_px(found) <= allowed) or reached
+
+
+def _least(
+    taken: Callable[[float], Reached], least: float, is_there: Callable[[Reached], bool]
+) -> Reached | None:
+    """What is taken with the least share, from `least` to 1, that leads there; None where all of it
+    does not."""
+    found = taken(least)
+    if is_there(found):
+        return found
+    low, high, found = least, 1.0, taken(1.0)
+    if not is_there(found):
+        return None
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        tried = taken(middle)
+        low, high, found = (low, middle, tried) if is_there(tried) else (middle, high, found)
+    return found
 
 
 def _end_beyond(context: GestureContext, handle: BodyHandle) -> BodyHandle | None:

@@ -225,3 +225,26 @@ def test_nothing_changes_when_a_joint_is_grabbed() -> None:
         for handle in handles(PERSON):
             still = dragged(pose, handle.name, (0.0, 0.0)).pose
             assert np.abs(still.Rs_parent_part - pose.Rs_parent_part).max() < 1e-6, handle.name
+
+
+@every_end
+def test_an_end_comes_under_the_pointer_wherever_its_limb_can_bring_it(end: str) -> None:
+    handle, sight = handle_named(PERSON, end), sights()["main"]
+    rng = np.random.default_rng(7)
+    for pose in (walking(), tumbling(), bent(), standing(PERSON)):
+        for _ in range(20):
+            angle, drawn = rng.uniform(0, 2 * np.pi), rng.uniform(0.02, 0.4)
+            way = (float(drawn * np.cos(angle)), float(drawn * np.sin(angle)))
+            start = sight.project(points(PERSON, pose)[handle.anchor])
+            goal = start + np.array(way) / sight.metres_per_unit(
+                points(PERSON, pose)[handle.anchor]
+            )
+            sent = gesture("main", as_sent(handle), start, goal)
+            alone, others = (
+                drag(PERSON, pose, sent, sights(), held=held).pose for held in (Held(), ALL)
+            )
+            missed, missed_alone = (
+                np.linalg.norm(sight.project(points(PERSON, posed)[handle.anchor]) - goal)
+                for posed in (others, alone)
+            )
+            assert missed < missed_alone + 1.0
