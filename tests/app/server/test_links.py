@@ -83,23 +83,16 @@ def test_a_browser_that_was_let_in_comes_back_to_a_restarted_server(tmp_path: Pa
         assert not is_in(elsewhere, entered)
 
 
-@pytest.fixture
-def ports(monkeypatch: pytest.MonkeyPatch) -> int:
-    """The first of the usual ports, moved to where nobody else is: it and the next are free."""
-    for first in range(20000, 30000, 97):
+def test_where_the_usual_port_is_taken_the_next_one_is_it_each_time() -> None:
+    for first in range(20000, 30000, 97):  # to where nobody else is: it and the next are free
         with suppress(KeyposeError), bind("127.0.0.1", first), bind("127.0.0.1", first + 1):
             break
-    monkeypatch.setattr(open_command, "PORT", first)
-    return first
-
-
-def test_where_the_usual_port_is_taken_the_next_one_is_it_each_time(ports: int) -> None:
-    with bind("127.0.0.1", ports):
+    with bind("127.0.0.1", first):
         for _ in range(2):
-            with open_command._listener("127.0.0.1", None) as listener:
-                assert listener.getsockname()[1] == ports + 1
-    with open_command._listener("127.0.0.1", None) as listener:
-        assert listener.getsockname()[1] == ports
+            with open_command._listener("127.0.0.1", None, first) as listener:
+                assert listener.getsockname()[1] == first + 1
+    with open_command._listener("127.0.0.1", None, first) as listener:
+        assert listener.getsockname()[1] == first
 
 
 @pytest.fixture
