@@ -20,7 +20,7 @@ from tracker.session.verdict import GOOD, Cause, Verdict
 from tracker.storage.results import Results, segment_keys
 from tracker.tracking.result import SegmentResult
 
-STATES = 1000
+STATES = 400
 LEAST_PX = 3.0
 OF_A_PART = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
 AT_ITS_ENDS = ("keyframe_off_keypoints", "contradiction")
