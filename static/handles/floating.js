@@ -14,6 +14,7 @@ import { isReady } from './targets.js';
 const FLOATING = '.bars > .glass, .toast, .banner, .coach';
 const WHOLE = '.coach.film, .coach.large';
 const HOLE = 13; // px about a handle
+const ROUND = 12; // px, the radius of its corners
 const CLEAR = 20; // px that a message keeps from handles where it can
 const EDGE = 16;
 const BARS = 60; // px at the top and the bottom of a view, where its bars are
@@ -76,10 +77,14 @@ function apart(holes) {
 
 const touch = (one, other) => one[0] <= other[2] && other[0] <= one[2] && one[1] <= other[3] && other[1] <= one[3];
 
-/** Round at its corners. @param {number[]} hole */
+/**
+ * Round at its corners, but not about the handle itself: at the height of a point of the path the
+ * browser may take a press of what is in the hole for one of what is around it.
+ * @param {number[]} hole
+ */
 function pathOfHole([left, top, right, bottom]) {
-  const arc = (x, y) => `a${HOLE} ${HOLE} 0 0 1 ${x * HOLE} ${y * HOLE}`;
-  return `M${left + HOLE} ${top}H${right - HOLE}${arc(1, 1)}V${bottom - HOLE}${arc(-1, 1)}H${left + HOLE}${arc(-1, -1)}V${top + HOLE}${arc(1, -1)}Z`;
+  const arc = (x, y) => `a${ROUND} ${ROUND} 0 0 1 ${x * ROUND} ${y * ROUND}`;
+  return `M${left + ROUND} ${top}H${right - ROUND}${arc(1, 1)}V${bottom - ROUND}${arc(-1, 1)}H${left + ROUND}${arc(-1, -1)}V${top + ROUND}${arc(1, -1)}Z`;
 }
 
 /**

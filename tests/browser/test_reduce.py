@@ -72,7 +72,9 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     page.locator(".reducecard .rng").focus()
     for _ in range(30):
         page.keyboard.press("ArrowRight")
-    until_told(page, "reduction", lambda told: told["cm"] > 2.5 and is_found(told))
+    wanted = float(page.locator(".reducecard .rng").get_attribute("aria-valuenow") or 0)
+    assert wanted > 2.5
+    until_told(page, "reduction", lambda told: told["cm"] == wanted and is_found(told))
     coarse = section(page, "reduction.frames")
     assert 2 <= len(coarse) < len(fine)
     until(lambda: ghosts(page) == len(coarse) - 2)
