@@ -27,6 +27,7 @@ from tracker.tracking.space.gait import Gait, gait_of
 
 if TYPE_CHECKING:
     from tracker.video.timecode import Timecode
+
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)
 """What markers files of markers have, as `tracker.formats.marker_sets` says."""
