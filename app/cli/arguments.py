@@ -159,6 +159,15 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
     return parse
 
 
+def frames_asked(text: str) -> tuple[int, int]:
+    """First and last frame of a range such as 0-90; whether there are such frames is not asked."""
+    parse = whole_number(0)
+    first, dash, last = text.partition("-")
+    if not dash:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
+    return parse(first), parse(last)
+
+
 def names_of(*known: str) -> Callable[[str], tuple[str, ...]]:
     """A parser of one or several of these names, with commas between; in their own order."""
 

@@ -17,6 +17,7 @@ from app.cli.arguments import (
     add_json,
     add_overwrite,
     file_name,
+    frames_asked,
     whole_number,
 )
 from app.cli.interrupts import set_when_interrupted
@@ -74,7 +75,10 @@ def add(commands: Subcommands) -> None:
         help="the frame of the box; default: the first frame to draft",
     )
     command.add_argument(
-        "--frames", metavar="A-B", type=_frames, help="first and last frame to draft; default: all"
+        "--frames",
+        metavar="A-B",
+        type=frames_asked,
+        help="first and last frame to draft; default: all",
     )
     command.add_argument(
         "--body",
@@ -258,14 +262,6 @@ def _box(text: str) -> tuple[float, float, float, float]:
             "210,80,420,610"
         ) from None
     return left, top, right, bottom
-
-
-def _frames(text: str) -> tuple[int, int]:
-    parse = whole_number(0)
-    first, dash, last = text.partition("-")
-    if not dash:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
-    return parse(first), parse(last)
 
 
 def _angle(text: str) -> float:

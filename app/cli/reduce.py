@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import Subcommands, add_command, add_json, add_session, whole_number
+from app.cli.arguments import Subcommands, add_command, add_json, add_session, frames_asked
 from app.cli.json_output import print_json
 
 if TYPE_CHECKING:
@@ -49,7 +49,10 @@ def add(commands: Subcommands) -> None:
         help="in space, such as 2cm, in the picture, such as 5px, or both, 2cm,5px; default: 2cm",
     )
     command.add_argument(
-        "--frames", metavar="A-B", type=_frames, help="first and last frame to reduce; default: all"
+        "--frames",
+        metavar="A-B",
+        type=frames_asked,
+        help="first and last frame to reduce; default: all",
     )
     command.add_argument(
         "--limb",
@@ -221,11 +224,3 @@ def _tolerance(text: str) -> Tolerance:
         return Tolerance(**given)
     except ReductionError as error:
         raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
-
-
-def _frames(text: str) -> tuple[int, int]:
-    parse = whole_number(0)
-    first, dash, last = text.partition("-")
-    if not dash:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
-    return parse(first), parse(last)

@@ -3,9 +3,8 @@
 In the picture both look the same: the far joint of a bone lies on its ray, at either of the two
 places as far from the near joint as the bone is long. `depth_signs` decides by the whole stretch;
 what the network told of depth then says how far that is to be believed. A bone is doubted where the
-network does not see
-it point clearly the way it was drafted, over the frames near by in which it points the same way:
-a bone that is mirrored stays so until it passes through the picture's plane.
+network does not see it point clearly the way it was drafted, over the frames near by in which it
+points the same way: a bone that is mirrored stays so until it passes through the picture's plane.
 """
 
 from __future__ import annotations
