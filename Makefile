@@ -26,7 +26,7 @@ browser: .venv/.ready-dev
 	        echo "There is no Chromium: the tests of the page will be skipped."; \
 	    fi; }
 
-check: .venv/.ready-dev
+check: .venv/.ready-dev build/names
 	@.venv/bin/ruff check --quiet .
 	@.venv/bin/ruff format --check --quiet .
 	@.venv/bin/mypy --no-error-summary
@@ -55,6 +55,11 @@ $(NODE_TOOLS)/.ready: tests/page/package.json tests/page/package-lock.json
 	@echo "Installing eslint and tsc into $(NODE_TOOLS) …"
 	@npm ci --prefix tests/page --ignore-scripts --loglevel=error > /dev/null
 	@touch $@
+
+# mypy does not ask the installed package map where `keypose` is: links that say it.
+build/names:
+	@mkdir -p $@/keypose
+	@for name in app sample_videos static tracker; do ln -sfn ../../../$$name $@/keypose/$$name; done
 
 .venv/.ready: pyproject.toml | .venv/bin/pip
 	@echo "Installing Keypose and what it needs into .venv …"

@@ -1,10 +1,10 @@
-"""`python -m app` is `keypose`."""
+"""`python -m keypose.app` is `keypose`."""
 
 from __future__ import annotations
 
 import sys
 
-from app.cli.main import main
+from keypose.app.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

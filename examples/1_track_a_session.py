@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tracker import (
+from keypose.tracker import (
     SegmentFinished,
     TrackFinished,
     load_session,

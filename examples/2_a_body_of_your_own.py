@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-import tracker
+from keypose import tracker
 
 CLIP = Path(__file__).parents[1] / "sample_videos" / "person" / "person.mp4"
 LEG = Path("out", "leg", "session.json")

@@ -1,4 +1,4 @@
-"""Make the sample of observed surfaces anew:  python -m sample_videos.make_arms
+"""Make the sample of observed surfaces anew:  python -m keypose.sample_videos.make_arms
 
 With --studio DIR, what the cameras take of it instead, for `keypose hull`; --chain, --cameras N.
 
@@ -14,20 +14,20 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session import Keyframe, Session, VideoReference
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.storage.archive import archive_bytes
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import session_json
+from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import METRES, Placement
 from tests.rendering.arm_bodies import Kind
 from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.arms import ArmsScene, arms_scene, make_scene, shots_of
 from tests.rendering.ring import ring_of
 from tests.rendering.studio import cameras_json, write_studio
-from tracker.geometry.camera import Camera
-from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.schema import Surface
-from tracker.storage.archive import archive_bytes
-from tracker.storage.atomic import write_file
-from tracker.storage.files import session_json
-from tracker.surface.files.ply import ply_bytes
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import METRES, Placement
 
 FOLDER = Path(__file__).parent / "arms"
 MOST_BYTES = 600_000

@@ -1,4 +1,4 @@
-"""Make the filmed sample anew:  python -m sample_videos.make_balance [cam03.mp4]
+"""Make the filmed sample anew:  python -m keypose.sample_videos.make_balance [cam03.mp4]
 
 With the original clip named, it is first trimmed and halved; otherwise the clip stays as it is.
 Then one body is sized and posed on the joints that were marked by hand in marks.json.
@@ -16,15 +16,15 @@ import av
 import numpy as np
 from av.video.reformatter import Interpolation
 
+from keypose.tracker.body.body import Body, Point, preset
+from keypose.tracker.body.scaling import resized
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session import Keyframe, Session, VideoReference
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import session_json
+from keypose.tracker.video import Video
 from tests.benchmarks.posing import HUMAN, Habit, Marked, Posed, fit
-from tracker.body.body import Body, Point, preset
-from tracker.body.scaling import resized
-from tracker.geometry.camera import Camera
-from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.storage.atomic import write_file
-from tracker.storage.files import session_json
-from tracker.video import Video
 
 FOLDER = Path(__file__).parent / "balance"
 WIDTH, HEIGHT, FPS, FRAMES = 544, 960, 60, 61

@@ -1,4 +1,4 @@
-"""Make the README's pictures anew from the walk:  python -m sample_videos.make_pictures
+"""Make the README's pictures anew from the walk:  python -m keypose.sample_videos.make_pictures
 
 The walk is tracked, shown in a real browser, and filmed. Needs the Chromium of the tests.
 """
@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import Page, sync_playwright
 
-from app.cli.main import main as keypose
-from app.document.library.samples import own_copy
+from keypose.app.cli.main import main as keypose
+from keypose.app.document.library.samples import own_copy
+from keypose.tracker.video import Video
 from tests.app.serving import Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tracker.video import Video
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "walk"

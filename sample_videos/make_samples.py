@@ -1,4 +1,4 @@
-"""Make the rendered sample clips anew:  python -m sample_videos.make_samples
+"""Make the rendered sample clips anew:  python -m keypose.sample_videos.make_samples
 
 Each folder receives the clip, its exact motion and a session whose keyframes are taken from it.
 The same sources give the same pictures; the clip's bytes depend on the encoder's version as well.
@@ -14,13 +14,13 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.session import Keyframe, Session, VideoReference
+from keypose.tracker.storage.archive import archive_bytes
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import session_json
+from keypose.tracker.video import Video
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
-from tracker.session import Keyframe, Session, VideoReference
-from tracker.storage.archive import archive_bytes
-from tracker.storage.atomic import write_file
-from tracker.storage.files import session_json
-from tracker.video import Video
 
 FOLDER = Path(__file__).parent
 FPS = 30

@@ -1,4 +1,4 @@
-"""Make the filmed walk anew:  python -m sample_videos.make_walk [demo.mp4]
+"""Make the filmed walk anew:  python -m keypose.sample_videos.make_walk [demo.mp4]
 
 With the original clip named, it is first trimmed and scaled down; otherwise the clip stays as it
 is. Then the commands do what a person does in the page: draft every frame from one box, keep the
@@ -19,15 +19,15 @@ import av
 import numpy as np
 from av.video.reformatter import Interpolation
 
-from app.cli.main import main as keypose
-from tracker.body.skeleton import Skeleton
-from tracker.session import Keyframe, Session
-from tracker.session.pins import Pin
-from tracker.storage.atomic import write_file
-from tracker.storage.files import load_session, save_session, session_json
-from tracker.storage.results import load_results
-from tracker.storage.tracks import load_trajectory
-from tracker.tracking.space.level import up_from_places
+from keypose.app.cli.main import main as keypose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import load_session, save_session, session_json
+from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.tracks import load_trajectory
+from keypose.tracker.tracking.space.level import up_from_places
 
 FOLDER = Path(__file__).parent / "walk"
 WIDTH, HEIGHT, FPS = 1280, 720, 30

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-import tracker
+from keypose import tracker
 
 ROOT = Path(tracker.__file__).parents[1]
 EXAMPLES = ROOT / "examples"

@@ -2,7 +2,7 @@
 
 The names below are the whole of what most programs need:
 
-    from tracker import Video, load_session, track_session, TrackFinished
+    from keypose.tracker import Video, load_session, track_session, TrackFinished
 
     session = load_session(path)
     with Video.open("clip.mp4") as video:
@@ -18,37 +18,37 @@ from importlib import import_module
 from typing import Any
 
 _MODULES = {
-    "Body": "tracker.body.body",
-    "Camera": "tracker.geometry.camera",
-    "Cancelled": "tracker.tracking.pool",
-    "FoundAhead": "tracker.tracking.ahead.follow",
-    "Keyframe": "tracker.session",
-    "KeyposeError": "tracker.errors",
-    "PassFinished": "tracker.tracking.pool",
-    "Pose": "tracker.body.pose",
-    "SegmentFinished": "tracker.tracking.pool",
-    "SegmentResult": "tracker.tracking.result",
-    "SegmentStarted": "tracker.tracking.pool",
-    "Session": "tracker.session",
-    "Skeleton": "tracker.body.skeleton",
-    "TrackFinished": "tracker.tracking.pool",
-    "TrackResult": "tracker.tracking.result",
-    "TrackSettings": "tracker.session",
-    "Tracker": "tracker.tracking.tracker",
-    "Trajectory": "tracker.body.trajectory",
-    "Verdict": "tracker.session",
-    "Video": "tracker.video",
-    "VideoReference": "tracker.session",
-    "evaluate": "tracker.evaluate",
-    "interpolate": "tracker.body.trajectory",
-    "load_session": "tracker.storage.files",
-    "open_video_of": "tracker.storage.files",
-    "preset": "tracker.body.body",
-    "save_result": "tracker.storage.tracks",
-    "save_session": "tracker.storage.files",
-    "track_ahead": "tracker.storage.tracking",
-    "track_session": "tracker.storage.tracking",
-    "verdict_words": "tracker.formats.verdict_words",
+    "Body": "keypose.tracker.body.body",
+    "Camera": "keypose.tracker.geometry.camera",
+    "Cancelled": "keypose.tracker.tracking.pool",
+    "FoundAhead": "keypose.tracker.tracking.ahead.follow",
+    "Keyframe": "keypose.tracker.session",
+    "KeyposeError": "keypose.tracker.errors",
+    "PassFinished": "keypose.tracker.tracking.pool",
+    "Pose": "keypose.tracker.body.pose",
+    "SegmentFinished": "keypose.tracker.tracking.pool",
+    "SegmentResult": "keypose.tracker.tracking.result",
+    "SegmentStarted": "keypose.tracker.tracking.pool",
+    "Session": "keypose.tracker.session",
+    "Skeleton": "keypose.tracker.body.skeleton",
+    "TrackFinished": "keypose.tracker.tracking.pool",
+    "TrackResult": "keypose.tracker.tracking.result",
+    "TrackSettings": "keypose.tracker.session",
+    "Tracker": "keypose.tracker.tracking.tracker",
+    "Trajectory": "keypose.tracker.body.trajectory",
+    "Verdict": "keypose.tracker.session",
+    "Video": "keypose.tracker.video",
+    "VideoReference": "keypose.tracker.session",
+    "evaluate": "keypose.tracker.evaluate",
+    "interpolate": "keypose.tracker.body.trajectory",
+    "load_session": "keypose.tracker.storage.files",
+    "open_video_of": "keypose.tracker.storage.files",
+    "preset": "keypose.tracker.body.body",
+    "save_result": "keypose.tracker.storage.tracks",
+    "save_session": "keypose.tracker.storage.files",
+    "track_ahead": "keypose.tracker.storage.tracking",
+    "track_session": "keypose.tracker.storage.tracking",
+    "verdict_words": "keypose.tracker.formats.verdict_words",
 }
 
 __all__ = sorted(_MODULES)

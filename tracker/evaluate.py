@@ -15,13 +15,19 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.errors import FormatError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, apply_transform, frozen, log_rotation, transpose
-from tracker.solver.body_points import BodyPoint
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.errors import FormatError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import (
+    Array,
+    apply_transform,
+    frozen,
+    log_rotation,
+    transpose,
+)
+from keypose.tracker.solver.body_points import BodyPoint
 
 
 @dataclass(frozen=True)

@@ -14,28 +14,28 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from tracker import kernels
-from tracker.body.body import ALL_DOFS, Body, Part
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.shapes import Box
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.texture import texture_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import transform
-from tracker.geometry.view import ViewCamera
-from tracker.reduction.reduce import reduce_motion
-from tracker.reduction.result import Tolerance
-from tracker.solver.posed import Posed
-from tracker.tracking.cycle import track_segment
-from tracker.tracking.diagnostics.observability import observe
-from tracker.tracking.initial.templates.patch import Patch
-from tracker.tracking.initial.templates.search import GreyPicture, cut, find_match
-from tracker.tracking.method import FULL, PREVIEW
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import LEVELS, Clip, Picture, prepare
+from keypose.tracker import kernels
+from keypose.tracker.body.body import ALL_DOFS, Body, Part
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.texture import texture_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import transform
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.reduction.reduce import reduce_motion
+from keypose.tracker.reduction.result import Tolerance
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.tracking.cycle import track_segment
+from keypose.tracker.tracking.diagnostics.observability import observe
+from keypose.tracker.tracking.initial.templates.patch import Patch
+from keypose.tracker.tracking.initial.templates.search import GreyPicture, cut, find_match
+from keypose.tracker.tracking.method import FULL, PREVIEW
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import LEVELS, Clip, Picture, prepare
 
 _DONE, _HULLS_DONE = "warm", "warm-hulls"
 
@@ -78,10 +78,10 @@ def are_hulls_warm() -> bool:
 
 def warm_hulls() -> None:
     """Compile these, or load them: on a ball that four cameras see as a disc."""
-    from tracker.surface.cameras.carve import carve_field
-    from tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
-    from tracker.surface.cameras.photo import consistency
-    from tracker.surface.cameras.views import View
+    from keypose.tracker.surface.cameras.carve import carve_field
+    from keypose.tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
+    from keypose.tracker.surface.cameras.photo import consistency
+    from keypose.tracker.surface.cameras.views import View
 
     camera = Camera(width=48, height=48, fx=48.0, fy=48.0, cx=23.5, cy=23.5)
     rows, columns = np.mgrid[:48, :48]
@@ -99,13 +99,13 @@ def warm_hulls() -> None:
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     """A surface compared with itself, and drawn."""
-    from tracker.surface.fit.model import SurfaceModel
-    from tracker.surface.fit.options import Options
-    from tracker.surface.fit.pairing import Observed
-    from tracker.surface.fit.solving import fit_pose
-    from tracker.surface.fit.vertex_scalars import vertex_scalars
-    from tracker.surface.mesh import SurfaceMesh
-    from tracker.surface.painting import paint
+    from keypose.tracker.surface.fit.model import SurfaceModel
+    from keypose.tracker.surface.fit.options import Options
+    from keypose.tracker.surface.fit.pairing import Observed
+    from keypose.tracker.surface.fit.solving import fit_pose
+    from keypose.tracker.surface.fit.vertex_scalars import vertex_scalars
+    from keypose.tracker.surface.mesh import SurfaceMesh
+    from keypose.tracker.surface.painting import paint
 
     solid = body.parts[0].shape.mesh()
     mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)

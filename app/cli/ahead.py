@@ -9,17 +9,17 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.interrupts import set_when_interrupted
-from app.cli.json_output import print_json
-from app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
-from app.cli.warm_up import warm_tracker
-from tracker.body.trajectory import Trajectory
-from tracker.session.ahead import Direction
+from keypose.app.cli.interrupts import set_when_interrupted
+from keypose.app.cli.json_output import print_json
+from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
+from keypose.app.cli.warm_up import warm_tracker
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.ahead import Direction
 
 if TYPE_CHECKING:
-    from tracker.session import Session
-    from tracker.tracking.ahead.follow import FoundAhead
-    from tracker.video import Video
+    from keypose.tracker.session import Session
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
+    from keypose.tracker.video import Video
 
 DONE, NOTHING = 0, 1
 _WAYS: Mapping[str, tuple[Direction, ...]] = {
@@ -35,8 +35,8 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
     session: as its file is to stand.  arguments: session, ahead, out, overwrite, json.
     """
-    from app.editor.ahead import followed_session, up_to_date
-    from tracker.storage.files import open_video_of, save_session
+    from keypose.app.editor.ahead import followed_session, up_to_date
+    from keypose.tracker.storage.files import open_video_of, save_session
 
     require_place(arguments)
     ways = _ways(session, arguments.ahead)
@@ -63,8 +63,8 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
 def _ways(session: Session, asked: str) -> list[Direction]:
     """Those that lead anywhere; refused, before any work, where none of them does."""
-    from app.editor.ahead import start_frame
-    from app.editor.refusal import Refused
+    from keypose.app.editor.ahead import start_frame
+    from keypose.app.editor.refusal import Refused
 
     possible: list[Direction] = []
     why: Refused | None = None
@@ -87,9 +87,9 @@ def _followed(
     stop: threading.Event,
     arguments: argparse.Namespace,
 ) -> FoundAhead:
-    from tracker.storage.keypoints import of_session
-    from tracker.storage.tracking import track_ahead
-    from tracker.tracking.pool import Cancelled
+    from keypose.tracker.storage.keypoints import of_session
+    from keypose.tracker.storage.tracking import track_ahead
+    from keypose.tracker.tracking.pool import Cancelled
 
     keypoints = of_session(session, arguments.session.parent)
     with _reporter(arguments.json) as tell:
@@ -122,7 +122,7 @@ def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
 
 
 def _print(found: list[FoundAhead], place: str, as_json: bool) -> None:
-    from app.editor.ahead_text import found_sentence
+    from keypose.app.editor.ahead_text import found_sentence
 
     if as_json:
         facts = [

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
 
-from app.export.motion_formats import MotionFormat, formats_of
+from keypose.app.export.motion_formats import MotionFormat, formats_of
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
@@ -23,17 +23,17 @@ from app.cli.arguments import (
     motion_formats,
     whole_number,
 )
-from app.cli.batch_progress import BatchReporter, batch_reporter
-from app.cli.interrupts import set_when_interrupted
-from app.cli.warm_up import warm_tracker
-from tracker.errors import FormatError, KeyposeError, SessionError
+from keypose.app.cli.batch_progress import BatchReporter, batch_reporter
+from keypose.app.cli.interrupts import set_when_interrupted
+from keypose.app.cli.warm_up import warm_tracker
+from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:
-    from app.jobs.batch.journal import Journal
-    from app.jobs.batch.pool import WorkerPool
-    from app.jobs.batch.report import Entry
-    from app.jobs.batch.scheduler import TaskEvent
-    from app.jobs.batch.task import Summary, Task
+    from keypose.app.jobs.batch.journal import Journal
+    from keypose.app.jobs.batch.pool import WorkerPool
+    from keypose.app.jobs.batch.report import Entry
+    from keypose.app.jobs.batch.scheduler import TaskEvent
+    from keypose.app.jobs.batch.task import Summary, Task
 
 DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
 MOST_WORKERS = 256
@@ -110,7 +110,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.jobs.batch.finding import common_folder, find_sessions, name_of
+    from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
 
     if arguments.scheduler is not None and arguments.workers is not None:
         raise SessionError("--workers is for this computer: a cluster has its own workers.")
@@ -140,8 +140,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(batch: _Batch, place: Path, seconds: float) -> Path | None:
     """The report, None where it cannot be written."""
-    from app.jobs.batch.report import NAME, batch_html
-    from tracker.storage.atomic import write_file
+    from keypose.app.jobs.batch.report import NAME, batch_html
+    from keypose.tracker.storage.atomic import write_file
 
     report = place / NAME
     content = batch_html(batch.entries, seconds)
@@ -162,8 +162,8 @@ def _code(batch: _Batch, whole: bool) -> int:
 
 def _require_place(out: Path) -> None:
     """Whether the report can be written is asked before the work, not after."""
-    from app.jobs.batch.report import NAME, is_report
-    from tracker.storage.atomic import make_folder, require_folder
+    from keypose.app.jobs.batch.report import NAME, is_report
+    from keypose.tracker.storage.atomic import make_folder, require_folder
 
     require_folder(out)
     make_folder(out)
@@ -174,7 +174,7 @@ def _require_place(out: Path) -> None:
 
 @contextmanager
 def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
-    from app.jobs.batch.journal import Journal
+    from keypose.app.jobs.batch.journal import Journal
 
     asked = {name: getattr(arguments, name) for name in ("only", "method", "quality", "export")}
     paths = sorted({os.path.realpath(path) for path in arguments.paths})
@@ -189,13 +189,13 @@ def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
 def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]:
     pool: WorkerPool
     if arguments.scheduler is not None:
-        from app.jobs.batch.cluster import ClusterPool
+        from keypose.app.jobs.batch.cluster import ClusterPool
 
         pool = ClusterPool(arguments.scheduler)
         if not pool.free_slots():
             print("The cluster has no workers yet: waiting for one.", file=sys.stderr)
     else:
-        from app.jobs.batch.pool import LocalPool
+        from keypose.app.jobs.batch.pool import LocalPool
 
         warm_tracker()  # here, before several processes would do it at the same time
         pool = LocalPool(processes)
@@ -225,10 +225,10 @@ def _tasks(
     sessions: Sequence[Path], out: Path | None, arguments: argparse.Namespace, journal: Journal
 ) -> list[Task]:
     """What is to be done with every session; FormatError where a file is in the way."""
-    from app.jobs.batch.exporting import export_of, places
-    from app.jobs.batch.finding import common_folder
-    from app.jobs.batch.task import Task
-    from tracker.storage.atomic import require_absent
+    from keypose.app.jobs.batch.exporting import export_of, places
+    from keypose.app.jobs.batch.finding import common_folder
+    from keypose.app.jobs.batch.task import Task
+    from keypose.tracker.storage.atomic import require_absent
 
     folder = common_folder(sessions)
     workers = _workers(arguments)
@@ -281,7 +281,7 @@ class _Batch:
 
     def run(self, pool: WorkerPool, reporter: BatchReporter) -> bool:
         """Do all; False when it was interrupted."""
-        from app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
+        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
 
         stop = threading.Event()
         with set_when_interrupted(stop):
@@ -299,7 +299,7 @@ class _Batch:
 
     @property
     def entries(self) -> list[Entry]:
-        from app.jobs.batch.report import Entry
+        from keypose.app.jobs.batch.report import Entry
 
         return [Entry(self.names[n], self.summaries[n]) for n in sorted(self.summaries)]
 

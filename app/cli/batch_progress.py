@@ -8,12 +8,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from app.cli.json_output import json_value, print_json
+from keypose.app.cli.json_output import json_value, print_json
 
 if TYPE_CHECKING:
-    from app.jobs.batch.report import Entry
-    from app.jobs.batch.scheduler import TaskEvent
-    from app.jobs.batch.task import Summary
+    from keypose.app.jobs.batch.report import Entry
+    from keypose.app.jobs.batch.scheduler import TaskEvent
+    from keypose.app.jobs.batch.task import Summary
 
 WIDEST_NAME = 48
 QUARTER = 25
@@ -64,7 +64,7 @@ class _JsonReporter:
         print_json({"event": "batch_started", "sessions": self._paths, "done_before": continued})
 
     def event(self, event: TaskEvent) -> None:
-        from app.jobs.batch.scheduler import TaskFinished, TaskStarted
+        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
 
         session = {"session": self._paths[event.number]}
         if isinstance(event, TaskStarted):
@@ -129,7 +129,7 @@ class _LineReporter(_TextReporter):
         self._ended = 0
 
     def event(self, event: TaskEvent) -> None:
-        from app.jobs.batch.scheduler import TaskFinished, TaskStarted
+        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
 
         name, number = self._names[event.number], event.number
         if isinstance(event, TaskStarted):
@@ -164,7 +164,7 @@ class _BarReporter(_TextReporter):
         )
 
     def event(self, event: TaskEvent) -> None:
-        from app.jobs.batch.scheduler import TaskFinished, TaskStarted
+        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
 
         number = event.number
         if isinstance(event, TaskStarted):

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
-from tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError
 
 State: TypeAlias = Literal["ok", "note", "warning", "error"]
 
@@ -106,10 +106,10 @@ def libraries() -> Iterator[Finding]:
 
 
 def page() -> Iterator[Finding]:
-    from app.document.library.library import SAMPLE_FOLDER
-    from app.document.library.samples import bundled_samples
-    from app.scene.viser_compat import PAGE
-    from app.server.server import STATIC
+    from keypose.app.document.library.library import SAMPLE_FOLDER
+    from keypose.app.document.library.samples import bundled_samples
+    from keypose.app.scene.viser_compat import PAGE
+    from keypose.app.server.server import STATIC
 
     files = (STATIC / "index.html", STATIC / "page.js", PAGE)
     missing = [path for path in files if not path.is_file()]
@@ -123,8 +123,8 @@ def page() -> Iterator[Finding]:
 def films() -> Iterator[Finding]:
     import numpy as np
 
-    from tracker.video import Video
-    from tracker.video.encode import FilmWriter, can_write_films
+    from keypose.tracker.video import Video
+    from keypose.tracker.video.encode import FilmWriter, can_write_films
 
     if not can_write_films():
         words = "films cannot be written, for PyAV has no H.264 encoder; reading is not affected"
@@ -167,8 +167,8 @@ def _memory_gb() -> float | None:
 
 
 def folders(workspace: Path | None = None) -> Iterator[Finding]:
-    from app.document.defaults import defaults_path, read_defaults
-    from tracker.keypoints.model_files import cache_folder
+    from keypose.app.document.defaults import defaults_path, read_defaults
+    from keypose.tracker.keypoints.model_files import cache_folder
 
     path = defaults_path()
     is_there = path.exists()
@@ -199,8 +199,8 @@ def _folder(name: str, folder: Path, state: State, remedy: str) -> Finding:
 def compiled_loops() -> Iterator[Finding]:
     import numba
 
-    from tracker.keypoints.model_files import cache_folder
-    from tracker.warm import is_warm
+    from keypose.tracker.keypoints.model_files import cache_folder
+    from keypose.tracker.warm import is_warm
 
     place = Path(numba.config.CACHE_DIR)  # type: ignore[attr-defined]
     usual = cache_folder() / "kernels"
@@ -225,8 +225,8 @@ def _megabytes(of: list[Path]) -> int:
 
 
 def networks() -> Iterator[Finding]:
-    from tracker.keypoints.model_files import HEAVY
-    from tracker.keypoints.network import Network
+    from keypose.tracker.keypoints.model_files import HEAVY
+    from keypose.tracker.keypoints.network import Network
 
     Network.open()
     yield Finding("keypoints", "ok", "the bundled network is here and runs")
@@ -237,8 +237,8 @@ def networks() -> Iterator[Finding]:
 
 
 def port() -> Iterator[Finding]:
-    from app.document.defaults import read_defaults
-    from app.server.listening import bind
+    from keypose.app.document.defaults import read_defaults
+    from keypose.app.server.listening import bind
 
     number = read_defaults().port
     try:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from app.cli.arguments import Subcommands, add_command, file_name, session_file
+from keypose.app.cli.arguments import Subcommands, add_command, file_name, session_file
 
 _EXAMPLES = """\
   keypose completion bash > ~/.local/share/bash-completion/completions/keypose

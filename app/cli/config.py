@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from app.cli.arguments import Subcommands, add_command, add_json
-from app.cli.json_output import print_json
+from keypose.app.cli.arguments import Subcommands, add_command, add_json
+from keypose.app.cli.json_output import print_json
 
 _EXAMPLES = """\
   keypose config
@@ -27,7 +27,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.document.defaults import Defaults, defaults_path, read_defaults
+    from keypose.app.document.defaults import Defaults, defaults_path, read_defaults
 
     path, defaults = defaults_path(), read_defaults()
     values = defaults.model_dump(mode="json")

@@ -8,11 +8,11 @@ from collections import Counter
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import Subcommands, add_command, add_json, file_name
-from app.cli.json_output import print_json
+from keypose.app.cli.arguments import Subcommands, add_command, add_json, file_name
+from keypose.app.cli.json_output import print_json
 
 if TYPE_CHECKING:
-    from app.cli.checks import Finding
+    from keypose.app.cli.checks import Finding
 
 FOUND_AN_ERROR = 1
 
@@ -39,7 +39,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.cli.checks import examine
+    from keypose.app.cli.checks import examine
 
     findings = []
     for finding in examine(arguments.workspace):

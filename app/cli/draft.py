@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
@@ -20,15 +20,15 @@ from app.cli.arguments import (
     frames_asked,
     whole_number,
 )
-from app.cli.interrupts import set_when_interrupted
-from app.cli.json_output import print_json
-from tracker.errors import KeypointError, SessionError
+from keypose.app.cli.interrupts import set_when_interrupted
+from keypose.app.cli.json_output import print_json
+from keypose.tracker.errors import KeypointError, SessionError
 
 if TYPE_CHECKING:
-    from tracker.fitting.draft import ClipDraft, DraftProgress
-    from tracker.geometry.camera import Camera
-    from tracker.session import Session
-    from tracker.video import Video
+    from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
+    from keypose.tracker.geometry.camera import Camera
+    from keypose.tracker.session import Session
+    from keypose.tracker.video import Video
 
 DONE, INTERRUPTED = 0, 130
 
@@ -100,13 +100,13 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.document.folder_lock import locked
-    from app.document.new import new_session
-    from app.editor.drafted import require_draftable
-    from app.jobs.drafts import DraftLeft
-    from tracker.body.body import preset
-    from tracker.storage.atomic import make_folder, require_absent, require_folder
-    from tracker.video import Video
+    from keypose.app.document.folder_lock import locked
+    from keypose.app.document.new import new_session
+    from keypose.app.editor.drafted import require_draftable
+    from keypose.app.jobs.drafts import DraftLeft
+    from keypose.tracker.body.body import preset
+    from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
+    from keypose.tracker.video import Video
 
     if len(arguments.box) > 1:
         raise KeypointError("--box is given twice. Draft one person at a time.")
@@ -139,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
-    from tracker.geometry.camera import Camera
+    from keypose.tracker.geometry.camera import Camera
 
     video = session.video
     angle = math.radians(arguments.field_of_view)
@@ -154,7 +154,7 @@ def _drafted(
     frames: tuple[int, int],
     as_json: bool,
 ) -> tuple[ClipDraft, str]:
-    from app.jobs.drafts import Telling, drafted
+    from keypose.app.jobs.drafts import Telling, drafted
 
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as tell:
@@ -168,10 +168,10 @@ def _save(
     at: int, video: Video, overwrite: bool,
 ) -> tuple[Path, Path]:  # fmt: skip
     """The session's file and that of the keypoints, both written."""
-    from app.editor.drafted import KEYPOINT_SOURCE, drafted_session
-    from tracker.storage.atomic import write_file
-    from tracker.storage.files import session_json
-    from tracker.storage.keypoints import save_keypoints
+    from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session
+    from keypose.tracker.storage.atomic import write_file
+    from keypose.tracker.storage.files import session_json
+    from keypose.tracker.storage.keypoints import save_keypoints
 
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)

@@ -6,11 +6,18 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import Subcommands, add_command, add_json, add_session, file_name, note
-from app.cli.json_output import json_value, print_json
+from keypose.app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_session,
+    file_name,
+    note,
+)
+from keypose.app.cli.json_output import json_value, print_json
 
 if TYPE_CHECKING:
-    from tracker.evaluate import Evaluation, Measure, Spread
+    from keypose.tracker.evaluate import Evaluation, Measure, Spread
 
 _EXAMPLES = """\
   keypose evaluate session.json --reference truth.npz
@@ -57,14 +64,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
-    from tracker.body.skeleton import Skeleton
-    from tracker.body.trajectory import Trajectory
-    from tracker.evaluate import evaluate, evaluate_joints
-    from tracker.formats.reference import load_reference
-    from tracker.storage.files import load_session
-    from tracker.storage.fingerprints import open_ends
-    from tracker.storage.outdated import outdated_words, tracked_keyframes
-    from tracker.storage.tracks import load_trajectory
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.body.trajectory import Trajectory
+    from keypose.tracker.evaluate import evaluate, evaluate_joints
+    from keypose.tracker.formats.reference import load_reference
+    from keypose.tracker.storage.files import load_session
+    from keypose.tracker.storage.fingerprints import open_ends
+    from keypose.tracker.storage.outdated import outdated_words, tracked_keyframes
+    from keypose.tracker.storage.tracks import load_trajectory
 
     session = load_session(session_path)
     skeleton, camera = Skeleton.of(session.body), session.camera

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_output,
@@ -14,18 +14,18 @@ from app.cli.arguments import (
     motion_formats,
     note,
 )
-from app.cli.json_output import print_written
-from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
-from app.export.motion_formats import FORMATS, MARKER_SETS
-from tracker.errors import FormatError, listed
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.units import FILE_UNITS
+from keypose.app.cli.json_output import print_written
+from keypose.app.cli.views import cutoff_hz, frame_range, rate, video_if_there
+from keypose.app.export.motion_formats import FORMATS, MARKER_SETS
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.units import FILE_UNITS
 
 if TYPE_CHECKING:
-    from app.export.motion_files import Sampling
-    from tracker.geometry.rotations import Array
-    from tracker.session import Session
-    from tracker.video.timecode import Timecode
+    from keypose.app.export.motion_files import Sampling
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.session import Session
+    from keypose.tracker.video.timecode import Timecode
 
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion
@@ -112,12 +112,17 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.export.motion_files import motion_files, sampling_words, saved_motion
-    from app.export.opensim_files import files_for_model
-    from tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
-    from tracker.storage.files import load_session
-    from tracker.storage.outdated import outdated_words
-    from tracker.storage.tracks import load_tracks
+    from keypose.app.export.motion_files import motion_files, sampling_words, saved_motion
+    from keypose.app.export.opensim_files import files_for_model
+    from keypose.tracker.storage.atomic import (
+        make_folder,
+        require_absent,
+        require_folder,
+        write_file,
+    )
+    from keypose.tracker.storage.files import load_session
+    from keypose.tracker.storage.outdated import outdated_words
+    from keypose.tracker.storage.tracks import load_tracks
 
     _require_bones(arguments)
     session = load_session(arguments.session)
@@ -148,7 +153,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _sampling(arguments: argparse.Namespace) -> Sampling:
-    from app.export.motion_files import Sampling
+    from keypose.app.export.motion_files import Sampling
 
     fps = None if arguments.fps is None else float(arguments.fps)
     return Sampling(

@@ -9,15 +9,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_output,
     add_session,
     note,
 )
-from app.cli.json_output import print_json, print_written
-from app.cli.views import (
+from keypose.app.cli.json_output import print_json, print_written
+from keypose.app.cli.views import (
     add_look,
     film_view,
     frame_range,
@@ -26,13 +26,13 @@ from app.cli.views import (
     size,
     video_if_there,
 )
-from app.export.drawable import require_frame, require_tint
+from keypose.app.export.drawable import require_frame, require_tint
 
 if TYPE_CHECKING:
-    from app.export.film import FilmOrder
-    from app.render.films import Film
-    from app.render.palette import Picture
-    from tracker.session import Session
+    from keypose.app.export.film import FilmOrder
+    from keypose.app.render.films import Film
+    from keypose.app.render.palette import Picture
+    from keypose.tracker.session import Session
 
 _EXAMPLES = """\
   keypose film session.json --out overlay.mp4
@@ -78,8 +78,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.export.film import film_of, film_words, write_film
-    from app.render.poses import KnownPoses
+    from keypose.app.export.film import film_of, film_words, write_film
+    from keypose.app.render.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
     require_tint(session, arguments.tint)
@@ -101,8 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _order(arguments: argparse.Namespace) -> FilmOrder:
-    from app.export.film import FilmOrder
-    from app.render.studio import Paint
+    from keypose.app.export.film import FilmOrder
+    from keypose.app.render.studio import Paint
 
     paint = Paint(arguments.style, arguments.opacity / 100)
     asked = (arguments.view, arguments.frames, paint, arguments.size, arguments.tint)
@@ -111,8 +111,8 @@ def _order(arguments: argparse.Namespace) -> FilmOrder:
 
 def _video(session: Session, session_path: Path, film: Film) -> Any:
     """The video, for its pictures or its times; a new camera does without it, with a note."""
-    from app.export.film import USUAL_FPS
-    from tracker.storage.files import open_video_of
+    from keypose.app.export.film import USUAL_FPS
+    from keypose.tracker.storage.files import open_video_of
 
     if film.needs_video:
         return open_video_of(session, session_path)

@@ -7,7 +7,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     SESSION,
     SESSION_FOLDER,
     UNITS,
@@ -18,11 +18,11 @@ from app.cli.arguments import (
     file_name,
     session_file,
 )
-from tracker.errors import SessionError
+from keypose.tracker.errors import SessionError
 
 if TYPE_CHECKING:
-    from tracker.session import Session
-    from tracker.session.schema import Surface
+    from keypose.tracker.session import Session
+    from keypose.tracker.session.schema import Surface
 
 _EXAMPLES = """\
   keypose open scan
@@ -96,8 +96,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.cli.outcome import track_and_save
-    from app.jobs.rerun import require_trackable, with_settings
+    from keypose.app.cli.outcome import track_and_save
+    from keypose.app.jobs.rerun import require_trackable, with_settings
 
     if arguments.session is None:
         arguments.session = _usual_place(arguments.meshes)
@@ -118,7 +118,7 @@ def _usual_place(meshes: Path | None) -> Path:
 
 def _session(arguments: argparse.Namespace) -> Session:
     """The session; a sentence on how to get one where there is none yet."""
-    from tracker.storage.files import load_session
+    from keypose.tracker.storage.files import load_session
 
     path: Path = arguments.session
     if not path.exists() and arguments.meshes is not None:
@@ -137,9 +137,9 @@ def _session(arguments: argparse.Namespace) -> Session:
 
 def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
     """The session with the meshes that were named, if they are its own, wherever they lie now."""
-    from app.document.new import path_from
-    from tracker.storage.files import video_path
-    from tracker.surface.files.sequence import MeshSequence
+    from keypose.app.document.new import path_from
+    from keypose.tracker.storage.files import video_path
+    from keypose.tracker.surface.files.sequence import MeshSequence
 
     meshes, path = arguments.meshes, arguments.session
     if meshes is None or meshes.resolve() == video_path(session, path).resolve():
@@ -157,9 +157,9 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
     """How the surfaces are to be fitted. What the poses were set by is not changed."""
-    from app.document.new import path_from
-    from tracker.session.evidence import surface_of
-    from tracker.surface.cameras.rig import Rig
+    from keypose.app.document.new import path_from
+    from keypose.tracker.session.evidence import surface_of
+    from keypose.tracker.surface.cameras.rig import Rig
 
     surface = surface_of(session)
     for name, what in (("units", "in {}"), ("up", "with {} up")):

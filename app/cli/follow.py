@@ -10,17 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from app.cli.interrupts import set_when_interrupted
-from app.cli.json_output import print_json, verdict_fields
-from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
-from app.jobs.rerun import all_segments, rerun
-from tracker.errors import KeyposeError
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
+from keypose.app.cli.interrupts import set_when_interrupted
+from keypose.app.cli.json_output import print_json, verdict_fields
+from keypose.app.jobs import JobFinished, PassFinished, Report, SegmentFinished
+from keypose.app.jobs.rerun import all_segments, rerun
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
-    from tracker.session import Session
-    from tracker.video import Video
+    from keypose.tracker.session import Session
+    from keypose.tracker.video import Video
 
 Send: TypeAlias = Callable[[Report], None]
 Places: TypeAlias = Mapping[Span, int]

@@ -11,14 +11,21 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from app.cli.arguments import Subcommands, add_command, add_json, add_overwrite, file_name, note
-from app.cli.interrupts import set_when_interrupted
-from app.cli.json_output import print_json
-from app.cli.warm_up import warm_hull_kernels
-from tracker.errors import SurfaceError
+from keypose.app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_overwrite,
+    file_name,
+    note,
+)
+from keypose.app.cli.interrupts import set_when_interrupted
+from keypose.app.cli.json_output import print_json
+from keypose.app.cli.warm_up import warm_hull_kernels
+from keypose.tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
-    from tracker.surface.cameras.hulls import Hulls
+    from keypose.tracker.surface.cameras.hulls import Hulls
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
@@ -63,9 +70,9 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.storage.atomic import make_folder, require_absent, require_folder
-    from tracker.surface.cameras.hulls import Hulls
-    from tracker.surface.cameras.rig import Rig
+    from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
+    from keypose.tracker.surface.cameras.hulls import Hulls
+    from keypose.tracker.surface.cameras.rig import Rig
 
     out: Path = arguments.out
     stop = threading.Event()
@@ -106,8 +113,8 @@ def _make(
     hulls: Hulls, places: list[Path], stop: threading.Event, arguments: argparse.Namespace
 ) -> tuple[list[Path], dict[int, str]]:
     """The files written, and why others are not."""
-    from tracker.storage.atomic import write_file
-    from tracker.surface.files.ply import ply_bytes
+    from keypose.tracker.storage.atomic import write_file
+    from keypose.tracker.surface.files.ply import ply_bytes
 
     written: list[Path] = []
     refused: dict[int, str] = {}

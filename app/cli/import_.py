@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
@@ -18,19 +18,19 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
-from app.cli.import_camera import add_camera, import_camera, require_no_other
-from app.cli.json_output import print_json
-from tracker.errors import FormatError
-from tracker.keypoints.layouts import LAYOUTS
+from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
+from keypose.app.cli.json_output import print_json
+from keypose.tracker.errors import FormatError
+from keypose.tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
-    from app.export.import_motion import Draft, ImportedMotion
-    from tracker.formats.joint_motion import JointMotion, World
-    from tracker.formats.joint_names import Matched
-    from tracker.geometry.rotations import Array
-    from tracker.keypoints.keypoints import Keypoints
-    from tracker.session import Session
-    from tracker.video.info import VideoInfo
+    from keypose.app.export.import_motion import Draft, ImportedMotion
+    from keypose.tracker.formats.joint_motion import JointMotion, World
+    from keypose.tracker.formats.joint_names import Matched
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.keypoints.keypoints import Keypoints
+    from keypose.tracker.session import Session
+    from keypose.tracker.video.info import VideoInfo
 
 EVERY = 24
 """Frames from one draft to the next, when none are named."""
@@ -121,8 +121,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.document.folder_lock import locked
-    from tracker.storage.files import load_session, open_video_of
+    from keypose.app.document.folder_lock import locked
+    from keypose.tracker.storage.files import load_session, open_video_of
 
     path: Path = arguments.session
     # Reading it reports one that is not there.
@@ -168,7 +168,7 @@ def _require_of_a_kind(arguments: argparse.Namespace) -> None:
 def _motion(arguments: argparse.Namespace) -> JointMotion:
     from dataclasses import replace
 
-    from tracker.formats.reading import load_motion
+    from keypose.tracker.formats.reading import load_motion
 
     motion = load_motion(arguments.file)
     if arguments.fps is not None:
@@ -183,10 +183,10 @@ def _motion(arguments: argparse.Namespace) -> JointMotion:
 def _import_motion(
     session: Session, motion: JointMotion, arguments: argparse.Namespace, times_s: Array
 ) -> None:
-    from app.export.import_motion import fit_to_session
-    from tracker.formats.joint_names import load_names
-    from tracker.storage.files import save_session
-    from tracker.storage.first_motion import save_first_motion
+    from keypose.app.export.import_motion import fit_to_session
+    from keypose.tracker.formats.joint_names import load_names
+    from keypose.tracker.storage.files import save_session
+    from keypose.tracker.storage.first_motion import save_first_motion
 
     names = None if arguments.names is None else load_names(arguments.names)
     offset_s = _offset_s(arguments, times_s)
@@ -264,8 +264,8 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 
 
 def _import_keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> None:
-    from app.export.import_motion import drafts_of, match_keypoints
-    from tracker.storage.files import save_session
+    from keypose.app.export.import_motion import drafts_of, match_keypoints
+    from keypose.tracker.storage.files import save_session
 
     keypoints = _keypoints(session, arguments, info)
     said = dict(arguments.map or ())
@@ -282,7 +282,7 @@ def _import_keypoints(session: Session, arguments: argparse.Namespace, info: Vid
 
 
 def _keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> Keypoints:
-    from tracker.formats.reading_keypoints import VideoFacts, load_keypoints
+    from keypose.tracker.formats.reading_keypoints import VideoFacts, load_keypoints
 
     video = session.video
     told = info.container != "images" and not info.variable_rate  # images have no rate of their own

@@ -6,8 +6,8 @@ import argparse
 import math
 from pathlib import Path
 
-from app.cli.json_output import print_json
-from tracker.errors import FormatError
+from keypose.app.cli.json_output import print_json
+from keypose.tracker.errors import FormatError
 
 
 def add_camera(command: argparse.ArgumentParser) -> None:
@@ -29,10 +29,10 @@ def require_no_other(arguments: argparse.Namespace, names: tuple[str, ...]) -> N
 
 def import_camera(arguments: argparse.Namespace) -> None:
     """Read the file into the session, which nobody else has open, and say what changed."""
-    from app.export.import_camera import SAME_DEG, turned_deg, with_camera_file
-    from tracker.formats.reading_camera import load_camera
-    from tracker.formats.recording import CAMERA_UP
-    from tracker.storage.files import load_session, save_session
+    from keypose.app.export.import_camera import SAME_DEG, turned_deg, with_camera_file
+    from keypose.tracker.formats.reading_camera import load_camera
+    from keypose.tracker.formats.recording import CAMERA_UP
+    from keypose.tracker.storage.files import load_session, save_session
 
     path: Path = arguments.session
     session = load_session(path)

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from app.cli.arguments import Subcommands, add_command, add_json, file_name
-from app.cli.json_output import print_json
-from tracker.errors import SurfaceError
+from keypose.app.cli.arguments import Subcommands, add_command, add_json, file_name
+from keypose.app.cli.json_output import print_json
+from keypose.tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 Description: TypeAlias = tuple[dict[str, Any], list[str]]
 """The facts, and the same in lines for a person."""
@@ -48,7 +48,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.surface.source import holds_meshes
+    from keypose.tracker.surface.source import holds_meshes
 
     if holds_meshes(arguments.video):
         if arguments.check:
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_video(path: Path, check: bool) -> Description:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
     with Video.open(path) as video:
         if check:
@@ -85,9 +85,9 @@ def _examine(video: Video) -> None:
 
 
 def _of_meshes(path: Path) -> Description:
-    from tracker.surface.files.sequence import MeshSequence
-    from tracker.surface.new_session import first_mesh
-    from tracker.surface.picture import CONTAINER
+    from keypose.tracker.surface.files.sequence import MeshSequence
+    from keypose.tracker.surface.new_session import first_mesh
+    from keypose.tracker.surface.picture import CONTAINER
 
     with MeshSequence.open(path) as meshes:
         frame, mesh = first_mesh(meshes)
@@ -114,7 +114,7 @@ def _of_meshes(path: Path) -> Description:
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
-    from tracker.surface.files.unusable import describe_unusable
+    from keypose.tracker.surface.files.unusable import describe_unusable
 
     size = " × ".join(f"{length:.4g}" for length in facts["extent"])
     units = facts["units"] or "units, which the files do not state"
@@ -195,7 +195,7 @@ def _damage(facts: dict[str, Any]) -> str:
     """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
     import numpy as np
 
-    from tracker.tracking.diagnostics.runs import runs
+    from keypose.tracker.tracking.diagnostics.runs import runs
 
     frames = facts["damaged_frames"]
     flags = np.isin(np.arange(facts["frame_count"]), frames)

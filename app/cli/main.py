@@ -19,7 +19,7 @@ from difflib import get_close_matches
 from importlib.metadata import version
 from typing import NoReturn
 
-from app.cli import (
+from keypose.app.cli import (
     batch,
     completion,
     config,
@@ -42,8 +42,8 @@ from app.cli import (
     shot,
     track,
 )
-from app.cli.interrupts import sigterm_as_ctrl_c
-from tracker.errors import KeyposeError
+from keypose.app.cli.interrupts import sigterm_as_ctrl_c
+from keypose.tracker.errors import KeyposeError
 
 BAD_INPUT = 2
 FAULT = 70

@@ -6,12 +6,12 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import Subcommands, add_command, add_json
-from app.cli.json_output import print_json
-from tracker.errors import KeypointError
+from keypose.app.cli.arguments import Subcommands, add_command, add_json
+from keypose.app.cli.json_output import print_json
+from keypose.tracker.errors import KeypointError
 
 if TYPE_CHECKING:
-    from tracker.keypoints.model_files import Model
+    from keypose.tracker.keypoints.model_files import Model
 
 PACKAGE = "https://cdn.jsdelivr.net/npm/@mediapipe/pose@0.5.1675469404"
 """Where MediaPipe publishes the networks, file by file."""
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(as_json: bool) -> int:
-    from tracker.keypoints.model_files import MODELS
+    from keypose.tracker.keypoints.model_files import MODELS
 
     if as_json:
         print_json({"models": [_facts(model) for model in MODELS]})
@@ -58,8 +58,8 @@ def _list(as_json: bool) -> int:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from tracker.keypoints.model_files import find_model
-    from tracker.storage.models import add_content, add_from_file
+    from keypose.tracker.keypoints.model_files import find_model
+    from keypose.tracker.storage.models import add_content, add_from_file
 
     if arguments.name is None:
         raise KeypointError("Name the network to add, as in `keypose models add heavy`.")
@@ -90,7 +90,7 @@ def _downloaded(model: Model) -> bytes:
     from http.client import HTTPException
     from urllib.request import urlopen
 
-    from tracker.storage.models import LARGEST_PACKAGE_BYTES
+    from keypose.tracker.storage.models import LARGEST_PACKAGE_BYTES
 
     try:
         with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     UNITS,
     UP_AXES,
     Subcommands,
@@ -23,12 +23,12 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
-from tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
-    from app.document.library import Library
-    from app.server.links import Links
-    from app.server.server import Server
+    from keypose.app.document.library import Library
+    from keypose.app.server.links import Links
+    from keypose.app.server.server import Server
 
 PORTS_TRIED = 10
 """From the usual one on. A second Keypose is found at the same port again after a restart."""
@@ -119,7 +119,7 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     _require_own(arguments)
-    from app.document.defaults import read_defaults
+    from keypose.app.document.defaults import read_defaults
 
     defaults = read_defaults()
     workspace = arguments.workspace or defaults.workspace
@@ -136,8 +136,8 @@ def _open(
     shown_from: Path | None,
 ) -> int:
     """Serve what was asked for until a signal asks to end."""
-    from app.document.library import Library
-    from app.server.server import Server
+    from keypose.app.document.library import Library
+    from keypose.app.server.server import Server
 
     path = arguments.path
     if arguments.out is not None:
@@ -161,8 +161,8 @@ def _with_reading(
         return path
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")
-    from app.document.new import open_with_reading
-    from tracker.surface.new_session import Reading
+    from keypose.app.document.new import open_with_reading
+    from keypose.tracker.surface.new_session import Reading
 
     reading = Reading(arguments.units, arguments.up)
     opened, news = open_with_reading(path, library.session_for, reading, arguments.cameras)
@@ -184,8 +184,8 @@ def _serve(
     hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
     for number in (signal.SIGINT, signal.SIGTERM, hang_up):
         signal.signal(number, lambda *_: server.ask_to_stop())
-    from app.server.addresses import reachable
-    from app.server.links import Links
+    from keypose.app.server.addresses import reachable
+    from keypose.app.server.links import Links
 
     loop = server.stage.loop
     if path is not None:
@@ -208,7 +208,7 @@ def _roots(path: Path | None) -> list[Path]:
     """The folders whose videos the page may list: where one is, where the opened file lies, and
     where people keep films."""
     beside = [] if path is None else [path.absolute().parent]
-    from app.document.library import usual_folders
+    from keypose.app.document.library import usual_folders
 
     return list(dict.fromkeys([Path.cwd(), *beside, *usual_folders(Path.home())]))
 
@@ -235,7 +235,7 @@ def _require_own(arguments: argparse.Namespace) -> None:
         raise KeyposeError("--public-name lets others in: add --let-others-in.")
     if _is_own(arguments.host):
         return
-    from app.document.defaults import read_defaults
+    from keypose.app.document.defaults import read_defaults
 
     port = arguments.port or read_defaults().port
     print(_TUNNEL.format(host=arguments.host, port=port), file=sys.stderr)
@@ -255,14 +255,14 @@ def _is_own(host: str) -> bool:
 
 def _names(host: str) -> tuple[str, ...]:
     """What a request may call this server besides the address at which it arrives."""
-    from app.server.addresses import host_in_url, is_wildcard
+    from keypose.app.server.addresses import host_in_url, is_wildcard
 
     return (socket.gethostname(),) if is_wildcard(host) else (host_in_url(host),)
 
 
 def _listener(host: str, port: int | None, first: int) -> socket.socket:
     """A bound socket: the port asked for, or the first free one from the usual one on."""
-    from app.server.listening import bind
+    from keypose.app.server.listening import bind
 
     if port is not None:
         return bind(host, port)
@@ -273,7 +273,7 @@ def _listener(host: str, port: int | None, first: int) -> socket.socket:
 
 
 def _copy(path: Path | None, out: Path) -> Path:
-    from app.document.open import copy_session
+    from keypose.app.document.open import copy_session
 
     if path is None:
         raise KeyposeError("--out needs a session to copy.")

@@ -10,13 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.json_output import print_json, verdict_fields
-from app.cli.warm_up import warm_tracker
-from tracker.errors import SessionError
+from keypose.app.cli.json_output import print_json, verdict_fields
+from keypose.app.cli.warm_up import warm_tracker
+from keypose.tracker.errors import SessionError
 
 if TYPE_CHECKING:
-    from app.cli.follow import Run
-    from tracker.session import Results, Session
+    from keypose.app.cli.follow import Run
+    from keypose.tracker.session import Results, Session
 
 DONE, LOST, INTERRUPTED = 0, 1, 130
 
@@ -26,9 +26,9 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
 
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
     """
-    from app.cli.follow import follow
-    from tracker.storage.files import open_video_of
-    from tracker.storage.finding import with_present_fingerprints
+    from keypose.app.cli.follow import follow
+    from keypose.tracker.storage.files import open_video_of
+    from keypose.tracker.storage.finding import with_present_fingerprints
 
     require_place(arguments)
     with open_video_of(asked, arguments.session) as video, locked_place(arguments):
@@ -69,7 +69,7 @@ def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> No
 
 def require_place(arguments: argparse.Namespace) -> None:
     """Whether the results can be written is asked before the work, not after."""
-    from tracker.storage.atomic import require_absent, require_folder
+    from keypose.tracker.storage.atomic import require_absent, require_folder
 
     folder = arguments.session.parent if arguments.out is None else arguments.out
     if arguments.out is not None and not arguments.overwrite:
@@ -80,7 +80,7 @@ def require_place(arguments: argparse.Namespace) -> None:
 @contextmanager
 def locked_place(arguments: argparse.Namespace) -> Iterator[Path]:
     """The session file to write, while nobody else writes it."""
-    from app.document.folder_lock import locked
+    from keypose.app.document.folder_lock import locked
 
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     place = _place(arguments)
@@ -102,7 +102,7 @@ def _save_found(
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
     summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
-    from app.editor.space_words import space_sentence
+    from keypose.app.editor.space_words import space_sentence
 
     results = _write(session, asked, found, arguments)
     if results is None:
@@ -127,8 +127,8 @@ def _save_found(
 def _write(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> Results | None:
-    from app.jobs.rerun import save_found, save_tracks_beside
-    from tracker.storage.atomic import make_folder
+    from keypose.app.jobs.rerun import save_found, save_tracks_beside
+    from keypose.tracker.storage.atomic import make_folder
 
     if arguments.out is None or not found.found:
         return save_found(asked, arguments.session, found.found)
@@ -142,10 +142,10 @@ def _write(
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:
     """The session in the folder --out, with all that belongs to it but its motion."""
-    from app.document.open import with_paths_from
-    from tracker.storage.atomic import make_folder, write_file
-    from tracker.storage.beside import carry_beside
-    from tracker.storage.files import session_json
+    from keypose.app.document.open import with_paths_from
+    from keypose.tracker.storage.atomic import make_folder, write_file
+    from keypose.tracker.storage.beside import carry_beside
+    from keypose.tracker.storage.files import session_json
 
     make_folder(arguments.out, error=SessionError)
     carry_beside(session, arguments.session.parent, arguments.out)

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import Subcommands, add_command, add_json, add_session, frames_asked
-from app.cli.json_output import print_json
+from keypose.app.cli.arguments import Subcommands, add_command, add_json, add_session, frames_asked
+from keypose.app.cli.json_output import print_json
 
 if TYPE_CHECKING:
-    from app.editor.reduced import Reducible
-    from tracker.reduction.result import Reduction, Tolerance
-    from tracker.session import Session
+    from keypose.app.editor.reduced import Reducible
+    from keypose.tracker.reduction.result import Reduction, Tolerance
+    from keypose.tracker.session import Session
 
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _SOURCES = ("tracked", "drafts", "imported")
@@ -79,8 +79,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.document.folder_lock import locked
-    from tracker.storage.files import load_session
+    from keypose.app.document.folder_lock import locked
+    from keypose.tracker.storage.files import load_session
 
     path = arguments.session
     # Reading it reports one that is not there.
@@ -95,11 +95,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:
-    from app.editor.reduced import reducible
-    from tracker.body.skeleton import Skeleton
-    from tracker.reduction.reduce import reduce_motion
-    from tracker.storage.first_motion import kept_beside
-    from tracker.storage.results import load_results
+    from keypose.app.editor.reduced import reducible
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.reduction.reduce import reduce_motion
+    from keypose.tracker.storage.first_motion import kept_beside
+    from keypose.tracker.storage.results import load_results
 
     found = reducible(
         session,
@@ -122,9 +122,9 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
 def _save(
     session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
 ) -> None:
-    from app.editor.reduced import reduced_session
-    from tracker.storage.files import open_video_of, save_session
-    from tracker.storage.first_motion import save_own_motion
+    from keypose.app.editor.reduced import reduced_session
+    from keypose.tracker.storage.files import open_video_of, save_session
+    from keypose.tracker.storage.first_motion import save_own_motion
 
     path = arguments.session
     with open_video_of(session, path) as video:
@@ -205,8 +205,8 @@ def _facts(
 
 def _tolerance(text: str) -> Tolerance:
     """ "2cm", "5px", or both with a comma between."""
-    from tracker.errors import ReductionError
-    from tracker.reduction.result import Tolerance
+    from keypose.tracker.errors import ReductionError
+    from keypose.tracker.reduction.result import Tolerance
 
     given = {"metres": math.inf, "pixels": math.inf}
     for word in text.split(","):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_output,
     add_session,
 )
-from app.cli.json_output import print_written
-from app.cli.views import session_to_draw, video_if_there
+from keypose.app.cli.json_output import print_written
+from keypose.app.cli.views import session_to_draw, video_if_there
 
 _EXAMPLES = """\
   keypose report session.json --out report.html
@@ -33,8 +33,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.export.report.report import report_html
-    from tracker.storage.atomic import write_file
+    from keypose.app.export.report.report import report_html
+    from keypose.tracker.storage.atomic import write_file
 
     session, out = session_to_draw(arguments, "report", ".html", ".htm"), arguments.out
     with video_if_there(session, arguments.session, "the report has no pictures") as video:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import Subcommands, add_command, add_json, add_session, note
-from app.cli.json_output import print_json
+from keypose.app.cli.arguments import Subcommands, add_command, add_json, add_session, note
+from keypose.app.cli.json_output import print_json
 
 if TYPE_CHECKING:
-    from app.editor.review import Place, Review
+    from keypose.app.editor.review import Place, Review
 
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""
@@ -41,9 +41,9 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.editor.review import review_of
-    from tracker.storage.files import load_session
-    from tracker.storage.results import load_results
+    from keypose.app.editor.review import review_of
+    from keypose.tracker.storage.files import load_session
+    from keypose.tracker.storage.results import load_results
 
     session = load_session(arguments.session)
     found = review_of(session, load_results(session, arguments.session))
@@ -69,7 +69,7 @@ def _facts(found: Review, goal: int) -> dict[str, Any]:
 
 
 def _place(place: Place) -> dict[str, Any]:
-    from app.editor.review_words import reason_of_place
+    from keypose.app.editor.review_words import reason_of_place
 
     return {
         "frame": place.frame,
@@ -83,8 +83,8 @@ def _place(place: Place) -> dict[str, Any]:
 
 
 def _table(found: Review, goal: int) -> list[str]:
-    from app.editor.problem_words import size_of
-    from app.editor.review_words import (
+    from keypose.app.editor.problem_words import size_of
+    from keypose.app.editor.review_words import (
         answers_words,
         label_of_place,
         left_words,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from app.cli.arguments import Subcommands, add_command
-from app.cli.json_output import print_json
+from keypose.app.cli.arguments import Subcommands, add_command
+from keypose.app.cli.json_output import print_json
 
 _EXAMPLES = """\
   keypose schema session > session.schema.json
@@ -20,8 +20,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.body.body import Body
-    from tracker.session import Session
+    from keypose.tracker.body.body import Body
+    from keypose.tracker.session import Session
 
     model = Body if arguments.kind == "body" else Session
     print_json(model.model_json_schema(), indent=2)

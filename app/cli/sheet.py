@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_output,
@@ -12,9 +12,9 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
-from app.cli.json_output import print_written
-from app.cli.views import add_look, session_to_draw
-from app.export.drawable import require_tint
+from keypose.app.cli.json_output import print_written
+from keypose.app.cli.views import add_look, session_to_draw
+from keypose.app.export.drawable import require_tint
 
 _EXAMPLES = """\
   keypose sheet session.json --out keyframes.png
@@ -42,10 +42,10 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.export.keyframe_sheet import sheet_png
-    from app.render.snapshots import Look
-    from tracker.storage.atomic import write_file
-    from tracker.storage.files import open_video_of
+    from keypose.app.export.keyframe_sheet import sheet_png
+    from keypose.app.render.snapshots import Look
+    from keypose.tracker.storage.atomic import write_file
+    from keypose.tracker.storage.files import open_video_of
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     require_tint(session, arguments.tint)

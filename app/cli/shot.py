@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import (
+from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_output,
@@ -14,8 +14,8 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
-from app.cli.json_output import print_written
-from app.cli.views import (
+from keypose.app.cli.json_output import print_written
+from keypose.app.cli.views import (
     add_look,
     scale,
     session_to_draw,
@@ -23,13 +23,13 @@ from app.cli.views import (
     still_view,
     video_if_there,
 )
-from app.export.drawable import MOST_PIXELS, require_frame, require_tint
-from tracker.errors import FormatError, SessionError
+from keypose.app.export.drawable import MOST_PIXELS, require_frame, require_tint
+from keypose.tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
-    from app.render.poses import KnownPoses
-    from app.render.stills import Still
-    from tracker.session import Session
+    from keypose.app.render.poses import KnownPoses
+    from keypose.app.render.stills import Still
+    from keypose.tracker.session import Session
 
 _EXAMPLES = """\
   keypose shot session.json --frame 40 --view main --out frame40.png
@@ -86,7 +86,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.storage.atomic import write_file
+    from keypose.tracker.storage.atomic import write_file
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     require_tint(session, arguments.tint)
@@ -99,8 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
-    from app.render.stills import Still
-    from app.render.studio import Paint
+    from keypose.app.render.stills import Still
+    from keypose.app.render.studio import Paint
 
     pixels = session.video.width * session.video.height * arguments.scale**2
     if arguments.scale > 1 and pixels > MOST_PIXELS:
@@ -120,10 +120,10 @@ def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
 
 def _poses(session: Session, session_path: Path, frame: int, wanted: Still) -> KnownPoses:
     """With the pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
-    from app.render.poses import KnownPoses
-    from tracker.body.skeleton import Skeleton
-    from tracker.storage.outdated import outdated_words
-    from tracker.storage.tracks import load_tracks
+    from keypose.app.render.poses import KnownPoses
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.storage.outdated import outdated_words
+    from keypose.tracker.storage.tracks import load_tracks
 
     require_frame(session, frame)
     skeleton = Skeleton.of(session.body)
@@ -144,8 +144,8 @@ def _content(
     session: Session, poses: KnownPoses, wanted: Still, arguments: argparse.Namespace
 ) -> bytes:
     """The PNG file's bytes."""
-    from app.render.snapshots import png
-    from app.render.stills import still
+    from keypose.app.render.snapshots import png
+    from keypose.app.render.stills import still
 
     with _open_source(session, arguments.session, wanted) as video:
         content = png(still(session, video, arguments.frame, poses, wanted))
@@ -158,7 +158,7 @@ def _open_source(session: Session, session_path: Path, wanted: Still) -> Any:
     """The video, or the surfaces around the body, where the picture shows them."""
     from contextlib import nullcontext
 
-    from tracker.storage.files import open_video_of
+    from keypose.tracker.storage.files import open_video_of
 
     if wanted.needs_video:
         return open_video_of(session, session_path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from app.cli.arguments import Subcommands, add_command, add_session, add_work, names_of
+from keypose.app.cli.arguments import Subcommands, add_command, add_session, add_work, names_of
 
 _EXAMPLES = """\
   keypose track session.json
@@ -89,9 +89,9 @@ def _cues(text: str) -> tuple[str, ...]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.cli.outcome import track_and_save
-    from app.jobs.rerun import require_trackable, with_settings
-    from tracker.storage.files import load_session
+    from keypose.app.cli.outcome import track_and_save
+    from keypose.app.jobs.rerun import require_trackable, with_settings
+    from keypose.tracker.storage.files import load_session
 
     session = load_session(arguments.session)
     if arguments.ahead is None:
@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
         None if arguments.smooth is None else arguments.smooth == "yes",
     )
     if arguments.ahead is not None:
-        from app.cli.ahead import track_ahead_and_save
+        from keypose.app.cli.ahead import track_ahead_and_save
 
         return track_ahead_and_save(session, asked, arguments)
     return track_and_save(session, asked, arguments)

@@ -10,16 +10,16 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.arguments import note, whole_number
-from app.export.drawable import LARGEST_SIDE, MOST_PIXELS, SMALLEST_SIDE
-from tracker.errors import FormatError, SessionError
+from keypose.app.cli.arguments import note, whole_number
+from keypose.app.export.drawable import LARGEST_SIDE, MOST_PIXELS, SMALLEST_SIDE
+from keypose.tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
-    from app.render.films import FilmView
-    from app.render.snapshots import View
-    from app.render.studio import Size
-    from app.render.viewpoints import Viewpoint
-    from tracker.session import Session
+    from keypose.app.render.films import FilmView
+    from keypose.app.render.snapshots import View
+    from keypose.app.render.studio import Size
+    from keypose.app.render.viewpoints import Viewpoint
+    from keypose.tracker.session import Session
 
 NAMES = ("main", "top", "side", "front", "all")
 _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
@@ -27,8 +27,8 @@ _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
 
 def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
     """The session to draw, once it is known that the file can be written."""
-    from tracker.storage.atomic import require_absent, require_folder
-    from tracker.storage.files import load_session
+    from keypose.tracker.storage.atomic import require_absent, require_folder
+    from keypose.tracker.storage.files import load_session
 
     out: Path = arguments.out
     if out.suffix.lower() not in suffixes:
@@ -67,7 +67,7 @@ def add_look(command: argparse.ArgumentParser) -> None:
 
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     """The session's video, opened; where it is gone, nothing, with a note."""
-    from tracker.storage.files import open_video_of, video_path
+    from keypose.tracker.storage.files import open_video_of, video_path
 
     try:
         return open_video_of(session, session_path)
@@ -151,7 +151,7 @@ def frame_range(text: str) -> tuple[int, int]:
 
 
 def _viewpoint(text: str, views: str) -> Viewpoint:
-    from app.render.viewpoints import ELEVATION_DEG, Viewpoint
+    from keypose.app.render.viewpoints import ELEVATION_DEG, Viewpoint
 
     kind, _, numbers_text = text.partition(":")
     numbers = [float(word) for word in numbers_text.split(",") if _NUMBER.fullmatch(word)]

@@ -7,7 +7,7 @@ import sys
 
 def warm_tracker() -> None:
     """The first run on a computer takes its time, and says so."""
-    from tracker.warm import is_warm, warm
+    from keypose.tracker.warm import is_warm, warm
 
     if not is_warm():
         print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
@@ -16,7 +16,7 @@ def warm_tracker() -> None:
 
 def warm_hull_kernels() -> None:
     """The same for surfaces from silhouettes."""
-    from tracker.warm import are_hulls_warm, warm_hulls
+    from keypose.tracker.warm import are_hulls_warm, warm_hulls
 
     if not are_hulls_warm():
         print("Preparing hulls for this computer, once: some ten seconds.", file=sys.stderr)

@@ -20,10 +20,17 @@ from typing import Annotated, Any, Final
 from platformdirs import user_config_path
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from tracker.body.body import PRESETS
-from tracker.errors import KeyposeError, one_sentence
-from tracker.files import read_regular
-from tracker.session.settings import ALL_CUES, Cues, MethodName, NetworkName, Quality, TrackSettings
+from keypose.tracker.body.body import PRESETS
+from keypose.tracker.errors import KeyposeError, one_sentence
+from keypose.tracker.files import read_regular
+from keypose.tracker.session.settings import (
+    ALL_CUES,
+    Cues,
+    MethodName,
+    NetworkName,
+    Quality,
+    TrackSettings,
+)
 
 LARGEST_BYTES: Final = 64 * 1024
 FIRST_PORT: Final = 8090

@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from app.document.library.belongings import belongings
-from app.document.library.names import numbered, printable
-from app.document.open import with_paths_from
-from tracker.errors import SessionError
-from tracker.storage.atomic import make_folder
-from tracker.storage.files import load_session, save_session
+from keypose.app.document.library.belongings import belongings
+from keypose.app.document.library.names import numbered, printable
+from keypose.app.document.open import with_paths_from
+from keypose.tracker.errors import SessionError
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.files import load_session, save_session
 
 
 def duplicate_session(path: Path) -> Path:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Lock
 
-from app.editor.state import EditorState
-from tracker.files import read_regular
-from tracker.session.schema import Session
-from tracker.storage.chronicle import (
+from keypose.app.editor.state import EditorState
+from keypose.tracker.files import read_regular
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.chronicle import (
     Moment,
     Received,
     edit_record,
@@ -22,14 +22,14 @@ from tracker.storage.chronicle import (
     single_steps,
     whole_record,
 )
-from tracker.storage.files import (
+from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,
     journal_path,
     save_session,
     session_json,
     set_aside,
 )
-from tracker.storage.journal import Journal
+from keypose.tracker.storage.journal import Journal
 
 MOST_BYTES = 4 * 2**20
 """A longer journal, and twice as long as it began, is begun anew with what can still be undone."""

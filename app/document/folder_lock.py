@@ -10,9 +10,9 @@ from typing import Self
 
 from filelock import lock_descriptor
 
-from tracker.errors import SessionError
-from tracker.files import NotRegular, open_own
-from tracker.storage.leftovers import sweep
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import NotRegular, open_own
+from keypose.tracker.storage.leftovers import sweep
 
 NAME = ".keypose.lock"
 

@@ -9,27 +9,27 @@ from pathlib import Path
 
 import numpy as np
 
-from app.document.defaults import read_defaults
-from app.document.folder_lock import locked
-from app.editor.documents import NEAREST_M
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.scaling import with_height
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SessionError, SurfaceError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.session.evidence import surface_of
-from tracker.session.schema import Session, Surface, VideoReference
-from tracker.storage.atomic import make_folder
-from tracker.storage.evidence import with_cameras_fingerprint
-from tracker.storage.files import load_session, save_session, video_path
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.new_session import Reading, choose_reading, first_mesh
-from tracker.surface.source import SurfaceSteps, holds_meshes
-from tracker.video import Video, VideoInfo
-from tracker.video.still_camera import still_camera
+from keypose.app.document.defaults import read_defaults
+from keypose.app.document.folder_lock import locked
+from keypose.app.editor.documents import NEAREST_M
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.scaling import with_height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError, SurfaceError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Session, Surface, VideoReference
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.evidence import with_cameras_fingerprint
+from keypose.tracker.storage.files import load_session, save_session, video_path
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.new_session import Reading, choose_reading, first_mesh
+from keypose.tracker.surface.source import SurfaceSteps, holds_meshes
+from keypose.tracker.video import Video, VideoInfo
+from keypose.tracker.video.still_camera import still_camera
 
 PEOPLE_M = (0.5, 2.5)
 """Heights of surfaces that may well be a person's."""

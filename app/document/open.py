@@ -8,26 +8,26 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from app.document.edit_log import Beginning
-from app.document.new import new_session, new_surface_session, path_from, standing_in
-from app.editor.documents import Posed
-from app.editor.pointer_views import up_of
-from app.editor.state import EditorState
-from app.posing import opening_pose
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SessionError
-from tracker.files import read_regular
-from tracker.geometry.rotations import Array
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from tracker.session.history import History
-from tracker.session.schema import Session
-from tracker.storage.atomic import make_folder
-from tracker.storage.beside import carry_beside
-from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
-from tracker.storage.evidence import surfaces_of
-from tracker.storage.files import (
+from keypose.app.document.edit_log import Beginning
+from keypose.app.document.new import new_session, new_surface_session, path_from, standing_in
+from keypose.app.editor.documents import Posed
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import opening_pose
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import read_regular
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.session.history import History
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.beside import carry_beside
+from keypose.tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,
     Opened,
     journal_path,
@@ -38,12 +38,12 @@ from tracker.storage.files import (
     save_session,
     video_path,
 )
-from tracker.storage.finding import with_present_fingerprints
-from tracker.storage.first_motion import load_first_motion
-from tracker.storage.results import Results, load_results
-from tracker.surface.new_session import Reading
-from tracker.surface.source import holds_meshes
-from tracker.video import Video
+from keypose.tracker.storage.finding import with_present_fingerprints
+from keypose.tracker.storage.first_motion import load_first_motion
+from keypose.tracker.storage.results import Results, load_results
+from keypose.tracker.surface.new_session import Reading
+from keypose.tracker.surface.source import holds_meshes
+from keypose.tracker.video import Video
 
 
 @dataclass(frozen=True, eq=False)

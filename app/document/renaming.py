@@ -6,12 +6,12 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-from app.document.folder_lock import locked
-from tracker.errors import SessionError
-from tracker.session.schema import Session
-from tracker.storage.chronicle import edit_record, mark_of, saved_record, whole_record
-from tracker.storage.files import journal_path, open_session, save_session
-from tracker.storage.journal import Journal
+from keypose.app.document.folder_lock import locked
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.chronicle import edit_record, mark_of, saved_record, whole_record
+from keypose.tracker.storage.files import journal_path, open_session, save_session
+from keypose.tracker.storage.journal import Journal
 
 STEP = "rename"
 """What undo calls it."""

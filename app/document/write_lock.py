@@ -10,11 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
 
-from app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
-from app.document.open import OpenSession
-from app.editor.refusal import Refused
-from tracker.errors import SessionError
-from tracker.storage.atomic import make_folder
+from keypose.app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.refusal import Refused
+from keypose.tracker.errors import SessionError
+from keypose.tracker.storage.atomic import make_folder
 
 Identity: TypeAlias = tuple[int, int]
 

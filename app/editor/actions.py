@@ -20,13 +20,13 @@ from pydantic import (
     model_validator,
 )
 
-from app.editor.copied import Copied
-from app.posing import Gesture, Way
-from tracker.body.body import Body, Dof, Name, Point
-from tracker.session.history import MOST_STEPS
-from tracker.session.notes import LONGEST
-from tracker.session.schema import Title
-from tracker.session.settings import (
+from keypose.app.editor.copied import Copied
+from keypose.app.posing import Gesture, Way
+from keypose.tracker.body.body import Body, Dof, Name, Point
+from keypose.tracker.session.history import MOST_STEPS
+from keypose.tracker.session.notes import LONGEST
+from keypose.tracker.session.schema import Title
+from keypose.tracker.session.settings import (
     ALL_CUES,
     Cue,
     Cues,
@@ -951,7 +951,7 @@ Editing: TypeAlias = (
     | Rename
     | Rewinding
 )
-"""What `app.editor.update` knows to apply."""
+"""What `keypose.app.editor.update` knows to apply."""
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
 Reducing: TypeAlias = Reduce | ApplyReduction | DiscardReduction

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from app.editor.judged import Judged
-from app.editor.suggest import Fitting, Suggestion, suggestion
-from app.editor.suggest_ahead import followed_suggestion, with_way_ahead
-from app.editor.suggest_surfaces import surface_suggestion
-from tracker.keypoints.on_body import is_persons
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from tracker.session.schema import Session
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.suggest import Fitting, Suggestion, suggestion
+from keypose.app.editor.suggest_ahead import followed_suggestion, with_way_ahead
+from keypose.app.editor.suggest_surfaces import surface_suggestion
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.session.schema import Session
 
 _BOX_OR_POSE = ("Press B and draw a box around the person", "Or pose this frame and press K")
 

@@ -10,18 +10,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from app.editor.documents import keyframe_of, require_sound, with_drafts
-from app.editor.refusal import Refused
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.session.ahead import Ahead, Direction, Stop
-from tracker.session.schema import Keyframe, Session
-from tracker.storage.fingerprints import ahead_key
+from keypose.app.editor.documents import keyframe_of, require_sound, with_drafts
+from keypose.app.editor.refusal import Refused
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.ahead import Ahead, Direction, Stop
+from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.storage.fingerprints import ahead_key
 
 if TYPE_CHECKING:
-    from app.editor.state import EditorState
-    from tracker.tracking.ahead.follow import FoundAhead
+    from keypose.app.editor.state import EditorState
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 LABEL = "track ahead"
 """What undo calls it."""

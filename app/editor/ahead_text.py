@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from tracker.errors import spoken
-from tracker.session.ahead import Ahead, Stop, StopCause
+from keypose.tracker.errors import spoken
+from keypose.tracker.session.ahead import Ahead, Stop, StopCause
 
 if TYPE_CHECKING:
-    from tracker.tracking.ahead.follow import FoundAhead
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 _WHY: Final[Mapping[StopCause, str]] = {
     "uncertain": "{Part} may be wrong from there",

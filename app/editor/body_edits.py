@@ -6,25 +6,25 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TypeVar
 
-from app.editor import actions as do
-from app.editor.documents import Posed, require_before_camera
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.posing import part_label, with_height, with_joint, with_shape, with_size
-from tracker.body.assembling import with_new_part, with_renamed_part, without_part
-from tracker.body.body import PRESETS, Body, Part, preset
-from tracker.body.clavicles import (
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import Posed, require_before_camera
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
+from keypose.tracker.body.assembling import with_new_part, with_renamed_part, without_part
+from keypose.tracker.body.body import PRESETS, Body, Part, preset
+from keypose.tracker.body.clavicles import (
     can_have_clavicles,
     has_clavicles,
     with_clavicles,
     without_clavicles,
 )
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session.pins import Pin
-from tracker.session.reviewed import Reviewed
-from tracker.session.schema import Keyframe, PartKeyframe, Session
-from tracker.session.settings import TrackSettings
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.session.settings import TrackSettings
 
 Named = TypeVar("Named", Pin, Reviewed)
 

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from app.editor import actions as do
-from app.editor.documents import moved_away
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.posing import up_from_vertical
-from tracker.errors import one_sentence
-from tracker.geometry.camera import Camera
-from tracker.session.schema import LensSource, Session
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import moved_away
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import up_from_vertical
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.schema import LensSource, Session
 
 STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
 BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)

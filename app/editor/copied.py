@@ -14,14 +14,14 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from app.editor.refusal import Refused
-from app.posing import mirror_pose
-from tracker.body.body import Name
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import rotation_from_quaternion
-from tracker.session.schema import Keyframe, Position, Quaternion
-from tracker.session.settings import FrameIndex
+from keypose.app.editor.refusal import Refused
+from keypose.app.posing import mirror_pose
+from keypose.tracker.body.body import Name
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.session.schema import Keyframe, Position, Quaternion
+from keypose.tracker.session.settings import FrameIndex
 
 MOST_KEYS = 500
 MOST_PARTS = 1000

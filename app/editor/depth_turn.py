@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.documents import posed
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.posing import part_label
-from app.posing.labels import kind_of
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Session
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.fit_joints import fit_picture
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import posed
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.app.posing.labels import kind_of
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Session
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.fit_joints import fit_picture
 
 TRUNK = ("waist", "chest", "neck", "head")
 FLAT_LIMB = np.diag([-1.0, 1.0, 1.0])

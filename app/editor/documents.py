@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeVar
 
-from app.editor.refusal import Refused
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Keyframe, PartKeyframe, Session
-from tracker.storage import changes
+from keypose.app.editor.refusal import Refused
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.storage import changes
 
 Posed = TypeVar("Posed", bound=Keyframe)
 NEAREST_M = 0.06

@@ -7,25 +7,25 @@ from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from app.editor.ahead import without_followed
-from app.editor.documents import keyframe_of, require_sound, with_drafts
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.body.body import PEOPLE, PRESETS, Body, preset
-from tracker.body.clavicles import without_clavicles
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import listed
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.on_body import points_on_body
-from tracker.keypoints.region import Box, Region
-from tracker.session import drafted as record
-from tracker.session.drafted import LEARN_FRAMES
-from tracker.session.schema import MOST, KeypointFile, Session
+from keypose.app.editor.ahead import without_followed
+from keypose.app.editor.documents import keyframe_of, require_sound, with_drafts
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
+from keypose.tracker.body.clavicles import without_clavicles
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import listed
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.keypoints.region import Box, Region
+from keypose.tracker.session import drafted as record
+from keypose.tracker.session.drafted import LEARN_FRAMES
+from keypose.tracker.session.schema import MOST, KeypointFile, Session
 
 if TYPE_CHECKING:
-    from tracker.fitting.draft import Proposal
+    from keypose.tracker.fitting.draft import Proposal
 
 LABEL = "draft"
 """What undo calls it."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.editor import actions as do
-from app.editor import (
+from keypose.app.editor import actions as do
+from keypose.app.editor import (
     body_edits,
     camera_edits,
     depth_turn,
@@ -24,11 +24,11 @@ from app.editor import (
     surface_edits,
     tracking_edits,
 )
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.posing import part_label
-from app.posing.gesture import Surface
-from tracker.session.schema import Session
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.app.posing.gesture import Surface
+from keypose.tracker.session.schema import Session
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.motion import known_motion, settled_skeleton
-from app.editor.pointer_views import up_of
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.posing import handles
-from app.posing.labels import kind_of
-from tracker.body.body import Body
-from tracker.body.floor import floor_height, lowest_heights
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.app.editor.motion import known_motion, settled_skeleton
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import handles
+from keypose.app.posing.labels import kind_of
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 MOST_MOMENTS = 1000
 SOLE_M = 0.015

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.editor.documents import (
+from keypose.app.editor.documents import (
     as_soft_as,
     at_new_focal,
     keyframe_of,
@@ -17,14 +17,14 @@ from app.editor.documents import (
     require_sound,
     with_keyframes,
 )
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.session.schema import Keyframe, Session
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.schema import Keyframe, Session
 
 
 def pose_to_fit(state: EditorState) -> Pose:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.pinned import default_landmarks
-from app.editor.pointer_views import up_of
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from tracker.body.pose import pose_transforms
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
-from tracker.session.schema import Session
-from tracker.tracking.space.level import up_from_places
+from keypose.app.editor import actions as do
+from keypose.app.editor.pinned import default_landmarks
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Session
+from keypose.tracker.tracking.space.level import up_from_places
 
 LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""

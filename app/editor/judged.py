@@ -10,17 +10,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.editor.segment_evidence import gain
-from app.posing import PointerView, lanes, parts_at
-from tracker.body.body import Body
-from tracker.body.pose import part_transforms, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.reviewed import Reviewed
-from tracker.session.schema import Session
-from tracker.storage.results import Results, Span
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.segment_evidence import gain
+from keypose.app.posing import PointerView, lanes, parts_at
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import part_transforms, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Results, Span
+from keypose.tracker.tracking.result import SegmentResult
 
 KEYED_FRAMES: Final = 8
 """What is expected to be mended in intervals up to this length is mostly the keyframes' own error,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
-from app.editor import actions as do
-from app.editor.documents import with_drafts, with_keyframes
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.session.schema import Keyframe, Session
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import with_drafts, with_keyframes
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.schema import Keyframe, Session
 
 MOST_NAMED = 3
 """Frames that a sentence lists one by one."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.editor import actions as do
-from app.editor.documents import (
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import (
     as_soft_as,
     keyframe_of,
     require_before_camera,
@@ -12,12 +12,12 @@ from app.editor.documents import (
     with_part_keyframes,
     without,
 )
-from app.editor.key_range_edits import at_frame
-from app.editor.part_edits import require_correctable
-from app.editor.refusal import Refused
-from app.editor.shown import find, shown_pose
-from app.editor.state import EditorState
-from tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.app.editor.key_range_edits import at_frame
+from keypose.app.editor.part_edits import require_correctable
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
 
 
 def add_keyframe(state: EditorState, frame: int) -> Session:

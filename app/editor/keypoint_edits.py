@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.posing import part_label
-from tracker.geometry.camera import Camera
-from tracker.keypoints.on_body import points_on_body
-from tracker.session.corrections import KeypointCorrection
-from tracker.session.schema import Session
-from tracker.session.settings import Pixel
+from keypose.app.editor import actions as do
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import Pixel
 
 DECIMALS = 2
 

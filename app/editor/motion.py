@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.shown import find
-from app.editor.state import EditorState
-from tracker.body.pose import part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Keyframe
+from keypose.app.editor.shown import find
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Keyframe
 
 
 @dataclass(frozen=True, eq=False)

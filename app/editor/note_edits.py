@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.editor import actions as do
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.session.notes import Note
-from tracker.session.schema import Session
+from keypose.app.editor import actions as do
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.notes import Note
+from keypose.tracker.session.schema import Session
 
 
 def set_note(state: EditorState, action: do.SetNote) -> Session:

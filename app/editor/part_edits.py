@@ -6,23 +6,23 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.documents import (
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import (
     require_before_camera,
     with_drafts,
     with_part_keyframes,
     without,
 )
-from app.editor.refusal import Refused
-from app.editor.shown import draft_at, find, pose_behind, shown_pose
-from app.editor.state import EditorState
-from app.posing import lanes, part_label
-from app.posing.labels import kind_of
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import listed
-from tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import draft_at, find, pose_behind, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import lanes, part_label
+from keypose.app.posing.labels import kind_of
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import listed
+from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
 
 SAME = 1e-5
 """Entries of a rotation, and metres, up to which a part stands as it did."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from app.editor import actions as do
-from app.editor.copied import Copied, pasted_poses
-from app.editor.documents import keyframe_of, posed, require_before_camera
-from app.editor.key_range_edits import require_free, with_keyframes_placed
-from app.editor.refusal import Refused
-from app.editor.shown import find, shown_pose
-from app.editor.state import EditorState
-from tracker.session.schema import Session
+from keypose.app.editor import actions as do
+from keypose.app.editor.copied import Copied, pasted_poses
+from keypose.app.editor.documents import keyframe_of, posed, require_before_camera
+from keypose.app.editor.key_range_edits import require_free, with_keyframes_placed
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.schema import Session
 
 
 def copied_from(state: EditorState, frames: Collection[int]) -> Copied:

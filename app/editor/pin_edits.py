@@ -6,19 +6,19 @@ from collections.abc import Iterable, Sequence
 
 from pydantic import ValidationError
 
-from app.editor import actions as do
-from app.editor.documents import with_keyframes, without
-from app.editor.floor_edits import foot_height
-from app.editor.pin_range import LEAST_FRAMES, range_to_pin
-from app.editor.pinned import corner_near, default_landmarks, open_proposals, shares_points
-from app.editor.refusal import Refused
-from app.editor.shown import find
-from app.editor.state import EditorState
-from app.editor.verdict_text import named_frames
-from app.posing import part_label
-from tracker.errors import one_sentence
-from tracker.session.pins import Pin
-from tracker.session.schema import Session
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import with_keyframes, without
+from keypose.app.editor.floor_edits import foot_height
+from keypose.app.editor.pin_range import LEAST_FRAMES, range_to_pin
+from keypose.app.editor.pinned import corner_near, default_landmarks, open_proposals, shares_points
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import find
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.verdict_text import named_frames
+from keypose.app.posing import part_label
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Session
 
 
 def set_pin(state: EditorState, action: do.SetPin) -> Session:

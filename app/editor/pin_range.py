@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.state import EditorState
-from tracker.body.pose import part_transforms
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin
 
 LEAST_FRAMES = 5
 STILL_M_S = 0.30

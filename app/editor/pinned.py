@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.posing import handles
-from tracker.body.body import Body
-from tracker.body.pose import pose_transforms
-from tracker.session.pins import Pin, sole_of
-from tracker.session.results import PinResult
-from tracker.session.schema import Session
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import handles
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.results import PinResult
+from keypose.tracker.session.schema import Session
 
 
 def default_landmarks(body: Body, part: str) -> tuple[str, ...]:

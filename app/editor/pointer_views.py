@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.posing import CAMERA_UP, Eye, PointerView, eye_rotation, view_rotations
-from tracker.session.schema import Session
+from keypose.app.posing import CAMERA_UP, Eye, PointerView, eye_rotation, view_rotations
+from keypose.tracker.session.schema import Session
 
 
 def up_of(doc: Session) -> tuple[float, float, float]:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.body_edits import with_body
-from app.editor.documents import posed
-from app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
-from app.editor.pinned import pinned_ends
-from app.editor.pointer_views import pointer_views, up_of
-from app.editor.refusal import Refused
-from app.editor.shown import draft_at, find, shown_pose
-from app.editor.state import EditorState
-from app.posing import (
+from keypose.app.editor import actions as do
+from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.documents import posed
+from keypose.app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
+from keypose.app.editor.pinned import pinned_ends
+from keypose.app.editor.pointer_views import pointer_views, up_of
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import draft_at, find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import (
     Held,
     Posed,
     Readout,
@@ -27,8 +27,8 @@ from app.posing import (
     with_angles,
     with_reset,
 )
-from tracker.body.pose import Pose
-from tracker.session.schema import Session
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.session.schema import Session
 
 
 def drag_part(

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from app.editor.problems import Problem, ProblemCause
-from app.editor.verdict_text import (
+from keypose.app.editor.problems import Problem, ProblemCause
+from keypose.app.editor.verdict_text import (
     add_keyframe,
     frame_range,
     named_frames,
     reason_with_frames,
     short_sentence,
 )
-from app.posing import part_label
-from tracker.errors import spoken
-from tracker.session.verdict import Verdict
+from keypose.app.posing import part_label
+from keypose.tracker.errors import spoken
+from keypose.tracker.session.verdict import Verdict
 
 PASSES: Final = "forward and backward passes differ"
 

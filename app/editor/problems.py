@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
-from app.editor.judged import Judged
-from app.editor.segment_evidence import (
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.segment_evidence import (
     Doubt,
     body_error_px,
     doubts,
@@ -23,10 +23,10 @@ from app.editor.segment_evidence import (
     possible_drift_px,
     unseen_share,
 )
-from tracker.session.reviewed import Answer
-from tracker.session.verdict import Cause, Kind, Verdict
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
+from keypose.tracker.session.reviewed import Answer
+from keypose.tracker.session.verdict import Cause, Kind, Verdict
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
 
 WORTH_PX: Final = 0.6
 """What a keyframe must be expected to mend, in the mean over a segment."""

@@ -14,24 +14,24 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from app.editor.ahead import up_to_date
-from app.editor.documents import (
+from keypose.app.editor.ahead import up_to_date
+from keypose.app.editor.documents import (
     keyframe_of,
     require_sound,
     with_drafts,
     with_keyframes,
     with_part_keyframes,
 )
-from app.editor.part_edits import limbs_of
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, displaced
-from tracker.errors import ReductionError
-from tracker.geometry.rotations import Array
-from tracker.reduction.result import require_range
-from tracker.session.schema import MOST, FirstMotion, Keyframe, PartKeyframe, Session
-from tracker.storage.results import Fitting
+from keypose.app.editor.part_edits import limbs_of
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, displaced
+from keypose.tracker.errors import ReductionError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.reduction.result import require_range
+from keypose.tracker.session.schema import MOST, FirstMotion, Keyframe, PartKeyframe, Session
+from keypose.tracker.storage.results import Fitting
 
 Source: TypeAlias = Literal["tracked", "drafts", "imported"]
 Range: TypeAlias = tuple[int, int]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError
 
 
 class Refused(KeyposeError):

@@ -10,18 +10,18 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from app.editor.judged import ById, Judged, far_end
-from app.editor.problems import Problem, problems_of
-from app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.scaling import height
-from tracker.geometry.rotations import Array
-from tracker.session.drafted import DraftPlace
-from tracker.session.results import SpaceFinding
-from tracker.session.reviewed import Reviewed
-from tracker.session.schema import Session
-from tracker.storage.results import Results, Span
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.judged import ById, Judged, far_end
+from keypose.app.editor.problems import Problem, problems_of
+from keypose.app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.scaling import height
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.drafted import DraftPlace
+from keypose.tracker.session.results import SpaceFinding
+from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Results, Span
+from keypose.tracker.tracking.result import SegmentResult
 
 GOALS_PX: Final = (3, 5, 8, 12)
 USUAL_GOAL_PX: Final = 5

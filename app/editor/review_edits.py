@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from app.editor import actions as do
-from app.editor import keyframe_edits
-from app.editor.refusal import Refused
-from app.editor.review import Place, review_of
-from app.editor.state import EditorState
-from tracker.session.drafted import DraftPlace
-from tracker.session.reviewed import Answer, Reviewed
-from tracker.session.schema import Session
+from keypose.app.editor import actions as do
+from keypose.app.editor import keyframe_edits
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.review import Place, review_of
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.drafted import DraftPlace
+from keypose.tracker.session.reviewed import Answer, Reviewed
+from keypose.tracker.session.schema import Session
 
 
 def accept_place(state: EditorState, action: do.AcceptPlace) -> Session:

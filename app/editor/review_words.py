@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
-from app.editor.problem_words import reason_of, size_of
-from app.editor.problems import Problem
-from app.editor.review import Place, Review
-from app.posing import part_label
-from tracker.errors import spoken
-from tracker.session import drafted
-from tracker.session.results import SpaceFinding
-from tracker.session.reviewed import Reviewed
+from keypose.app.editor.problem_words import reason_of, size_of
+from keypose.app.editor.problems import Problem
+from keypose.app.editor.review import Place, Review
+from keypose.app.posing import part_label
+from keypose.tracker.errors import spoken
+from keypose.tracker.session import drafted
+from keypose.tracker.session.results import SpaceFinding
+from keypose.tracker.session.reviewed import Reviewed
 
 WHOLE_BODY: Final = "Whole body"
 

@@ -8,12 +8,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tracker.geometry.rotations import Array, log_rotation, transpose
-from tracker.storage.results import Span
-from tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR
-from tracker.tracking.diagnostics.expected_gain import MENDED
-from tracker.tracking.diagnostics.runs import runs
-from tracker.tracking.result import SegmentResult
+from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR
+from keypose.tracker.tracking.diagnostics.expected_gain import MENDED
+from keypose.tracker.tracking.diagnostics.runs import runs
+from keypose.tracker.tracking.result import SegmentResult
 
 OWN_PX: Final = 0.2
 """How much a motion can be expected to stray with every frame from the nearer keyframe. What seems

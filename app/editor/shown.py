@@ -8,11 +8,11 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from app.editor.documents import Posed
-from app.editor.state import EditorState
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import rotation_between
-from tracker.session.schema import Keyframe
+from keypose.app.editor.documents import Posed
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import rotation_between
+from keypose.tracker.session.schema import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from app.posing.labels import part_label
-from tracker.session.results import PinResult, SpaceFinding
+from keypose.app.posing.labels import part_label
+from keypose.tracker.session.results import PinResult, SpaceFinding
 
 _SENTENCES: Final[Mapping[str, str]] = {
     "slides": "{part} slides {cm} cm, {frames}",

@@ -6,21 +6,21 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
-from app.editor.ahead import up_to_date
-from app.editor.copied import Copied
-from app.editor.pointer_views import up_of
-from app.posing import Readout, opening_pose
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, displaced, interpolate
-from tracker.geometry.rotations import Array
-from tracker.session.history import History
-from tracker.session.pins import Pin
-from tracker.session.schema import Session
-from tracker.storage.results import Fitting, Results, pose_at
+from keypose.app.editor.ahead import up_to_date
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.posing import Readout, opening_pose
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.history import History
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Fitting, Results, pose_at
 
 if TYPE_CHECKING:
-    from tracker.video.timecode import Timecode
+    from keypose.tracker.video.timecode import Timecode
 
 
 @dataclass(frozen=True)

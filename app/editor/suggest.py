@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from app.editor.judged import Judged
-from app.editor.problem_words import detail_of
-from app.editor.problems import (
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.problem_words import detail_of
+from keypose.app.editor.problems import (
     Problem,
     blames_keys,
     is_past_mending,
     is_worth_a_keyframe,
     problem_of,
 )
-from app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
-from app.editor.verdict_text import add_keyframe, frame_range
-from tracker.session.ahead import Direction
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
+from keypose.app.editor.verdict_text import add_keyframe, frame_range
+from keypose.tracker.session.ahead import Direction
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
 
 NEXT_FRAMES = 24
 """A good first distance of keyframes: about a second."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from app.editor.ahead import stands
-from app.editor.ahead_text import tracked_to, why_stopped
-from app.editor.problems import SHORT_FRAMES
-from app.editor.suggest import Suggestion
-from tracker.session.ahead import Ahead, Direction
-from tracker.session.schema import Session
+from keypose.app.editor.ahead import stands
+from keypose.app.editor.ahead_text import tracked_to, why_stopped
+from keypose.app.editor.problems import SHORT_FRAMES
+from keypose.app.editor.suggest import Suggestion
+from keypose.tracker.session.ahead import Ahead, Direction
+from keypose.tracker.session.schema import Session
 
 
 def followed_suggestion(session: Session) -> Suggestion | None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from app.editor.judged import Judged
-from app.editor.problem_words import detail_of
-from app.editor.problems import ProblemCause, problem_of
-from app.editor.suggest import ALL_GOOD, WHERE_WRONG, Fitting, Suggestion, segments_need
-from app.editor.verdict_text import add_keyframe, named_frames, reason
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.problem_words import detail_of
+from keypose.app.editor.problems import ProblemCause, problem_of
+from keypose.app.editor.suggest import ALL_GOOD, WHERE_WRONG, Fitting, Suggestion, segments_need
+from keypose.app.editor.verdict_text import add_keyframe, named_frames, reason
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
 
 _ALL_GOOD = Suggestion(None, ALL_GOOD, WHERE_WRONG, "good")
 

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from app.editor import actions as do
-from app.editor.documents import require_before_camera
-from app.editor.refusal import Refused
-from app.editor.shown import find
-from app.editor.state import EditorState
-from app.editor.timing import retimed
-from tracker.body.skeleton import Skeleton
-from tracker.errors import one_sentence
-from tracker.geometry.rotations import quaternion_wxyz
-from tracker.session.evidence import surface_of
-from tracker.session.schema import Keyframe, Session, Surface
-from tracker.surface.placing import METRES, Placement
+from keypose.app.editor import actions as do
+from keypose.app.editor.documents import require_before_camera
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import find
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.timing import retimed
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.geometry.rotations import quaternion_wxyz
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Keyframe, Session, Surface
+from keypose.tracker.surface.placing import METRES, Placement
 
 _PLAIN = ("weights", "distance", "binding", "model_frame", "fps", "units", "up")
 

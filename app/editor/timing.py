@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracker.session.schema import Keyframe, Surface
+from keypose.tracker.session.schema import Keyframe, Surface
 
 
 def retimed(poses: tuple[Keyframe, ...], surface: Surface) -> tuple[Keyframe, ...]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pydantic import ValidationError
 
-from app.editor import actions as do
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.errors import one_sentence
-from tracker.session.schema import Session
-from tracker.session.settings import IgnoreMask, TrackSettings
+from keypose.app.editor import actions as do
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import IgnoreMask, TrackSettings
 
 
 def add_mask(state: EditorState, action: do.AddMask) -> Session:

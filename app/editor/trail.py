@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.editor.motion import motion_between, settled_skeleton
-from app.editor.state import EditorState
-from tracker.body.body import Body
-from tracker.body.pose import joint_names, joint_positions
-from tracker.geometry.rotations import Array
+from keypose.app.editor.motion import motion_between, settled_skeleton
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import joint_names, joint_positions
+from keypose.tracker.geometry.rotations import Array
 
 REACH = 30
 """Frames to both sides of the present at most."""

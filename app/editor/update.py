@@ -7,16 +7,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from app.editor import actions as do
-from app.editor import pasting, pin_edits, posing_edits
-from app.editor.documents import impossible, require_sound
-from app.editor.edits import EDITS, label_of
-from app.editor.refusal import Refused
-from app.editor.state import EditorState, Stroke
-from app.posing import Readout
-from tracker.errors import one_sentence
-from tracker.session.history import History, Step
-from tracker.session.schema import Session
+from keypose.app.editor import actions as do
+from keypose.app.editor import pasting, pin_edits, posing_edits
+from keypose.app.editor.documents import impossible, require_sound
+from keypose.app.editor.edits import EDITS, label_of
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState, Stroke
+from keypose.app.posing import Readout
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.history import History, Step
+from keypose.tracker.session.schema import Session
 
 REMEMBERED_STROKES = 50
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tracker.errors import FormatError, SessionError
+from keypose.tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
-    from tracker.session import Session
+    from keypose.tracker.session import Session
 
 SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
 """Of a picture or film, pixels."""

@@ -8,17 +8,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
-from app.render.films import Film, FilmView, film_pictures, film_size, posed_frames
-from app.render.palette import Picture
-from app.render.poses import KnownPoses
-from app.render.studio import Paint, Size
-from app.render.tints import Tint
-from tracker.errors import SessionError
-from tracker.session.schema import Session
-from tracker.storage.outdated import outdated_words
-from tracker.storage.results import Span
-from tracker.video import Video
-from tracker.video.encode import FilmWriter, film_file
+from keypose.app.render.films import Film, FilmView, film_pictures, film_size, posed_frames
+from keypose.app.render.palette import Picture
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.studio import Paint, Size
+from keypose.app.render.tints import Tint
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.results import Span
+from keypose.tracker.video import Video
+from keypose.tracker.video.encode import FilmWriter, film_file
 
 USUAL_FPS = 25.0
 """Where neither the video nor two keyframes give the pace."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor.documents import moved_away, require_sound
-from tracker.body.skeleton import Skeleton
-from tracker.formats.reading_camera import CameraFile
-from tracker.formats.recording import CAMERA_UP
-from tracker.session.schema import Session
+from keypose.app.editor.documents import moved_away, require_sound
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.reading_camera import CameraFile
+from keypose.tracker.formats.recording import CAMERA_UP
+from keypose.tracker.session.schema import Session
 
 DECIMALS = 6
 SAME_DEG, SAME_M = 1e-3, 1e-4

@@ -13,20 +13,20 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.posing import opening_pose
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion
-from tracker.formats.joint_names import Matched, match_also, matched
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.layouts import keypoint_name
-from tracker.session import Keyframe, Session
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
+from keypose.app.posing import opening_pose
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_names import Matched, match_also, matched
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.layouts import keypoint_name
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
 
 LEAST_JOINTS = 3
 """Fewer do not say how a body is turned."""

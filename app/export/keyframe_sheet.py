@@ -8,14 +8,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from app.editor.part_edits import keyed_words
-from app.export.report.subject import Subject, subject_of
-from app.render.palette import Picture
-from app.render.sheet import Cell, sheet, sheet_layout
-from app.render.snapshots import Look, png, rectified, snapshot
-from tracker.errors import SessionError
-from tracker.session.schema import Session
-from tracker.video import Video
+from keypose.app.editor.part_edits import keyed_words
+from keypose.app.export.report.subject import Subject, subject_of
+from keypose.app.render.palette import Picture
+from keypose.app.render.sheet import Cell, sheet, sheet_layout
+from keypose.app.render.snapshots import Look, png, rectified, snapshot
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
 
 MOST_KEYFRAMES = 2000
 

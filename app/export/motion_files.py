@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, Bones, MotionFormat
-from tracker.errors import FormatError, listed
-from tracker.formats.floor_world import with_floor
-from tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
-from tracker.formats.rigs import OWN
-from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
-from tracker.formats.units import FileUnit
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Session
-from tracker.storage.results import Span
-from tracker.storage.tracks import Tracks
+from keypose.app.editor.state import EditorState
+from keypose.app.export.motion_formats import FORMATS, Bones, MotionFormat
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.floor_world import with_floor
+from keypose.tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
+from keypose.tracker.formats.units import FileUnit
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Span
+from keypose.tracker.storage.tracks import Tracks
 
 if TYPE_CHECKING:
-    from tracker.video.timecode import Timecode
+    from keypose.tracker.video.timecode import Timecode
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Sampling:
         a constant rate get their mean.
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
-    rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
+    rig: whose bones a format has that has bones, by name (`keypose.tracker.formats.rigs`).
     unit: of lengths in a format that names none.
     marker_set: which markers files of markers have.
     """

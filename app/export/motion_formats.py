@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from tracker.errors import FormatError
-from tracker.formats.rigs import OWN
-from tracker.formats.units import FileUnit
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.units import FileUnit
 
 if TYPE_CHECKING:
-    from tracker.formats.recording import Recording
+    from keypose.tracker.formats.recording import Recording
 
 MotionFormat: TypeAlias = Literal[
     "bvh", "glb", "usd", "trc", "mot", "c3d", "csv", "npz", "amass", "camera", "chan"
@@ -23,8 +23,8 @@ MotionFormat: TypeAlias = Literal[
 
 @dataclass(frozen=True)
 class Bones:
-    """How bones are written: of which rig, by its name (`tracker.formats.rigs`), and in which unit
-    where the format names none."""
+    """How bones are written: of which rig, by its name (`keypose.tracker.formats.rigs`), and in
+    which unit where the format names none."""
 
     rig: str = OWN
     unit: FileUnit = "m"
@@ -57,9 +57,9 @@ class Format:
 
 
 def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
-    from tracker.formats.bvh import bvh
-    from tracker.formats.floor_world import floor_from_camera, parts_in_world
-    from tracker.formats.rigs.rig import rig_of
+    from keypose.tracker.formats.bvh import bvh
+    from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+    from keypose.tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")
     rig = rig_of(whole.skeleton, bones.rig, parallel=True)
@@ -68,14 +68,14 @@ def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
 
 
 def _glb(recording: Recording, bones: Bones) -> Sequence[bytes]:
-    from tracker.formats.glb import glb
+    from keypose.tracker.formats.glb import glb
 
     return (glb(recording, *_colours(recording), bones.rig),)
 
 
 def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
     try:
-        from tracker.formats.usd import usd
+        from keypose.tracker.formats.usd import usd
     except ModuleNotFoundError as error:
         if error.name != "pxr":
             raise
@@ -85,14 +85,14 @@ def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
 
 def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
     """Which side each part is of, and the colours of the sides."""
-    from app.render.palette import SIDE_COLOURS, part_sides
+    from keypose.app.render.palette import SIDE_COLOURS, part_sides
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
     return [str(side) for side in part_sides(recording.skeleton.body)], colours
 
 
 def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from tracker.formats.csv import angles_csv, frames_csv, joints_csv
+    from keypose.tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     angles = angles_csv(*motion, recording.joint_angles)
@@ -100,43 +100,43 @@ def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
 
 
 def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from tracker.formats.trc import trc
+    from keypose.tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
 
 
 def _mot(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from tracker.formats.opensim.mot import mot
+    from keypose.tracker.formats.opensim.mot import mot
 
     return (mot(recording),)
 
 
 def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from tracker.formats.c3d import c3d
+    from keypose.tracker.formats.c3d import c3d
 
     return (c3d(recording),)
 
 
 def _npz(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from tracker.formats.npz import npz
+    from keypose.tracker.formats.npz import npz
 
     return (npz(recording),)
 
 
 def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from tracker.formats.amass import amass
+    from keypose.tracker.formats.amass import amass
 
     return (amass(recording),)
 
 
 def _camera(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from tracker.formats.camera_files import camera_json
+    from keypose.tracker.formats.camera_files import camera_json
 
     return (camera_json(recording),)
 
 
 def _chan(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from tracker.formats.camera_files import chan
+    from keypose.tracker.formats.camera_files import chan
 
     return (chan(recording),)
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from app.export.motion_files import Sampling, sampled
-from tracker.formats.marker_sets import markers_of
-from tracker.formats.opensim.model import read_model
-from tracker.formats.opensim.mot import mot
-from tracker.formats.opensim.scaling import scaled
-from tracker.formats.opensim.setups import (
+from keypose.app.export.motion_files import Sampling, sampled
+from keypose.tracker.formats.marker_sets import markers_of
+from keypose.tracker.formats.opensim.model import read_model
+from keypose.tracker.formats.opensim.mot import mot
+from keypose.tracker.formats.opensim.scaling import scaled
+from keypose.tracker.formats.opensim.setups import (
     IK_FILE,
     MARKERS_FILE,
     SCALE_FILE,
@@ -23,8 +23,8 @@ from tracker.formats.opensim.setups import (
     markers_xml,
     scale_xml,
 )
-from tracker.formats.recording import Recording
-from tracker.formats.trc import trc
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.trc import trc
 
 SCALING_S = 120.0
 """After which the Scale Tool is given up; a model without muscles takes a second."""

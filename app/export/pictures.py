@@ -6,11 +6,11 @@ import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from app.render.poses import KnownPoses
-from app.render.snapshots import png
-from app.render.stills import Still, still
-from tracker.session.schema import Session
-from tracker.video import Video
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import png
+from keypose.app.render.stills import Still, still
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
 
 
 def write_pictures(

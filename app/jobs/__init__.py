@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.jobs.messages import (
+from keypose.app.jobs.messages import (
     AheadOrder,
     Drafted,
     Drafting,
@@ -33,8 +33,8 @@ from app.jobs.messages import (
     Wanted,
     Warming,
 )
-from app.jobs.progress import Progress, seconds_left
-from app.jobs.tracking import LIVE, Tracking
+from keypose.app.jobs.progress import Progress, seconds_left
+from keypose.app.jobs.tracking import LIVE, Tracking
 
 __all__ = [
     "LIVE",

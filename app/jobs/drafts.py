@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.keypoints.region import Box
-from tracker.session import Session
-from tracker.video import Video
-from tracker.video.info import MissingFrame
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session import Session
+from keypose.tracker.video import Video
+from keypose.tracker.video.info import MissingFrame
 
 if TYPE_CHECKING:
-    from tracker.fitting.draft import ClipDraft, DraftProgress
+    from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 
 
 class DraftLeft(Exception):
@@ -53,10 +53,10 @@ def drafted(
     report: Callable[[DraftProgress], None],
 ) -> tuple[ClipDraft, str]:
     """Drafts of these frames, first and last, and the network's fingerprint; see `draft_clip`."""
-    from tracker.fitting.draft import draft_clip  # loads what only this needs
-    from tracker.keypoints.model_files import FULL, find_model
-    from tracker.keypoints.network import Network
-    from tracker.storage.detections import Detections
+    from keypose.tracker.fitting.draft import draft_clip  # loads what only this needs
+    from keypose.tracker.keypoints.model_files import FULL, find_model
+    from keypose.tracker.keypoints.network import Network
+    from keypose.tracker.storage.detections import Detections
 
     def picture(number: int) -> NDArray[np.uint8] | None:
         try:
@@ -75,8 +75,8 @@ def drafted(
 def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[int, Pose]:
     """The drafts near some keyframes with what all keyframes there tell of the keypoints; none
     where the keypoints are not beside the session any more. folder: of the session's file."""
-    from tracker.fitting.draft import refit_drafts  # loads what only this needs
-    from tracker.storage.keypoints import of_session
+    from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
+    from keypose.tracker.storage.keypoints import of_session
 
     skeleton, keypoints = Skeleton.of(session.body), of_session(session, folder)
     if keypoints is None:

@@ -14,15 +14,15 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from app.jobs.process import PATIENCE_S
-from tracker.errors import KeyposeError
+from keypose.app.jobs.process import PATIENCE_S
+from keypose.tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
-    from app.export.film import FilmOrder
-    from app.render.palette import Picture
-    from app.render.snapshots import Look
-    from app.render.stills import Still
-    from tracker.session import Session
+    from keypose.app.export.film import FilmOrder
+    from keypose.app.render.palette import Picture
+    from keypose.app.render.snapshots import Look
+    from keypose.app.render.stills import Still
+    from keypose.tracker.session import Session
 
 Drawn: TypeAlias = Callable[[int, int], None]
 """Told how many pictures of how many are done."""
@@ -41,9 +41,9 @@ class FilmExport:
     suffix: str = ".mp4"
 
     def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
-        from app.export.film import film_of, film_words, write_film
-        from app.render.poses import KnownPoses
-        from tracker.storage.files import open_video_of
+        from keypose.app.export.film import film_of, film_words, write_film
+        from keypose.app.render.poses import KnownPoses
+        from keypose.tracker.storage.files import open_video_of
 
         poses = KnownPoses.of(session, path)
         film = film_of(path.name, session, poses, self.order)
@@ -67,8 +67,8 @@ class SheetExport:
     suffix: str = "-keyframes.png"
 
     def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
-        from app.export.keyframe_sheet import sheet_png
-        from tracker.storage.files import open_video_of
+        from keypose.app.export.keyframe_sheet import sheet_png
+        from keypose.tracker.storage.files import open_video_of
 
         with open_video_of(session, path) as video:
             content, problem = sheet_png(session, path, video, self.look, self.columns, drawn)
@@ -90,11 +90,11 @@ class PicturesExport:
         return f"-{self.frames}.png" if isinstance(self.frames, int) else "-pictures.zip"
 
     def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
-        from app.export.pictures import write_pictures
-        from app.render.poses import KnownPoses
-        from app.render.snapshots import png
-        from app.render.stills import still
-        from tracker.storage.files import open_video_of
+        from keypose.app.export.pictures import write_pictures
+        from keypose.app.render.poses import KnownPoses
+        from keypose.app.render.snapshots import png
+        from keypose.app.render.stills import still
+        from keypose.tracker.storage.files import open_video_of
 
         poses = KnownPoses.of(session, path)
         if isinstance(self.frames, int):
@@ -166,7 +166,7 @@ class ExportProcess:
 
 def _work(export: Export, session_path: Path, out: Path, reports: Connection) -> None:
     """In the process."""
-    from tracker.storage.files import load_session
+    from keypose.tracker.storage.files import load_session
 
     with suppress(OSError, AttributeError):
         os.nice(NICENESS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 
-from tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError
 
 
 def failure_message(

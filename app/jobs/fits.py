@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from pydantic import ValidationError
 
-from app.jobs.drafts import DraftLeft, Telling, drafted, learned
-from app.jobs.failure import failure_message
-from app.jobs.messages import (
+from keypose.app.jobs.drafts import DraftLeft, Telling, drafted, learned
+from keypose.app.jobs.failure import failure_message
+from keypose.app.jobs.messages import (
     AheadOrder,
     Drafted,
     Drafting,
@@ -35,17 +35,17 @@ from app.jobs.messages import (
     SizesFitted,
     SizesOrder,
 )
-from app.jobs.worker_cache import WorkerCache
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SurfaceError, one_sentence
-from tracker.session import Session
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from tracker.storage import keypoints
-from tracker.video import Video
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SurfaceError, one_sentence
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.storage import keypoints
+from keypose.tracker.video import Video
 
 if TYPE_CHECKING:
-    from tracker.fitting.draft import DraftProgress
+    from keypose.tracker.fitting.draft import DraftProgress
 
 Send = Callable[[Report], None]
 Found: TypeAlias = Fitted | Learned
@@ -110,7 +110,7 @@ class Fit:
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
             )
         # loads what only this needs
-        from tracker.surface.fit.pose_fit import fit_pose_to_surface, fit_solids_to_surface
+        from keypose.tracker.surface.fit.pose_fit import fit_pose_to_surface, fit_solids_to_surface
 
         path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
         if model is None or model.frame == order.frame:
@@ -122,8 +122,8 @@ class Fit:
         return PoseFitted(order.job, found.pose, True, found.message)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
-        from tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
-        from tracker.storage.tracking import keypoint_source
+        from keypose.tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
+        from keypose.tracker.storage.tracking import keypoint_source
 
         skeleton = Skeleton.of(session.body)
         others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != order.frame}
@@ -136,7 +136,7 @@ class Fit:
         return PoseFitted(order.job, found.pose, found.way != "nothing", found.message)
 
     def _sizes(self, order: SizesOrder, session: Session, video: Video) -> SizesFitted:
-        from tracker.fitting.sizes import fit_sizes  # loads what only this needs
+        from keypose.tracker.fitting.sizes import fit_sizes  # loads what only this needs
 
         skeleton = Skeleton.of(session.body)
         keyposes = {k.frame: k.pose(skeleton) for k in session.keyframes}
@@ -151,8 +151,11 @@ class Fit:
     def _ahead(
         self, order: AheadOrder, session: Session, worker_cache: WorkerCache
     ) -> FollowedAhead:
-        from tracker.tracking.ahead.follow import LONGEST, follow_ahead  # what only this needs
-        from tracker.tracking.pool import Cancelled
+        from keypose.tracker.tracking.ahead.follow import (  # what only this needs
+            LONGEST,
+            follow_ahead,
+        )
+        from keypose.tracker.tracking.pool import Cancelled
 
         folder = Path(order.folder)
         tracker = worker_cache.follower(session, order.video_path, folder)
@@ -166,7 +169,7 @@ class Fit:
         return FollowedAhead(order.job, found)
 
     def _reduce(self, order: ReduceOrder, session: Session) -> Reduced:
-        from tracker.reduction.reduce import reduce_motion  # loads what only this needs
+        from keypose.tracker.reduction.reduce import reduce_motion  # loads what only this needs
 
         told = -1
 

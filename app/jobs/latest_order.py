@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from threading import Condition, Event
 
-from app.jobs.messages import AnyOrder
+from keypose.app.jobs.messages import AnyOrder
 
 
 class LatestOrder:

@@ -7,23 +7,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.region import Box
-from tracker.session.ahead import Direction
-from tracker.session.settings import Quality
-from tracker.storage.stretches import Stretch
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.space.result import SpaceResult
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.space.result import SpaceResult
 
 if TYPE_CHECKING:
-    from app.editor.reduced import Reducible
-    from tracker.fitting.draft import Proposal
-    from tracker.fitting.sizes import Proposal as SizesProposal
-    from tracker.reduction.result import Reduction, Tolerance
-    from tracker.tracking.ahead.follow import FoundAhead
+    from keypose.app.editor.reduced import Reducible
+    from keypose.tracker.fitting.draft import Proposal
+    from keypose.tracker.fitting.sizes import Proposal as SizesProposal
+    from keypose.tracker.reduction.result import Reduction, Tolerance
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""

@@ -9,8 +9,8 @@ from contextlib import suppress
 from threading import Thread
 from typing import Any
 
-from app.jobs.wire import receive, send
-from app.jobs.worker import work
+from keypose.app.jobs.wire import receive, send
+from keypose.app.jobs.worker import work
 
 NICENESS = 19
 """The page's server goes first."""

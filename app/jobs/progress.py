@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from app.jobs.messages import PassFinished, Report, SegmentFinished, Started
-from tracker.session.settings import Quality
-from tracker.storage.results import Span
+from keypose.app.jobs.messages import PassFinished, Report, SegmentFinished, Started
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.results import Span
 
 COST = {"preview": 1.0, "fast": 3.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""

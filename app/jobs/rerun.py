@@ -13,17 +13,17 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from app.jobs import Report, Wanted
-from app.jobs.messages import Order
-from app.jobs.untrackable import why_untrackable
-from app.jobs.work import Job
-from app.jobs.worker_cache import WorkerCache
-from tracker.errors import KeyposeError, SessionError
-from tracker.session import Session
-from tracker.session import results as saved
-from tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import (
+from keypose.app.jobs import Report, Wanted
+from keypose.app.jobs.messages import Order
+from keypose.app.jobs.untrackable import why_untrackable
+from keypose.app.jobs.work import Job
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.session import results as saved
+from keypose.tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import (
     Results,
     Span,
     load_results,
@@ -31,10 +31,10 @@ from tracker.storage.results import (
     segment_keys,
     tidy_tracks,
 )
-from tracker.storage.space import solved
-from tracker.tracking.pool import stream
-from tracker.tracking.result import SegmentResult
-from tracker.video import Video
+from keypose.tracker.storage.space import solved
+from keypose.tracker.tracking.pool import stream
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
 
 
 def with_settings(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from threading import Event
 
-from app.jobs.failure import failure_message
-from app.jobs.messages import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved
-from tracker.session import Session
+from keypose.app.jobs.failure import failure_message
+from keypose.app.jobs.messages import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved
+from keypose.tracker.session import Session
 
 Send = Callable[[Report], None]
 
@@ -16,7 +16,7 @@ _FAULT = "Smoothing failed with an internal error ({}). The motion is as it was 
 
 def solve_order(order: SpaceOrder, cancelled: Event, send: Send) -> None:
     """Do the work and report every stretch, and how it ended."""
-    from tracker.storage.space import solved  # loads what only this needs
+    from keypose.tracker.storage.space import solved  # loads what only this needs
 
     try:
         session = Session.model_validate_json(order.session)

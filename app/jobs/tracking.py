@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.jobs.messages import (
+from keypose.app.jobs.messages import (
     Cancel,
     FitOrder,
     Fitted,
@@ -25,10 +25,10 @@ from app.jobs.messages import (
     Wanted,
     Warming,
 )
-from app.jobs.process import WorkerProcess
-from tracker.session import Session
-from tracker.session.settings import Quality
-from tracker.storage.stretches import Stretch
+from keypose.app.jobs.process import WorkerProcess
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.stretches import Stretch
 
 LIVE: tuple[Quality, ...] = ("preview", "full")
 """The stages while a person poses: something to see at once, then what is meant."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from tracker.session import Session
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 
 
 def why_untrackable(session: Session, session_path: Path) -> str:

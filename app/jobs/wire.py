@@ -8,9 +8,9 @@ from dataclasses import fields
 from multiprocessing.connection import Connection
 from typing import Any
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.tracking.result import Diagnostics, SegmentResult
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 
 
 def send(connection: Connection, message: object) -> None:

@@ -9,8 +9,8 @@ from threading import Event
 
 from pydantic import ValidationError
 
-from app.jobs.failure import failure_message
-from app.jobs.messages import (
+from keypose.app.jobs.failure import failure_message
+from keypose.app.jobs.messages import (
     JobFailed,
     JobFinished,
     Order,
@@ -19,12 +19,12 @@ from app.jobs.messages import (
     SegmentFinished,
     Started,
 )
-from app.jobs.worker_cache import WorkerCache
-from tracker.errors import SessionError, one_sentence
-from tracker.session import Session
-from tracker.session.settings import Quality, TrackSettings
-from tracker.tracking import pool as tracked
-from tracker.tracking.pool import SegmentEvent, SegmentFailed, Task, run_tasks
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.errors import SessionError, one_sentence
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Quality, TrackSettings
+from keypose.tracker.tracking import pool as tracked
+from keypose.tracker.tracking.pool import SegmentEvent, SegmentFailed, Task, run_tasks
 
 Send = Callable[[Report], None]
 

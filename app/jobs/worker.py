@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from threading import Event, Lock, Thread
 
-from app.jobs.latest_order import LatestOrder
-from app.jobs.messages import (
+from keypose.app.jobs.latest_order import LatestOrder
+from keypose.app.jobs.messages import (
     AnyOrder,
     Cancel,
     FitOrder,
@@ -23,7 +23,7 @@ from app.jobs.messages import (
     SpaceOrder,
     Warming,
 )
-from app.jobs.wire import receive, send
+from keypose.app.jobs.wire import receive, send
 
 THREADS = 2
 """Segments side by side. More would gain little and take the page's share of a small computer."""
@@ -81,7 +81,7 @@ class Worker:
 
     def _warm(self) -> None:
         """The loops are compiled, or loaded, before anybody waits for them."""
-        from tracker.warm import is_warm, warm
+        from keypose.tracker.warm import is_warm, warm
 
         once = "Preparing the tracker for this computer, once: about a minute."
         self._send(Warming("Getting the tracker ready." if is_warm() else once))
@@ -89,10 +89,10 @@ class Worker:
         self._send(Ready())
 
     def _take_orders(self) -> None:
-        from app.jobs.fits import Fit
-        from app.jobs.space import solve_order
-        from app.jobs.work import Job
-        from app.jobs.worker_cache import WorkerCache
+        from keypose.app.jobs.fits import Fit
+        from keypose.app.jobs.space import solve_order
+        from keypose.app.jobs.work import Job
+        from keypose.app.jobs.worker_cache import WorkerCache
 
         worker_cache = WorkerCache()
         with ThreadPoolExecutor(THREADS) as threads:

@@ -5,17 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tracker.session import Session
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from tracker.storage import first_motion, keypoints
-from tracker.storage.evidence import files_of
-from tracker.storage.files import open_for_work
-from tracker.storage.tracking import fitter_of, steps_of, tracker_of
-from tracker.surface.fit.fitter import SurfaceFitter
-from tracker.surface.steps import Steps
-from tracker.tracking.pool import SegmentTracker
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.storage import first_motion, keypoints
+from keypose.tracker.storage.evidence import files_of
+from keypose.tracker.storage.files import open_for_work
+from keypose.tracker.storage.tracking import fitter_of, steps_of, tracker_of
+from keypose.tracker.surface.fit.fitter import SurfaceFitter
+from keypose.tracker.surface.steps import Steps
+from keypose.tracker.tracking.pool import SegmentTracker
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 
 
 class WorkerCache:

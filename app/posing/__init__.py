@@ -5,7 +5,7 @@ metres; view coordinates are those of `PointerView`. Nothing here keeps anything
 always applied to the pose before it began.
 """
 
-from app.posing.angles import (
+from keypose.app.posing.angles import (
     angles_deg,
     at_limit,
     clamp_to_limits,
@@ -13,19 +13,26 @@ from app.posing.angles import (
     with_angles,
     with_reset,
 )
-from app.posing.dragging import drag
-from app.posing.facing import Way, facing
-from app.posing.gesture import Eye, Gesture, InView, Posed, Reach, Readout
-from app.posing.handles import BodyHandle, handle_named, handles, lanes
-from app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
-from app.posing.labels import axis_labels, part_label, short_label
-from app.posing.mirroring import mirror_pose, with_other_side
-from app.posing.picking import outline, parts_at
-from app.posing.placing import opening_pose
-from app.posing.pointer_view import PointerView
-from app.posing.resizing import Size, part_sizes, with_height, with_joint, with_shape, with_size
-from app.posing.swapping import swap_left_right
-from app.posing.upright import (
+from keypose.app.posing.dragging import drag
+from keypose.app.posing.facing import Way, facing
+from keypose.app.posing.gesture import Eye, Gesture, InView, Posed, Reach, Readout
+from keypose.app.posing.handles import BodyHandle, handle_named, handles, lanes
+from keypose.app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
+from keypose.app.posing.labels import axis_labels, part_label, short_label
+from keypose.app.posing.mirroring import mirror_pose, with_other_side
+from keypose.app.posing.picking import outline, parts_at
+from keypose.app.posing.placing import opening_pose
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.resizing import (
+    Size,
+    part_sizes,
+    with_height,
+    with_joint,
+    with_shape,
+    with_size,
+)
+from keypose.app.posing.swapping import swap_left_right
+from keypose.app.posing.upright import (
     CAMERA_UP,
     eye_rotation,
     tilt_and_roll,

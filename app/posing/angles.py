@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
-from tracker.body.body import Part
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, rotation_from_euler
+from keypose.app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
+from keypose.tracker.body.body import Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, rotation_from_euler
 
 AXES = ("x", "y", "z")
 GIMBAL = 1e-4

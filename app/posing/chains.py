@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from app.posing.limb_chain import LimbChain
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.reach_limit import within_reach
-from app.posing.two_bones import Reached
-from app.posing.vectors import any_across, cross, length, smooth_step, unit
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.app.posing.limb_chain import LimbChain
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.reach_limit import within_reach
+from keypose.app.posing.two_bones import Reached
+from keypose.app.posing.vectors import any_across, cross, length, smooth_step, unit
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 _ROUNDS = 60
 _LARGEST_TURN = 0.35

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.posing.gesture import (
+from keypose.app.posing.gesture import (
     AxesFrame,
     End,
     Gesture,
@@ -15,18 +15,18 @@ from app.posing.gesture import (
     SizeHandle,
     Surface,
 )
-from app.posing.gesture_context import GestureContext
-from app.posing.handles import BodyHandle, handle_at_far_end, handle_named
-from app.posing.holding import NONE_HELD, Held, Moved, with_held_ends
-from app.posing.moving import move_root
-from app.posing.pointer_view import PointerView
-from app.posing.reaching import reach
-from app.posing.size_drags import resize_by_drag
-from app.posing.trunk import drag_corner
-from app.posing.turning import rotate_by_ring, rotate_by_surface
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.handles import BodyHandle, handle_at_far_end, handle_named
+from keypose.app.posing.holding import NONE_HELD, Held, Moved, with_held_ends
+from keypose.app.posing.moving import move_root
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.reaching import reach
+from keypose.app.posing.size_drags import resize_by_drag
+from keypose.app.posing.trunk import drag_corner
+from keypose.app.posing.turning import rotate_by_ring, rotate_by_surface
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 
 
 def drag(

@@ -15,12 +15,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.swinging import Swing, on_sphere
-from app.posing.two_bones import Reached, TwoBones
-from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit, wrapped
-from tracker.geometry.rotations import Array
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.swinging import Swing, on_sphere
+from keypose.app.posing.two_bones import Reached, TwoBones
+from keypose.app.posing.vectors import (
+    across,
+    cross,
+    length,
+    signed_angle,
+    smooth_step,
+    turn,
+    unit,
+    wrapped,
+)
+from keypose.tracker.geometry.rotations import Array
 
 FULL = math.radians(100.0)
 """Up to this angle a turn is made whole; beyond, less, until half a circle makes none."""

@@ -8,11 +8,11 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.posing.angles import with_rotation
-from app.posing.upright import CAMERA_UP, view_rotations
-from app.posing.vectors import across, cross, length, unit
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import Array, exp_rotation, nearest_rotation
+from keypose.app.posing.angles import with_rotation
+from keypose.app.posing.upright import CAMERA_UP, view_rotations
+from keypose.app.posing.vectors import across, cross, length, unit
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array, exp_rotation, nearest_rotation
 
 Way: TypeAlias = Literal["camera", "away", "left", "right"]
 """Left and right are those of the picture."""

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from tracker.body.body import Body, Name
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body, Name
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 ViewOfPage: TypeAlias = Literal["main", "top", "side", "front", "free"]

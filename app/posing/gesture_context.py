@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.limits import box_of, fitting, nearest_within, of_angles, widened
-from app.posing.vectors import unit
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, nearest_rotation
+from keypose.app.posing.limits import box_of, fitting, nearest_within, of_angles, widened
+from keypose.app.posing.vectors import unit
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, nearest_rotation
 
 
 @dataclass(frozen=True, eq=False)

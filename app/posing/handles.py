@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from app.posing.labels import joint_label, kind_of, part_label
-from tracker.body.body import Body, Part
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
+from keypose.app.posing.labels import joint_label, kind_of, part_label
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
 
 
 @dataclass(frozen=True)

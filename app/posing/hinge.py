@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.gesture_context import GestureContext
-from app.posing.limits import box_of
-from app.posing.vectors import across, any_across, cross, length, unit, wrapped
-from tracker.body.body import Part
-from tracker.geometry.rotations import Array
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.limits import box_of
+from keypose.app.posing.vectors import across, any_across, cross, length, unit, wrapped
+from keypose.tracker.body.body import Part
+from keypose.tracker.geometry.rotations import Array
 
 NARROW = math.radians(40.0)
 """A range this small, of both y and z, makes a joint a hinge about x."""

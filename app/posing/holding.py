@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.posing.chains import Chain
-from app.posing.gesture import Posed
-from app.posing.gesture_context import GestureContext
-from app.posing.handles import BodyHandle, handles
-from app.posing.pointer_view import PointerView
-from app.posing.seen_limbs import SeenLimb
-from app.posing.two_bones import TwoBones
-from app.posing.vectors import length, smooth_step
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation
+from keypose.app.posing.chains import Chain
+from keypose.app.posing.gesture import Posed
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.handles import BodyHandle, handles
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.seen_limbs import SeenLimb
+from keypose.app.posing.two_bones import TwoBones
+from keypose.app.posing.vectors import length, smooth_step
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
 
 MISSED_M = 0.002
 """An end this far from its place is called out of reach."""

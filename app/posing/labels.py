@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracker.body.body import Body
+from keypose.tracker.body.body import Body
 
 _AXES = {"x": "Bend", "y": "Twist", "z": "Side"}
 _ROOT_AXES = {"x": "Lean", "y": "Turn", "z": "Tilt"}

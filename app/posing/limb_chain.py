@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.gesture_context import GestureContext
-from tracker.geometry.rotations import Array
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from tracker.body.body import Part
-from tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.body.body import Part
+from keypose.tracker.geometry.rotations import Array, euler_from_rotation
 
 TURN = 2.0 * math.pi
 SLACK = 1e-7

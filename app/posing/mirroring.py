@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 _FLIP = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
 """S R S with S = diag(−1, 1, 1), element by element: a rotation seen in the mirror."""

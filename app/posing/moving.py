@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.gesture import Gesture, Posed, Readout
-from app.posing.gesture_context import GestureContext
-from app.posing.labels import number_text
-from app.posing.pointer_view import PointerView
-from app.posing.vectors import length, unit
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import Array
+from keypose.app.posing.gesture import Gesture, Posed, Readout
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.labels import number_text
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.vectors import length, unit
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array
 
 STEP_M = 0.01
 """The steps that snapping takes."""

@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.posing.pointer_view import PointerView
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.shapes import Mesh, Shape
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import NEAR_M
+from keypose.app.posing.pointer_view import PointerView
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.shapes import Mesh, Shape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import NEAR_M
 
 
 @lru_cache(maxsize=512)

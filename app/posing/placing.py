@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.posing.pointer_view import PointerView
-from app.posing.upright import CAMERA_UP, view_rotations
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, apply_transform
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.upright import CAMERA_UP, view_rotations
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, apply_transform
 
 FILLED_HEIGHT = 0.70
 """Share of the picture's height that the body takes at first."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen
 
 FREE_FOCAL = 1000.0
 """Pixels of the free view's picture."""

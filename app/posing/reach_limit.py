@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.swinging import in_level
-from app.posing.vectors import length, unit
-from tracker.geometry.rotations import Array
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.swinging import in_level
+from keypose.app.posing.vectors import length, unit
+from keypose.tracker.geometry.rotations import Array
 
 
 def within_reach(

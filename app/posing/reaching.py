@@ -6,19 +6,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.posing.chains import Chain
-from app.posing.elbows import Elbow, Swivel
-from app.posing.gesture import Gesture, Posed, Reach, Readout
-from app.posing.gesture_context import GestureContext
-from app.posing.handles import BodyHandle, handles
-from app.posing.holding import MISSED_M, NONE_HELD, Held
-from app.posing.moving import Aim, aim, depth_text, distance_text
-from app.posing.pointer_view import PointerView
-from app.posing.spine import Spine
-from app.posing.swinging import Swing, on_sphere
-from app.posing.two_bones import Reached, TwoBones
-from app.posing.vectors import across, length, smooth_step, unit
-from tracker.geometry.rotations import Array
+from keypose.app.posing.chains import Chain
+from keypose.app.posing.elbows import Elbow, Swivel
+from keypose.app.posing.gesture import Gesture, Posed, Reach, Readout
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.handles import BodyHandle, handles
+from keypose.app.posing.holding import MISSED_M, NONE_HELD, Held
+from keypose.app.posing.moving import Aim, aim, depth_text, distance_text
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.spine import Spine
+from keypose.app.posing.swinging import Swing, on_sphere
+from keypose.app.posing.two_bones import Reached, TwoBones
+from keypose.app.posing.vectors import across, length, smooth_step, unit
+from keypose.tracker.geometry.rotations import Array
 
 CORRECTED, DRAWN_FAR = 0.25, 0.5
 """A drag of an end so long, in lengths of its limb, leaves the joint between where it is seen, and

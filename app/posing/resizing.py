@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from app.posing.labels import kind_of
-from tracker.body import scaling
-from tracker.body.body import Body, Part, Point
-from tracker.body.scaling import with_parts
-from tracker.body.shapes import KINDS, Shape
-from tracker.errors import BodyError
+from keypose.app.posing.labels import kind_of
+from keypose.tracker.body import scaling
+from keypose.tracker.body.body import Body, Part, Point
+from keypose.tracker.body.scaling import with_parts
+from keypose.tracker.body.shapes import KINDS, Shape
+from keypose.tracker.errors import BodyError
 
 SizeRole: TypeAlias = Literal["length", "width", "other"]
 

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.elbows import Elbow
-from app.posing.gesture_context import GestureContext
-from app.posing.pointer_view import PointerView
-from app.posing.swinging import farness, under_pointer
-from app.posing.two_bones import Reached, TwoBones
-from app.posing.vectors import across, cross, length, smooth_step, turn, unit
-from tracker.geometry.rotations import Array
+from keypose.app.posing.elbows import Elbow
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.swinging import farness, under_pointer
+from keypose.app.posing.two_bones import Reached, TwoBones
+from keypose.app.posing.vectors import across, cross, length, smooth_step, turn, unit
+from keypose.tracker.geometry.rotations import Array
 
 CLEAR = 0.2
 """Of `Elbow`: here the end is to be where it is seen also of a limb that is nearly straight."""

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.posing.gesture import Gesture, Posed, Readout, SizeHandle
-from app.posing.gesture_context import GestureContext
-from app.posing.labels import number_text, part_label
-from app.posing.moving import STEP_M, aim
-from app.posing.pointer_view import PointerView
-from app.posing.resizing import LARGEST_CM, SMALLEST_CM, part_sizes, with_joint, with_size
-from app.posing.vectors import length
-from tracker.errors import BodyError
-from tracker.geometry.rotations import Array
+from keypose.app.posing.gesture import Gesture, Posed, Readout, SizeHandle
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.labels import number_text, part_label
+from keypose.app.posing.moving import STEP_M, aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.resizing import LARGEST_CM, SMALLEST_CM, part_sizes, with_joint, with_size
+from keypose.app.posing.vectors import length
+from keypose.tracker.errors import BodyError
+from keypose.tracker.geometry.rotations import Array
 
 _SEEN = 0.2
 """Share of its length under which an axis, seen end on, is too short to be dragged along."""

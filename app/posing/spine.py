@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from app.posing.limb_chain import LimbChain
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.swinging import Swing, on_sphere
-from app.posing.two_bones import Reached
-from app.posing.vectors import cross, length, unit
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.app.posing.limb_chain import LimbChain
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.swinging import Swing, on_sphere
+from keypose.app.posing.two_bones import Reached
+from keypose.app.posing.vectors import cross, length, unit
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 FALL = 0.45
 """Each part turns against the one below it by this share of what that one turns."""

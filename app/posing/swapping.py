@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.posing.mirroring import mirror_pose
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.fit_joints import fit_picture
+from keypose.app.posing.mirroring import mirror_pose
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.fit_joints import fit_picture
 
 HALF_TURN = np.array([0.0, np.pi, 0.0])
 """About the root's own y."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.vectors import across, any_across, least_turn, length, smooth_step, unit
-from tracker.geometry.rotations import Array
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.vectors import across, any_across, least_turn, length, smooth_step, unit
+from keypose.tracker.geometry.rotations import Array
 
 LEAN = math.radians(50.0)
 """How far the direction that a limb's turns are counted from may lie from where it points."""

@@ -14,20 +14,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.posing.gesture import Gesture, Posed, Readout
-from app.posing.gesture_context import GestureContext
-from app.posing.handles import BodyHandle, handles
-from app.posing.moving import Aim, aim, depth_text, distance_text
-from app.posing.pointer_view import PointerView
-from app.posing.vectors import length
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import (
+from keypose.app.posing.gesture import Gesture, Posed, Readout
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.handles import BodyHandle, handles
+from keypose.app.posing.moving import Aim, aim, depth_text, distance_text
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.vectors import length
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import (
     JointLimits,
     PointsInPicture,
     PointsInSpace,

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from app.posing.angles import continued
-from app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
-from app.posing.gesture_context import GestureContext
-from app.posing.labels import axis_labels, degrees_text
-from app.posing.limits import SLACK, TURN, beyond, triples
-from app.posing.pointer_view import PointerView
-from app.posing.vectors import across, any_across, cross, turn, unit
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.app.posing.angles import continued
+from keypose.app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.labels import axis_labels, degrees_text
+from keypose.app.posing.limits import SLACK, TURN, beyond, triples
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.vectors import across, any_across, cross, turn, unit
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 STEP = math.radians(5.0)
 """The steps that snapping takes."""

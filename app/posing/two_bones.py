@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.gesture_context import GestureContext
-from app.posing.hinge import Hinge
-from app.posing.moving import Aim
-from app.posing.pointer_view import PointerView
-from app.posing.reach_limit import within_reach
-from app.posing.swinging import Swing
-from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
-from tracker.geometry.rotations import Array
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.hinge import Hinge
+from keypose.app.posing.moving import Aim
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.reach_limit import within_reach
+from keypose.app.posing.swinging import Swing
+from keypose.app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
+from keypose.tracker.geometry.rotations import Array
 
 EASED_M = 0.05
 """A joint bent the wrong way is brought to the right side over a drag of this length."""

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.posing.pointer_view import PointerView
-from app.posing.vectors import across, cross, length, unit
-from tracker.errors import CameraError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
-from tracker.geometry.view import ViewName
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.vectors import across, cross, length, unit
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.view import ViewName
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """The picture's own up direction, in the camera frame."""

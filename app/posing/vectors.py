@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -16,21 +16,28 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from app.render.palette import Picture
-from app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
-from app.render.poses import KnownPoses
-from app.render.snapshots import View
-from app.render.stills import natural_size
-from app.render.studio import Paint, Size, Studio
-from app.render.surface_layer import SurfaceLayer
-from app.render.surfaces import SurfaceLayers
-from app.render.tints import Tint
-from app.render.viewpoints import Ground, Viewpoint, calm, least_distance, round_trip, view_from
-from tracker.body.pose import Pose
-from tracker.errors import SessionError
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Session
-from tracker.video import Video
+from keypose.app.render.palette import Picture
+from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import View
+from keypose.app.render.stills import natural_size
+from keypose.app.render.studio import Paint, Size, Studio
+from keypose.app.render.surface_layer import SurfaceLayer
+from keypose.app.render.surfaces import SurfaceLayers
+from keypose.app.render.tints import Tint
+from keypose.app.render.viewpoints import (
+    Ground,
+    Viewpoint,
+    calm,
+    least_distance,
+    round_trip,
+    view_from,
+)
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
 
 FilmView: TypeAlias = View | Viewpoint | Literal["orbit"]
 Draw: TypeAlias = Callable[[int, Picture | None], Picture]

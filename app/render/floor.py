@@ -5,13 +5,13 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from app.render.form import Form
-from app.render.lettering import length_name, write
-from app.render.palette import INK, PAPER, Colour, Picture
-from app.render.strokes import SHIFT
-from app.render.viewpoints import Ground
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import ViewCamera
+from keypose.app.render.form import Form
+from keypose.app.render.lettering import length_name, write
+from keypose.app.render.palette import INK, PAPER, Colour, Picture
+from keypose.app.render.strokes import SHIFT
+from keypose.app.render.viewpoints import Ground
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import ViewCamera
 
 LINE: Colour = (168, 176, 188)
 BANDS = 6

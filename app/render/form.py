@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from app.render.palette import Side, part_colours, part_sides
-from app.render.shading import smooth_normal_maps
-from app.render.strokes import BodyEdges
-from tracker.body.raster import BodyMesh
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen
+from keypose.app.render.palette import Side, part_colours, part_sides
+from keypose.app.render.shading import smooth_normal_maps
+from keypose.app.render.strokes import BodyEdges
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import math
 
 import cv2
 
-from app.render.palette import AXIS_COLOURS, TEXT, Colour, Picture
+from keypose.app.render.palette import AXIS_COLOURS, TEXT, Colour, Picture
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 LETTER_PX = 22.0

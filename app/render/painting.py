@@ -11,13 +11,13 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from app.render.form import Form
-from app.render.palette import Canvas, CutOut, Picture
-from app.render.shading import paint_solid, part_borders, shade
-from app.render.strokes import body_lines, paint_dots, paint_lines
-from tracker.body.raster import raster
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import ViewCamera
+from keypose.app.render.form import Form
+from keypose.app.render.palette import Canvas, CutOut, Picture
+from keypose.app.render.shading import paint_solid, part_borders, shade
+from keypose.app.render.strokes import body_lines, paint_dots, paint_lines
+from keypose.tracker.body.raster import raster
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import ViewCamera
 
 Style: TypeAlias = Literal["wire", "solid", "both"]
 

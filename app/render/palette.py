@@ -7,8 +7,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tracker.body.body import Body
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.geometry.rotations import Array
 
 Side: TypeAlias = Literal["left", "right", "middle"]
 Colour: TypeAlias = tuple[int, int, int]

@@ -9,16 +9,16 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 
-from app.render.form import form_of
-from app.render.lettering import axes, plate, round_length, scale_bar, write_name
-from app.render.painting import Style, paint_over
-from app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
-from app.render.surface_layer import SurfaceLayer, draw_surface
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import ViewCamera, ViewName
+from keypose.app.render.form import form_of
+from keypose.app.render.lettering import axes, plate, round_length, scale_bar, write_name
+from keypose.app.render.painting import Style, paint_over
+from keypose.app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
+from keypose.app.render.surface_layer import SurfaceLayer, draw_surface
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import ViewCamera, ViewName
 
 Rotations: TypeAlias = Mapping[ViewName, Array]
 """R_view_camera (3, 3) of the three views, where up is not the camera's own up."""

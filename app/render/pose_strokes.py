@@ -11,10 +11,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 from pydantic import FiniteFloat
 
-from app.render.form import form_of
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.app.render.form import form_of
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 SIZE = 100.0
 """The strokes' field is so many units wide and high."""

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session.schema import Session
-from tracker.storage.tracks import Tracks, load_tracks
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.tracks import Tracks, load_tracks
 
 
 @dataclass(frozen=True, eq=False)

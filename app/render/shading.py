@@ -7,10 +7,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from app.render.palette import INK, Canvas, on_canvas
-from tracker.body.raster import BodyMesh, Raster
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
+from keypose.app.render.palette import INK, Canvas, on_canvas
+from keypose.tracker.body.raster import BodyMesh, Raster
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
 
 Mask: TypeAlias = NDArray[np.bool_]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from app.render.lettering import write, written_width
-from app.render.palette import PAPER, TEXT, Colour, Picture
+from keypose.app.render.lettering import write, written_width
+from keypose.app.render.palette import PAPER, TEXT, Colour, Picture
 
 STATE_COLOURS: Mapping[str, Colour] = {
     "good": (8, 106, 84),

@@ -8,19 +8,19 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from app.posing import view_rotations
-from app.render.lettering import plate, written_width
-from app.render.painting import Style
-from app.render.palette import CutOut, Picture
-from app.render.pictures import OPACITY, four_views, orthographic, overlay
-from app.render.surfaces import SurfaceLayers
-from app.render.tints import Tint
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.geometry.camera import Camera
-from tracker.session.schema import Session
-from tracker.video import MissingFrame, Video
+from keypose.app.posing import view_rotations
+from keypose.app.render.lettering import plate, written_width
+from keypose.app.render.painting import Style
+from keypose.app.render.palette import CutOut, Picture
+from keypose.app.render.pictures import OPACITY, four_views, orthographic, overlay
+from keypose.app.render.surfaces import SurfaceLayers
+from keypose.app.render.tints import Tint
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import MissingFrame, Video
 
 View: TypeAlias = Literal["main", "top", "side", "front", "all"]
 

@@ -7,22 +7,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from app.render.palette import CutOut, Picture
-from app.render.pictures import FourViewLayout, middle, posed_points
-from app.render.poses import KnownPoses
-from app.render.snapshots import Look, View, background, snapshot
-from app.render.studio import Paint, Size, Studio
-from app.render.surface_layer import SurfaceLayer
-from app.render.surfaces import SurfaceLayers
-from app.render.tints import Tint
-from app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SessionError
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
-from tracker.session.schema import Session
-from tracker.video import Video
+from keypose.app.render.palette import CutOut, Picture
+from keypose.app.render.pictures import FourViewLayout, middle, posed_points
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import Look, View, background, snapshot
+from keypose.app.render.studio import Paint, Size, Studio
+from keypose.app.render.surface_layer import SurfaceLayer
+from keypose.app.render.surfaces import SurfaceLayers
+from keypose.app.render.tints import Tint
+from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.render.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side, on_canvas
-from app.render.shading import CREASE_COSINE, Mask, face_normals
-from tracker.body.raster import BodyMesh, Raster
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
+from keypose.app.render.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side, on_canvas
+from keypose.app.render.shading import CREASE_COSINE, Mask, face_normals
+from keypose.tracker.body.raster import BodyMesh, Raster
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
 
 HIDDEN_OPACITY = 0.28
 DEPTH_SLACK_M = 0.02

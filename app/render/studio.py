@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from app.posing import view_rotations
-from app.render.floor import floor_picture
-from app.render.form import Form, form_of
-from app.render.painting import Style, cut_out, paint_over
-from app.render.palette import GAP, CutOut, Picture
-from app.render.pictures import (
+from keypose.app.posing import view_rotations
+from keypose.app.render.floor import floor_picture
+from keypose.app.render.form import Form, form_of
+from keypose.app.render.painting import Style, cut_out, paint_over
+from keypose.app.render.palette import GAP, CutOut, Picture
+from keypose.app.render.pictures import (
     FourViewLayout,
     Framing,
     Rotations,
@@ -22,15 +22,15 @@ from app.render.pictures import (
     parallel_view,
     posed_points,
 )
-from app.render.snapshots import ground_of, labelled
-from app.render.surface_layer import SurfaceLayer, draw_surface
-from app.render.viewpoints import Ground
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera, ViewName
-from tracker.session.schema import Session
+from keypose.app.render.snapshots import ground_of, labelled
+from keypose.app.render.surface_layer import SurfaceLayer, draw_surface
+from keypose.app.render.viewpoints import Ground
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera, ViewName
+from keypose.tracker.session.schema import Session
 
 Size = tuple[int, int]
 """Width and height, pixels."""

@@ -13,14 +13,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.render.form import Form
-from app.render.painting import FINE, box_of
-from app.render.palette import INK, Canvas, Picture
-from tracker.body.raster import raster
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import ViewCamera
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.painting import Colours, Layer, layer
+from keypose.app.render.form import Form
+from keypose.app.render.painting import FINE, box_of
+from keypose.app.render.palette import INK, Canvas, Picture
+from keypose.tracker.body.raster import raster
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.painting import Colours, Layer, layer
 
 Depth: TypeAlias = NDArray[np.float32]
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
-from app.render.palette import Picture
-from app.render.surface_layer import SurfaceLayer
-from app.render.tints import Colours, Tint, clay, tinted
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SurfaceError, VideoError
-from tracker.session.evidence import surface_of
-from tracker.session.schema import Session
-from tracker.storage.evidence import surfaces_of
-from tracker.surface.mesh import SurfaceMesh
-from tracker.video import Video
+from keypose.app.render.palette import Picture
+from keypose.app.render.surface_layer import SurfaceLayer
+from keypose.app.render.tints import Colours, Tint, clay, tinted
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SurfaceError, VideoError
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.video import Video
 
 if TYPE_CHECKING:
-    from tracker.surface.fit.model import SurfaceModel
-    from tracker.surface.picture import SurfaceVideo
-    from tracker.surface.source import SurfaceSteps
+    from keypose.tracker.surface.fit.model import SurfaceModel
+    from keypose.tracker.surface.picture import SurfaceVideo
+    from keypose.tracker.surface.source import SurfaceSteps
 
 MODEL_POINTS = 3000
 """So many points of the moving surface give the observed one its colours."""
@@ -70,7 +70,7 @@ class SurfaceLayers:
 
     def picture(self, frame: int, pose: Pose | None) -> Picture | None:
         """The same as the session's camera sees it; None as above."""
-        from tracker.surface.painting import paint
+        from keypose.tracker.surface.painting import paint
 
         surface = self.at(frame, pose)
         if surface is None:
@@ -92,12 +92,12 @@ def colours_of(
 ) -> Colours:
     """The colours (V, 3) of a step's surface, the body at a pose; clay where nothing is known."""
     if tint == "photo" and mesh.consistency is not None:
-        from tracker.surface.fit.weights import photo_weights
+        from keypose.tracker.surface.fit.weights import photo_weights
 
         return tinted(tint, photo_weights(mesh.consistency))
     if tint in ("contact", "distance") and model is not None and pose is not None:
         # loads when surfaces are looked at
-        from tracker.surface.fit.vertex_scalars import vertex_scalars
+        from keypose.tracker.surface.fit.vertex_scalars import vertex_scalars
 
         return tinted(tint, vertex_scalars(model, mesh, pose, tint))
     return clay(len(mesh.vertices))
@@ -109,7 +109,7 @@ def model_of(session: Session, steps: SurfaceSteps) -> SurfaceModel | None:
     keyframe = session.model_keyframe
     if keyframe is None:
         return None
-    from tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
+    from keypose.tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
 
     mesh = steps.shape(keyframe.frame)
     pose = keyframe.pose(Skeleton.of(session.body))

@@ -12,8 +12,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.surface.painting import CLAY
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.painting import CLAY
 
 Tint: TypeAlias = Literal["clay", "contact", "photo", "distance"]
 Colours: TypeAlias = NDArray[np.uint8]

@@ -10,11 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 import cv2
 import numpy as np
 
-from app.render.lettering import plate
-from app.render.palette import Picture
-from tracker.errors import VideoError
-from tracker.geometry.camera import Camera
-from tracker.video import MissingFrame, Video
+from keypose.app.render.lettering import plate
+from keypose.app.render.palette import Picture
+from keypose.tracker.errors import VideoError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.video import MissingFrame, Video
 
 CACHE_BYTES = 192 * 2**20
 QUALITY = 88

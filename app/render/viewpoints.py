@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing import eye_rotation
-from app.render.lettering import round_length
-from app.render.pictures import posed_points
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen, transform
-from tracker.geometry.view import ViewCamera
+from keypose.app.posing import eye_rotation
+from keypose.app.render.lettering import round_length
+from keypose.app.render.pictures import posed_points
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, frozen, transform
+from keypose.tracker.geometry.view import ViewCamera
 
 ELEVATION_DEG = 12.0
 """A little above, so that the floor is seen to lie."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 GROWTH = 1.2
 """Of the cells, until there are few enough triangles."""

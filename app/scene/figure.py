@@ -11,9 +11,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.shapes import SIDES, Shape
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.shapes import SIDES, Shape
+from keypose.tracker.geometry.rotations import Array
 
 Vertices: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import FrameHandle, GlbHandle, LineSegmentsHandle, MeshHandle, SceneApi
 
-from app.render.palette import WHITE, Colour
-from app.scene.figure import Segments, hull_mesh, part_mesh, rim_lines, wire_lines
-from tracker.body.shapes import Shape
-from tracker.geometry.rotations import Array
+from keypose.app.render.palette import WHITE, Colour
+from keypose.app.scene.figure import Segments, hull_mesh, part_mesh, rim_lines, wire_lines
+from keypose.tracker.body.shapes import Shape
+from keypose.tracker.geometry.rotations import Array
 
 Mode: TypeAlias = Literal["wire", "solid", "both"]
 Bytes: TypeAlias = NDArray[np.uint8]

@@ -12,24 +12,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.document.open import OpenSession
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.render.surface_layer import SurfaceLayer
-from app.render.surfaces import colours_of, model_of
-from app.render.tints import Tint
-from tracker.errors import SurfaceError, VideoError
-from tracker.session.evidence import surface_of
-from tracker.session.schema import Session
-from tracker.storage.evidence import surfaces_of
-from tracker.surface.files.unusable import describe_unusable
-from tracker.surface.painting import GROUND, paint
-from tracker.surface.picture import SurfaceVideo, open_surfaces
-from tracker.video import Examined, VideoInfo
-from tracker.video.picture import Picture
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.render.surface_layer import SurfaceLayer
+from keypose.app.render.surfaces import colours_of, model_of
+from keypose.app.render.tints import Tint
+from keypose.tracker.errors import SurfaceError, VideoError
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.surface.files.unusable import describe_unusable
+from keypose.tracker.surface.painting import GROUND, paint
+from keypose.tracker.surface.picture import SurfaceVideo, open_surfaces
+from keypose.tracker.video import Examined, VideoInfo
+from keypose.tracker.video.picture import Picture
 
 if TYPE_CHECKING:
-    from tracker.surface.fit.model import SurfaceModel
+    from keypose.tracker.surface.fit.model import SurfaceModel
 
 
 def reading(doc: Session) -> tuple[Any, ...]:

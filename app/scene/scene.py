@@ -14,9 +14,9 @@ import numpy as np
 from starlette.websockets import WebSocket
 from viser import ClientHandle, LineSegmentsHandle
 
-from app.render.palette import SIDE_COLOURS, WHITE, Colour, part_sides
-from app.scene.figure import Outline, Segments, rim_lines, trail_lines
-from app.scene.nodes import (
+from keypose.app.render.palette import SIDE_COLOURS, WHITE, Colour, part_sides
+from keypose.app.scene.figure import Outline, Segments, rim_lines, trail_lines
+from keypose.app.scene.nodes import (
     FREE_ONLY,
     GHOST_PX,
     LINE_PX,
@@ -32,9 +32,9 @@ from app.scene.nodes import (
     dark,
     light,
 )
-from app.scene.viser_compat import ROLES, Portless, Role, hide_from
-from tracker.body.body import Body, Part
-from tracker.geometry.rotations import Array, apply_transform, quaternion_wxyz
+from keypose.app.scene.viser_compat import ROLES, Portless, Role, hide_from
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.geometry.rotations import Array, apply_transform, quaternion_wxyz
 
 __all__ = ["Mode", "Role", "Scenery", "Stage", "Trail"]
 

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from app.editor.pointer_views import up_of
-from app.editor.shown import find, shown_pose
-from app.editor.state import EditorState
-from app.posing import view_rotations
-from app.scene.scene import Scenery, Trail
-from app.scene.viser_compat import Role
-from app.store.identity import unchanged
-from tracker.body.body import Body
-from tracker.body.pose import pose_transforms
-from tracker.geometry.rotations import Array
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import view_rotations
+from keypose.app.scene.scene import Scenery, Trail
+from keypose.app.scene.viser_compat import Role
+from keypose.app.store.identity import unchanged
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.rotations import Array
 
 Ghosts = tuple[tuple[int, Array], ...]
 

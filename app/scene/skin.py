@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.scene.decimation import decimate
-from tracker.formats.glb_file import Numbers
-from tracker.surface.mesh import SurfaceMesh
+from keypose.app.scene.decimation import decimate
+from keypose.tracker.formats.glb_file import Numbers
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 MOST_FACES = 8000
 """Of a surface in the small views, some 150 kB; twice as many could not be distinguished there."""

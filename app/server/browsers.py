@@ -18,9 +18,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from tracker.errors import KeyposeError
-from tracker.files import read_private
-from tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_private
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 MOST = 50
 LONGEST_S = 30 * 24 * 3600.0

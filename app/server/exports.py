@@ -16,16 +16,16 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from app.editor.actions import Degrees, Message
-from app.export.drawable import (
+from keypose.app.editor.actions import Degrees, Message
+from keypose.app.export.drawable import (
     LARGEST_SIDE,
     MOST_PIXELS,
     SMALLEST_SIDE,
     require_frame,
     require_tint,
 )
-from app.export.film import FilmOrder
-from app.jobs.exporting import (
+from keypose.app.export.film import FilmOrder
+from keypose.app.jobs.exporting import (
     Export,
     ExportProcess,
     FilmExport,
@@ -33,18 +33,18 @@ from app.jobs.exporting import (
     SheetExport,
     fps_of,
 )
-from app.render.films import FilmView
-from app.render.snapshots import Look
-from app.render.stills import Still
-from app.render.studio import Paint
-from app.render.tints import Tint
-from app.render.viewpoints import Viewpoint
-from app.server.guard import headers_for
-from app.store.store import Store
-from tracker.errors import FormatError, KeyposeError, one_sentence
-from tracker.session.schema import Session
-from tracker.session.settings import FrameIndex
-from tracker.video.encode import can_write_films
+from keypose.app.render.films import FilmView
+from keypose.app.render.snapshots import Look
+from keypose.app.render.stills import Still
+from keypose.app.render.studio import Paint
+from keypose.app.render.tints import Tint
+from keypose.app.render.viewpoints import Viewpoint
+from keypose.app.server.guard import headers_for
+from keypose.app.store.store import Store
+from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.video.encode import can_write_films
 
 LARGEST_ORDER = 1 << 14
 LIBRARIES = {"c3d": "ezc3d", "usd": "pxr"}

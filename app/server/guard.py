@@ -22,9 +22,9 @@ from urllib.parse import parse_qsl
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.server.addresses import parse
-from app.server.browsers import LONGEST_S, Browsers
-from app.server.tokens import OneTimeTokens
+from keypose.app.server.addresses import parse
+from keypose.app.server.browsers import LONGEST_S, Browsers
+from keypose.app.server.tokens import OneTimeTokens
 
 Kind: TypeAlias = Literal["page", "view", "data"]
 

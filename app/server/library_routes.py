@@ -8,9 +8,9 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from app.document.library import Library, Upload
-from app.server.guard import headers_for
-from tracker.errors import KeyposeError
+from keypose.app.document.library import Library, Upload
+from keypose.app.server.guard import headers_for
+from keypose.tracker.errors import KeyposeError
 
 MOST_AT_A_TIME = 2
 """Pictures of files that are decoded."""

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from app.server.addresses import host_in_url
-from app.server.guard import TOKEN, Guard
-from app.server.redirect_file import RedirectFile
+from keypose.app.server.addresses import host_in_url
+from keypose.app.server.guard import TOKEN, Guard
+from keypose.app.server.redirect_file import RedirectFile
 
 
 class Links:

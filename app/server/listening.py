@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 
-from tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError
 
 
 def bind(host: str, port: int) -> socket.socket:

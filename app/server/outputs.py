@@ -12,28 +12,28 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from app.editor.actions import Degrees, Message, Spot
-from app.editor.feet import feet_paths
-from app.editor.pasting import copied_from
-from app.editor.pointer_views import pointer_views
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.export.motion_files import File, Sampling, every_format, motion_archive
-from app.export.motion_formats import MotionFormat
-from app.posing import InView, outline, parts_at
-from app.render.snapshots import Look, View, png, snapshot
-from app.render.stills import from_viewpoint
-from app.render.tints import Tint
-from app.render.viewpoints import Viewpoint
-from app.server.guard import headers_for
-from app.server.surfaces import Surfaces
-from app.store.store import Store
-from tracker.errors import KeyposeError, one_sentence
-from tracker.formats.rigs import OWN
-from tracker.formats.units import FileUnit
-from tracker.session.settings import FrameIndex
-from tracker.storage.files import load_session
-from tracker.video import Video
+from keypose.app.editor.actions import Degrees, Message, Spot
+from keypose.app.editor.feet import feet_paths
+from keypose.app.editor.pasting import copied_from
+from keypose.app.editor.pointer_views import pointer_views
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.export.motion_files import File, Sampling, every_format, motion_archive
+from keypose.app.export.motion_formats import MotionFormat
+from keypose.app.posing import InView, outline, parts_at
+from keypose.app.render.snapshots import Look, View, png, snapshot
+from keypose.app.render.stills import from_viewpoint
+from keypose.app.render.tints import Tint
+from keypose.app.render.viewpoints import Viewpoint
+from keypose.app.server.guard import headers_for
+from keypose.app.server.surfaces import Surfaces
+from keypose.app.store.store import Store
+from keypose.tracker.errors import KeyposeError, one_sentence
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.units import FileUnit
+from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.video import Video
 
 
 class Pick(Message, InView):
@@ -203,7 +203,9 @@ def _motion_of(wanted: Motion, edit: EditorState) -> File:
 
 
 def _report_of(path: Path, video: Video) -> bytes:
-    from app.export.report.report import report_html  # its charts and letters load when wanted
+    from keypose.app.export.report.report import (
+        report_html,  # its charts and letters load when wanted
+    )
 
     return report_html(load_session(path), path, video)
 

@@ -10,8 +10,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from tracker.errors import KeyposeError
-from tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 _PREFIX = "start-"
 _STALE_S = 3600.0

@@ -18,26 +18,26 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-import static
-from app.document.library import Library
-from app.editor.state import EditorState
-from app.scene.scene import Stage
-from app.scene.scenery import SceneryMaker
-from app.scene.viser_compat import PAGE, ROLES
-from app.server.browsers import NAME as BROWSERS
-from app.server.browsers import Browsers
-from app.server.exports import Exports
-from app.server.guard import PROTOCOL, Guard, headers_for
-from app.server.library_routes import LibraryRoutes
-from app.server.outputs import Outputs
-from app.server.page_files import PageFiles
-from app.server.surfaces import Surfaces
-from app.server.tokens import NAME as LINKS
-from app.server.tokens import OneTimeTokens
-from app.store.sections import image_version
-from app.store.store import Store
-from app.store.tabs import Tab
-from tracker.errors import KeyposeError
+from keypose import static
+from keypose.app.document.library import Library
+from keypose.app.editor.state import EditorState
+from keypose.app.scene.scene import Stage
+from keypose.app.scene.scenery import SceneryMaker
+from keypose.app.scene.viser_compat import PAGE, ROLES
+from keypose.app.server.browsers import NAME as BROWSERS
+from keypose.app.server.browsers import Browsers
+from keypose.app.server.exports import Exports
+from keypose.app.server.guard import PROTOCOL, Guard, headers_for
+from keypose.app.server.library_routes import LibraryRoutes
+from keypose.app.server.outputs import Outputs
+from keypose.app.server.page_files import PageFiles
+from keypose.app.server.surfaces import Surfaces
+from keypose.app.server.tokens import NAME as LINKS
+from keypose.app.server.tokens import OneTimeTokens
+from keypose.app.store.sections import image_version
+from keypose.app.store.store import Store
+from keypose.app.store.tabs import Tab
+from keypose.tracker.errors import KeyposeError
 
 STATIC = Path(static.__file__).parent
 LARGEST_MESSAGE = 1 << 20

@@ -15,17 +15,17 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from app.document.open import OpenSession
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.render.video_frames import Frames
-from app.scene.observed import Observed, Outdated, TintedSource, reading
-from app.scene.skin import skin
-from app.store.sections import image_version
-from app.store.state import AppState, SurfaceSeen
-from tracker.errors import KeyposeError, SurfaceError
-from tracker.surface.picture import SurfaceVideo
-from tracker.video import Video
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.render.video_frames import Frames
+from keypose.app.scene.observed import Observed, Outdated, TintedSource, reading
+from keypose.app.scene.skin import skin
+from keypose.app.store.sections import image_version
+from keypose.app.store.state import AppState, SurfaceSeen
+from keypose.tracker.errors import KeyposeError, SurfaceError
+from keypose.tracker.surface.picture import SurfaceVideo
+from keypose.tracker.video import Video
 
 REST_S = 0.06
 """The playhead rests when it has stood for so long."""

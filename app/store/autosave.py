@@ -6,8 +6,8 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from app.jobs.failure import failure_message
-from app.store.state import Saved
+from keypose.app.jobs.failure import failure_message
+from keypose.app.store.state import Saved
 
 SECONDS_BETWEEN_TRIES = 3.0
 """To write what could not be written: the disk may have room again, or the folder be back."""

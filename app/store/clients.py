@@ -11,7 +11,7 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tracker.storage.chronicle import Received
+from keypose.tracker.storage.chronicle import Received
 
 MOST = 200
 """Tabs that are remembered: of those that were heard last."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from app.document.open import OpenSession
-from app.editor.drafted import near_frames, newly_posed, with_learned
-from app.editor.state import EditorState
-from app.jobs import Learned, LearnOrder
-from app.store.runner import Runner
-from app.store.state import AppState
-from tracker.errors import KeyposeError
-from tracker.session.schema import Session
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.store.runner import Runner
+from keypose.app.store.state import AppState
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.session.schema import Session
 
 
 class Host(Protocol):

@@ -8,8 +8,8 @@ import sys
 import threading
 from collections.abc import Callable
 
-from tracker.errors import VideoError
-from tracker.video import Video, VideoInfo
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video import Video, VideoInfo
 
 _NICENESS = 10
 _SECONDS_TO_END = 5.0

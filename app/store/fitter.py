@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
-from app.document.open import OpenSession
-from app.editor import actions as do
-from app.editor.ahead import start_frame, with_followed
-from app.editor.ahead_text import found_sentence
-from app.editor.drafted import (
+from keypose.app.document.open import OpenSession
+from keypose.app.editor import actions as do
+from keypose.app.editor.ahead import start_frame, with_followed
+from keypose.app.editor.ahead_text import found_sentence
+from keypose.app.editor.drafted import (
     KEYPOINT_SOURCE,
     keeps_proportions,
     require_draftable,
     with_clip_drafted,
 )
-from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted
-from app.editor.shown import find, shown_pose
-from app.editor.state import EditorState
-from app.jobs import (
+from keypose.app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import (
     AheadOrder,
     Drafted,
     DraftOrder,
@@ -38,22 +38,22 @@ from app.jobs import (
     SizesFitted,
     SizesOrder,
 )
-from app.store.identity import unchanged
-from app.store.preview import SizesPreview
-from app.store.reduction import reducible_as_asked, tolerance_of
-from app.store.runner import Runner
-from app.store.state import AppState, FitOutcome
-from tracker.body.pose import Pose
-from tracker.errors import KeypointError, KeyposeError
-from tracker.keypoints.keypoints import Keypoints
-from tracker.session.schema import Keyframe, Session
-from tracker.storage.atomic import make_folder
-from tracker.storage.keypoints import of_session, save_keypoints
-from tracker.storage.results import pose_at
+from keypose.app.store.identity import unchanged
+from keypose.app.store.preview import SizesPreview
+from keypose.app.store.reduction import reducible_as_asked, tolerance_of
+from keypose.app.store.runner import Runner
+from keypose.app.store.state import AppState, FitOutcome
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import KeypointError, KeyposeError
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.keypoints import of_session, save_keypoints
+from keypose.tracker.storage.results import pose_at
 
 if TYPE_CHECKING:
-    from tracker.reduction.result import Reduction
-    from tracker.tracking.ahead.follow import FoundAhead
+    from keypose.tracker.reduction.result import Reduction
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 SAME = 1e-9
 """Poses that differ by less are the same."""

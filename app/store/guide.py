@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from app.editor import actions as do
-from app.posing import handles
-from app.posing.gesture import End, Ring, Surface
-from app.store.state import Guide
-from tracker.body.body import Body
+from keypose.app.editor import actions as do
+from keypose.app.posing import handles
+from keypose.app.posing.gesture import End, Ring, Surface
+from keypose.app.store.state import Guide
+from keypose.tracker.body.body import Body
 
 ENOUGH_ENDS = 4
 """Hands and feet."""

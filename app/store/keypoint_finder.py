@@ -9,17 +9,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from app.document.open import OpenSession
-from app.editor.state import EditorState
-from app.store.identity import unchanged
-from app.store.state import KnownKeypoints
-from tracker.errors import KeyposeError
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.on_body import is_persons
-from tracker.session.schema import Session
-from tracker.storage.fingerprints import Span
-from tracker.storage.found_before import found_before
-from tracker.storage.keypoints import of_session
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.state import EditorState
+from keypose.app.store.identity import unchanged
+from keypose.app.store.state import KnownKeypoints
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.found_before import found_before
+from keypose.tracker.storage.keypoints import of_session
 
 MOST_REMEMBERED = 8
 """Answers that are kept."""

@@ -6,14 +6,14 @@ import asyncio
 from collections.abc import Callable
 from pathlib import Path
 
-from app.document.library.poses import KeptPose, PoseShelf
-from app.editor import actions
-from app.editor.copied import Copied
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.render.pose_strokes import pose_strokes
-from tracker.errors import KeyposeError
+from keypose.app.document.library.poses import KeptPose, PoseShelf
+from keypose.app.editor import actions
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.render.pose_strokes import pose_strokes
+from keypose.tracker.errors import KeyposeError
 
 FILE = "poses.json"
 MOST_DELETED = 20

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from app.editor.fitted import with_sizes_fitted
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.jobs import SizesFitted
-from tracker.errors import KeyposeError
-from tracker.session.schema import Session
+from keypose.app.editor.fitted import with_sizes_fitted
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import SizesFitted
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.session.schema import Session
 
 if TYPE_CHECKING:
-    from tracker.fitting.sizes import Proposal
+    from keypose.tracker.fitting.sizes import Proposal
 
 WAITING = "Apply or discard the new sizes first."
 

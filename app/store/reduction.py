@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from app.editor import actions as do
-from app.editor.reduced import Reducible, reducible, with_reduction
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from tracker.errors import SessionError
-from tracker.reduction.result import Reduction, Tolerance
-from tracker.storage.atomic import make_folder
-from tracker.storage.first_motion import kept_beside, save_own_motion
+from keypose.app.editor import actions as do
+from keypose.app.editor.reduced import Reducible, reducible, with_reduction
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.errors import SessionError
+from keypose.tracker.reduction.result import Reduction, Tolerance
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.first_motion import kept_beside, save_own_motion
 
 WAITING = "Apply or discard the keyframes of the reduction first."
 

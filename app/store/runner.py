@@ -9,11 +9,11 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
-from app.document.open import OpenSession
-from app.editor.advice import why_nothing_to_do
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.jobs import (
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.advice import why_nothing_to_do
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import (
     AheadOrder,
     Drafted,
     Drafting,
@@ -44,11 +44,11 @@ from app.jobs import (
     Warming,
     seconds_left,
 )
-from app.store.state import Job, Running
-from tracker.session.schema import Session
-from tracker.session.settings import Quality
-from tracker.storage.results import Results, Span, segment_keys
-from tracker.tracking.result import SegmentResult
+from keypose.app.store.state import Job, Running
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.results import Results, Span, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 
 What: TypeAlias = Literal["this", "changed", "all"]
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]

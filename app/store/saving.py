@@ -9,16 +9,16 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from app.document.edit_log import EditLog
-from app.document.library import Library
-from app.document.open import OpenSession
-from app.document.write_lock import WriteLock
-from app.editor.state import EditorState
-from app.store.autosave import Saver
-from app.store.state import AppState, Saved
-from tracker.errors import KeyposeError
-from tracker.storage.chronicle import Received
-from tracker.storage.results import save_results, tidy_tracks
+from keypose.app.document.edit_log import EditLog
+from keypose.app.document.library import Library
+from keypose.app.document.open import OpenSession
+from keypose.app.document.write_lock import WriteLock
+from keypose.app.editor.state import EditorState
+from keypose.app.store.autosave import Saver
+from keypose.app.store.state import AppState, Saved
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.chronicle import Received
+from keypose.tracker.storage.results import save_results, tidy_tracks
 
 SECONDS_BETWEEN_SAVES = 3.0
 """Of tracked segments, while more of them are to come; edits are saved at once."""

@@ -6,9 +6,9 @@ import asyncio
 from pathlib import Path
 from typing import Any, Protocol
 
-from app.document.library import Library
-from app.editor import actions
-from app.store.state import AppState
+from keypose.app.document.library import Library
+from keypose.app.editor import actions
+from keypose.app.store.state import AppState
 
 LIBRARY_CHANGED = {"t": "library"}
 """Tells the tabs to look anew at what can be opened."""

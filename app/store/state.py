@@ -7,16 +7,16 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-from app.document.library.poses import KeptPose
-from app.editor.ahead import followed_so_far
-from app.editor.documents import posed
-from app.editor.state import EditorState
-from app.jobs import FollowingAhead, PoseFitting
-from app.store.preview import SizesPreview
-from app.store.reduction import ReductionPreview
-from tracker.keypoints.keypoints import Keypoints
-from tracker.session.schema import Session
-from tracker.video import VideoInfo
+from keypose.app.document.library.poses import KeptPose
+from keypose.app.editor.ahead import followed_so_far
+from keypose.app.editor.documents import posed
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import FollowingAhead, PoseFitting
+from keypose.app.store.preview import SizesPreview
+from keypose.app.store.reduction import ReductionPreview
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import VideoInfo
 
 
 @dataclass(frozen=True)

@@ -18,31 +18,31 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from app.document.library import Library, id_of
-from app.document.library.names import clean_name
-from app.document.open import OpenSession, edit_state, open_for_editing, with_kept_motion
-from app.editor import actions
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.editor.update import end_stroke, update
-from app.jobs import ReduceOrder
-from app.jobs.failure import failure_message
-from app.render.video_frames import Frames
-from app.store.clients import Clients
-from app.store.draft_learner import DraftLearner
-from app.store.examiner import Examiner
-from app.store.fitter import Fitter
-from app.store.guide import guide_after
-from app.store.keypoint_finder import KeypointFinder
-from app.store.pose_library import PoseLibrary
-from app.store.preview import WAITING, SizesPreview
-from app.store.reduction import WAITING as REDUCTION_WAITING
-from app.store.reduction import ReductionPreview
-from app.store.runner import Runner
-from app.store.saving import SessionWriter
-from app.store.sections import Sections
-from app.store.shelf import Shelf
-from app.store.state import (
+from keypose.app.document.library import Library, id_of
+from keypose.app.document.library.names import clean_name
+from keypose.app.document.open import OpenSession, edit_state, open_for_editing, with_kept_motion
+from keypose.app.editor import actions
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.update import end_stroke, update
+from keypose.app.jobs import ReduceOrder
+from keypose.app.jobs.failure import failure_message
+from keypose.app.render.video_frames import Frames
+from keypose.app.store.clients import Clients
+from keypose.app.store.draft_learner import DraftLearner
+from keypose.app.store.examiner import Examiner
+from keypose.app.store.fitter import Fitter
+from keypose.app.store.guide import guide_after
+from keypose.app.store.keypoint_finder import KeypointFinder
+from keypose.app.store.pose_library import PoseLibrary
+from keypose.app.store.preview import WAITING, SizesPreview
+from keypose.app.store.reduction import WAITING as REDUCTION_WAITING
+from keypose.app.store.reduction import ReductionPreview
+from keypose.app.store.runner import Runner
+from keypose.app.store.saving import SessionWriter
+from keypose.app.store.sections import Sections
+from keypose.app.store.shelf import Shelf
+from keypose.app.store.state import (
     AppState,
     FitOutcome,
     Guide,
@@ -52,11 +52,17 @@ from app.store.state import (
     Saved,
     SurfaceSeen,
 )
-from app.store.tabs import Tab, Tabs
-from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
-from tracker.reduction.result import Reduction
-from tracker.storage.chronicle import mark_of
-from tracker.video import VideoInfo
+from keypose.app.store.tabs import Tab, Tabs
+from keypose.tracker.errors import (
+    KeyposeError,
+    SessionError,
+    SurfaceError,
+    VideoError,
+    one_sentence,
+)
+from keypose.tracker.reduction.result import Reduction
+from keypose.tracker.storage.chronicle import mark_of
+from keypose.tracker.video import VideoInfo
 
 CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
 """What a tab may call itself."""

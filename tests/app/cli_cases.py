@@ -11,14 +11,14 @@ from typing import Any
 
 import pytest
 
-from app.cli.main import main
-from app.document.folder_lock import NAME
-from app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
+from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import NAME
+from keypose.app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.session import Session
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Pass
-from tracker.session import Session
-from tracker.tracking.result import SegmentResult
-from tracker.video import Video
 
 Fake = Callable[..., Iterator[Any]]
 

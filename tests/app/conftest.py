@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from app.cli import follow
+from keypose.app.cli import follow
+from keypose.tracker import warm
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.tracks import save_result
 from tests.app.cli_cases import tracker
 from tests.app.full_disks import mounted
 from tests.tracker import session_cases as cases
-from tracker import warm
-from tracker.storage.files import load_session, save_session
-from tracker.storage.tracks import save_result
 
 
 @pytest.fixture(autouse=True)

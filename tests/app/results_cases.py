@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.storage.results import Results, segment_key
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.session import Session
-from tracker.session.settings import Quality
-from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.results import Results, segment_key
-from tracker.tracking.result import Diagnostics, SegmentResult
 
 PARTS = cases.SKELETON.part_count
 

@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app.document.library import Library
-from app.store.store import Store
-from tracker.storage.chronicle import mark_of
+from keypose.app.document.library import Library
+from keypose.app.store.store import Store
+from keypose.tracker.storage.chronicle import mark_of
 
 TRACKED = 0.3
 """So many of the runs are tracked meanwhile."""

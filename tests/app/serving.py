@@ -53,7 +53,7 @@ class Keypose:
 
     def __init__(self, *arguments: str, port: int = 0, browser: str | None = None) -> None:
         """port: 0 is any free one.  browser: a command that is started with what is to be shown."""
-        command = [sys.executable, "-m", "app", "open", "--port", str(port), *arguments]
+        command = [sys.executable, "-m", "keypose.app", "open", "--port", str(port), *arguments]
         if browser is None:
             command.append("--no-browser")
         self.process = subprocess.Popen(

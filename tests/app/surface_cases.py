@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-import sample_videos
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.session import Keyframe, Session
-from tracker.storage.files import load_session, save_session
-from tracker.surface.files.sequence import MeshSequence
+from keypose import sample_videos
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.surface.files.sequence import MeshSequence
 
 SAMPLE = Path(sample_videos.__file__).parent / "arms"
 STEPS = 5

@@ -12,26 +12,26 @@ from typing import Any
 
 import pytest
 
-from app.editor.advice import next_step, why_nothing_to_do
-from app.export.report.report import report_html
-from app.jobs.rerun import require_trackable
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.editor.advice import next_step, why_nothing_to_do
+from keypose.app.export.report.report import report_html
+from keypose.app.jobs.rerun import require_trackable
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import KINDS, ByEvidence, FilmEvidence
+from keypose.tracker.storage import evidence as storage
+from keypose.tracker.storage.chronicle import is_same_film, mark_of
+from keypose.tracker.storage.evidence.film import FilmFiles
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.storage.fingerprints import open_ends, setup_hash
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.results import segment_keys
+from keypose.tracker.storage.tracking import track_session
+from keypose.tracker.storage.tracks import load_tracks, save_result
+from keypose.tracker.tracking.pool import TrackFinished
 from tests.app.editor.desk import desk
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.session import Session
-from tracker.session.evidence import KINDS, ByEvidence, FilmEvidence
-from tracker.storage import evidence as storage
-from tracker.storage.chronicle import is_same_film, mark_of
-from tracker.storage.evidence.film import FilmFiles
-from tracker.storage.files import load_session, open_video_of
-from tracker.storage.fingerprints import open_ends, setup_hash
-from tracker.storage.outdated import outdated_words
-from tracker.storage.results import segment_keys
-from tracker.storage.tracking import track_session
-from tracker.storage.tracks import load_tracks, save_result
-from tracker.tracking.pool import TrackFinished
 
 
 class TwoFilms(FilmEvidence):
@@ -59,7 +59,7 @@ class TwoFilms(FilmEvidence):
 @pytest.fixture(autouse=True)
 def _known(monkeypatch: pytest.MonkeyPatch) -> None:
     """The one place where a kind of evidence is made known."""
-    monkeypatch.setattr("tracker.session.evidence.KINDS", (TwoFilms, *KINDS))
+    monkeypatch.setattr("keypose.tracker.session.evidence.KINDS", (TwoFilms, *KINDS))
 
 
 def with_second(session: Session) -> Session:

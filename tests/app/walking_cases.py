@@ -8,17 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.files import open_video_of, save_session
+from keypose.tracker.storage.results import Results, save_results, segment_key
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.rendering.motions import crossing
 from tests.tracker.video_cases import write_numbered
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.session import Keyframe, Session, TrackSettings, VideoReference
-from tracker.session.verdict import GOOD
-from tracker.storage.files import open_video_of, save_session
-from tracker.storage.results import Results, save_results, segment_key
-from tracker.tracking.result import Diagnostics, SegmentResult
 
 FRAMES, KEYED = 153, (0, 51, 102, 152)
 SKELETON = Skeleton.of(preset("adult_female"))

@@ -12,20 +12,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.tracking.ahead.follow import LONGEST, follow_ahead, followed_ways
+from keypose.tracker.tracking.ahead.line import Line
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.clips import Clip, clip
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.keyed import Keyed, keyed
 from tests.benchmarks.table import Expected, Report
-from tracker.body.trajectory import Trajectory
-from tracker.keypoints.detect import Stretch
-from tracker.session.ahead import Direction
-from tracker.session.settings import TrackSettings
-from tracker.solver.body_points import BodyPoints
-from tracker.tracking.ahead.follow import LONGEST, follow_ahead, followed_ways
-from tracker.tracking.ahead.line import Line
-from tracker.tracking.cues.sources import DetectedKeypoints
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 FAR_PX, MOST_FAR = 12.0, 8.0
 """A joint farther off is wrong; so many per cent of them may be, before the stop."""

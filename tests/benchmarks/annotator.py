@@ -22,19 +22,19 @@ from itertools import pairwise
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from app.editor.suggest import suggestion
+from keypose.app.editor.suggest import suggestion
+from keypose.tracker.body.pose import moved
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import MethodName
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.tracker import Tracker
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.sequences import Sequence as Shown
 from tests.benchmarks.sequences import sequence
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.tracking import track
-from tracker.body.pose import moved
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.geometry.rotations import Array
-from tracker.session.settings import MethodName
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.tracker import Tracker
 
 MOTIONS = ("walk", "jump", "wash", "pirouette", "jumping_jacks", "throw", "speech")
 GIVE_UP_FRAMES = 3

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
 from tests.benchmarks.marked import FITTED_FROM, Person, _marks
 from tests.benchmarks.posing import Marked, fit
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
 
 MARKS = Path(__file__).with_name("arms_marks.json")
 VIDEO = "arms_576x576.mp4"

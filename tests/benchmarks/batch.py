@@ -78,7 +78,7 @@ def _run(
 ) -> tuple[float, float, int]:
     """Seconds from the start of the command to its end, those of computing in it and its workers,
     and how many sessions it has done."""
-    command = [sys.executable, "-m", "app", "batch", str(root), "--json", *how]
+    command = [sys.executable, "-m", "keypose.app", "batch", str(root), "--json", *how]
     began, computed = time.perf_counter(), _children_s()
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None

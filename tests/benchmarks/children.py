@@ -15,7 +15,10 @@ from pathlib import Path
 
 from tests.benchmarks.keeping import ROOT
 
-IMPORTS = "import app.cli.main, app.cli.follow, tracker.storage.files, tracker.storage.tracks"
+IMPORTS = (
+    "import keypose.app.cli.main, keypose.app.cli.follow, keypose.tracker.storage.files, "
+    "keypose.tracker.storage.tracks"
+)
 INTERVAL = 12
 
 
@@ -50,7 +53,16 @@ def _track_box() -> tuple[float, float]:
     """Seconds until the first trajectory was told, and until the process ended."""
     session = ROOT / "sample_videos" / "box" / "session.json"
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "app", "track", str(session), "--json", "--out", folder]
+        command = [
+            sys.executable,
+            "-m",
+            "keypose.app",
+            "track",
+            str(session),
+            "--json",
+            "--out",
+            folder,
+        ]
         began, first = time.perf_counter(), None
         with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as child:
             assert child.stdout is not None
@@ -63,11 +75,11 @@ def _track_box() -> tuple[float, float]:
 
 def _track_looped(frames: int, memory_mb: int | None) -> None:
     """Track the walk there and back again, over and over."""
+    from keypose.tracker.session.settings import TrackSettings
+    from keypose.tracker.tracking.pool import run
+    from keypose.tracker.tracking.tracker import Tracker
+    from keypose.tracker.video.clip_loader import MEMORY_BYTES
     from tests.benchmarks.sequences import video_of, walking
-    from tracker.session.settings import TrackSettings
-    from tracker.tracking.pool import run
-    from tracker.tracking.tracker import Tracker
-    from tracker.video.clip_loader import MEMORY_BYTES
 
     shown = walking()
     turn = len(shown.grey) - 1

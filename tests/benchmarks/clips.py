@@ -17,16 +17,16 @@ from zipfile import ZipFile
 
 import numpy as np
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.evaluate import JointReference
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoint
 from tests.benchmarks.arms import MARKS as ARMS_MARKS
 from tests.benchmarks.arms import SIDE
 from tests.benchmarks.arms import VIDEO as ARMS_VIDEO
 from tests.benchmarks.keeping import Absent, data_folder, kept_folder
 from tests.benchmarks.posing import MARKS
-from tracker.body.body import Body, preset
-from tracker.evaluate import JointReference
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoint
 
 Marks: TypeAlias = Mapping[int, Mapping[str, tuple[float, float]]]
 

@@ -10,6 +10,16 @@ import cv2
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.cycle import track_segment
+from keypose.tracker.tracking.method import FULL, Paper
+from keypose.tracker.tracking.pool import run
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import MEMORY_BYTES
 from tests.benchmarks import children
 from tests.benchmarks.keeping import ROOT
 from tests.benchmarks.literal import (
@@ -25,16 +35,6 @@ from tests.benchmarks.literal import (
 from tests.benchmarks.sequences import Sequence, walking
 from tests.benchmarks.table import Report
 from tests.benchmarks.tracking import keyframes_every, scene_of
-from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
-from tracker.session.settings import TrackSettings
-from tracker.tracking.cycle import track_segment
-from tracker.tracking.method import FULL, Paper
-from tracker.tracking.pool import run
-from tracker.tracking.segment import Segment
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
-from tracker.video.clip_loader import MEMORY_BYTES
 
 LIVE_FRAME, LIVE_MS = 36, {"preview": 30.0, "full": 100.0}
 PAPERS_SECONDS = 10.0

@@ -9,20 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import ALL_DOFS, Body, Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.keeping import data_folder
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.tracking import Measure, Tracked, forward, linear, track
-from tracker.body.body import ALL_DOFS, Body, Part
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.settings import IgnoreMask
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 INTERVALS, BARRED = (20, 54, 108, 217), (20, 54)
 EXACT_UP_TO, MOST_PX, MOST_MASKED_PX = 108, 0.8, 1.5

@@ -23,6 +23,9 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 from threadpoolctl import threadpool_limits
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session import Keyframe
 from tests.benchmarks.human.at_page import repeated, session_for
 from tests.benchmarks.human.clips import CLIPS, Watched, noisy, watched
 from tests.benchmarks.human.counting import KINDS, Effort, Kind
@@ -44,9 +47,6 @@ from tests.benchmarks.stand import serving
 from tests.benchmarks.table import Expected, Report, Table
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.shared import let_in, opened
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.session import Keyframe
 
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0

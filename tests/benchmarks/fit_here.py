@@ -9,21 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose, joint_positions, moved, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import joined
+from keypose.tracker.fitting.pose import fit_pose_to_picture as fit
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints, FrameSource
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.keeping import ROOT, Absent, digest, place_for
 from tests.benchmarks.marked import load_person, load_walk
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import track
 from tests.rendering.scenes import scene
-from tracker.body.pose import Pose, joint_positions, moved, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import joined
-from tracker.fitting.pose import fit_pose_to_picture as fit
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.tracking.cues.sources import DetectedKeypoints, FrameSource
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 STRETCHES = {"walk": (0, 72), "speech": (0, 72), "throw": (47, 119)}
 INTERVAL = 24

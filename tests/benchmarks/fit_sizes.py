@@ -8,6 +8,16 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
+from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.sizes import Proposal
+from keypose.tracker.fitting.sizes import fit_sizes as fit
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.fit_joints import fit_picture
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.wrong_preset import wrong_preset
@@ -15,16 +25,6 @@ from tests.rendering import motions
 from tests.rendering.render import render
 from tests.rendering.scenes import camera
 from tests.rendering.settings import RenderSettings
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, joint_positions, pose_transforms
-from tracker.body.scaling import resized
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.sizes import Proposal
-from tracker.fitting.sizes import fit_sizes as fit
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.solver.body_points import BodyPoint
-from tracker.solver.fit_joints import fit_picture
 
 GIVEN = preset("adult_male")
 CAMERA = camera()

@@ -10,7 +10,13 @@ from typing import Any
 import cv2
 import numpy as np
 
-from app.render.pictures import contact_sheet, overlay
+from keypose.app.render.pictures import contact_sheet, overlay
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.kernels.matching import find_exhaustively, find_sequentially
+from keypose.tracker.tracking.initial.templates.search import GreyPicture, Template, cut, outwards
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
+from keypose.tracker.video.pyramid import prepare
 from tests.benchmarks.arms import load_arms
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_walk
@@ -18,12 +24,6 @@ from tests.benchmarks.sequences import Sequence, sequence
 from tests.benchmarks.sheets import OUT, Shown, beside_linear, evaluation, pair, sheet
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, against, linear, mean_errors, track
-from tracker.body.trajectory import Trajectory, joined
-from tracker.kernels.matching import find_exhaustively, find_sequentially
-from tracker.tracking.initial.templates.search import GreyPicture, Template, cut, outwards
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
-from tracker.video.pyramid import prepare
 
 EXPERIMENTS: dict[str, tuple[str, ...]] = {"shelf": (), "crossing": ("right_hand",)}
 """The two motions of INITIAL §4, and what it left out."""

@@ -19,22 +19,22 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
+from keypose.tracker.solver.fit_joints import CRITERIA, LIMIT_SIGMA_RAD, NEAREST_M, PIXEL_SIGMA
+from keypose.tracker.solver.least_squares import least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import JointLimits, PointsInPicture, PosePrior, RootPosition, Term
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keeping import ROOT, digest, place_for
 from tests.benchmarks.posing import HUMAN
-from tracker.body.body import Body
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
-from tracker.solver.fit_joints import CRITERIA, LIMIT_SIGMA_RAD, NEAREST_M, PIXEL_SIGMA
-from tracker.solver.least_squares import least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import JointLimits, PointsInPicture, PosePrior, RootPosition, Term
 
 LENGTH_SHARE, FIXED_SHARE, DISTANCE_SHARE = 0.08, 1e-4, 0.1
 """Sigmas of the logarithms of lengths, of what marks do not show (thickness, lens), of distance."""

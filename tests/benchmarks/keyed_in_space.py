@@ -12,25 +12,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tests.benchmarks.clips import Clip, place
-from tests.benchmarks.keyed import Keyed, keyed
-from tests.benchmarks.posing import sized
-from tracker.body.body import Body
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoints, free_skeleton
-from tracker.solver.fit_joints import (
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
+from keypose.tracker.solver.fit_joints import (
     CRITERIA,
     LIMIT_SIGMA_RAD,
     NEAREST_M,
     PIXEL_SIGMA,
     fit_motion,
 )
-from tracker.solver.least_squares import least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import JointLimits, PointsInPicture, PointsInSpace, PosePrior
+from keypose.tracker.solver.least_squares import least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import JointLimits, PointsInPicture, PointsInSpace, PosePrior
+from tests.benchmarks.clips import Clip, place
+from tests.benchmarks.keyed import Keyed, keyed
+from tests.benchmarks.posing import sized
 
 SPACE_M = 0.02
 """How well the reference's joints are known."""

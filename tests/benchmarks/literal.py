@@ -10,14 +10,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import pose_transforms, twists
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.pairs import solve_pair, view
+from keypose.tracker.tracking.method import FULL, Keypose
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip
 from tests.benchmarks.sequences import Sequence
-from tracker.body.pose import pose_transforms, twists
-from tracker.geometry.rotations import Array
-from tracker.kernels import compiled
-from tracker.kernels.pairs import solve_pair, view
-from tracker.tracking.method import FULL, Keypose
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Clip
 
 DENSE_POINTS = 13_500
 FLOW_POINTS = (128, 72)

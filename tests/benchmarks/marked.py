@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.evaluate import JointReference
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoint
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
 from tests.benchmarks.posing import MARKS, Marked, fit
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.evaluate import JointReference
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoint
 
 FITTED_FROM = ("body", "geometry")
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints
 from tests.benchmarks.clips import Clip, Stance, place
-from tracker.body.body import Body
-from tracker.body.scaling import height
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoints
 
 TALL_PX, FAR_PX = 400.0, 10.0
 """A joint is wrong when it is further off than `FAR_PX` on a person who is `TALL_PX` tall."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.tracker.tracking.result import SegmentResult
 from tests.benchmarks.measures import Mark
-from tracker.tracking.result import SegmentResult
 
 MEDIAN_PX, WORST_PX = 5.0, 10.0
 

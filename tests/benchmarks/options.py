@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tracker.session.settings import TrackSettings
+from keypose.tracker.session.settings import TrackSettings
 
 JITTERS = 8
 SEEDS = 3

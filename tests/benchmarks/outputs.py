@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from app.export.motion_formats import FORMATS
+from keypose.app.export.motion_formats import FORMATS
 
 ROOT = Path(__file__).parents[2]
 OUT = Path("out/outputs")
@@ -73,7 +73,7 @@ def _taken_home(out: Path, sample: str) -> Iterator[str]:
 
 def _said(out: Path, *words: str) -> str:
     """Run a command; its exit code and a digest of what it says."""
-    command = [sys.executable, "-m", "app", *words]
+    command = [sys.executable, "-m", "keypose.app", *words]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True)
     if ran.returncode not in (0, 1):
         raise RuntimeError(f"{' '.join(words)}: {ran.stderr.decode()}")

@@ -15,28 +15,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import PointsInPicture, PosePrior
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints
+from keypose.tracker.tracking.parts.keyed import KeyedParts, turning
+from keypose.tracker.tracking.pool import never
+from keypose.tracker.tracking.segment import NEAREST_M
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.clips import Clip, clip, place
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.keyed import jittered, keyed
 from tests.benchmarks.measures import Over, marks_between
 from tests.benchmarks.real import ROWS, Row
 from tests.benchmarks.table import Report
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, joined
-from tracker.geometry.rotations import exp_rotation
-from tracker.keypoints.detect import Stretch
-from tracker.session.settings import TrackSettings
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import PointsInPicture, PosePrior
-from tracker.tracking.cues.sources import DetectedKeypoints
-from tracker.tracking.parts.keyed import KeyedParts, turning
-from tracker.tracking.pool import never
-from tracker.tracking.segment import NEAREST_M
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 CASES = ("walk-40", "person-60", "person-90")
 LIMBS = {

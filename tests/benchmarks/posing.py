@@ -15,12 +15,12 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from tracker.body.body import Body
-from tracker.body.pose import Pose, joint_positions, part_transforms
-from tracker.body.scaling import joint_moved, resized, scaled
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
+from keypose.tracker.body.scaling import joint_moved, resized, scaled
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 MARKS = {
     **{f"{s}Shoulder": f"{side}_upper_arm" for s, side in (("L", "left"), ("R", "right"))},

@@ -21,6 +21,14 @@ from typing import Any
 
 import numpy as np
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, Trajectory, joined
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.clips import Clip, clip
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.keyed import Keyed, jittered, keyed
@@ -38,14 +46,6 @@ from tests.benchmarks.sheets import OUT, Shown, sheet
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.told import TELLINGS, Record, by_segment, judged, records
 from tests.benchmarks.tracking import Tracked, linear, track
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, Trajectory, joined
-from tracker.session.settings import TrackSettings
-from tracker.tracking.cues.sources import DetectedKeypoints
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 
 @dataclass(frozen=True, eq=False)

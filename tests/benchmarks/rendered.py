@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
+from keypose.tracker.tracking.tracker import Tracker
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.sequences import LOOKS, Sequence, sequence
 from tests.benchmarks.table import Expected, Pair, Report, Table
@@ -20,7 +21,6 @@ from tests.benchmarks.tracking import (
     noted_rounds,
     track,
 )
-from tracker.tracking.tracker import Tracker
 
 STRETCHES = {
     "walk": (0, 72),

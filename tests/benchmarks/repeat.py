@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 
+from keypose.tracker.tracking.tracker import Tracker
 from tests.benchmarks.sequences import Sequence, sequence
 from tests.benchmarks.table import Report
 from tests.benchmarks.tracking import keyframes_every, track
-from tracker.tracking.tracker import Tracker
 
 TIMES, INTERVAL = 10, 12
 

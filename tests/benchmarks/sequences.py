@@ -11,16 +11,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.video import Examined, Video
+from keypose.tracker.video.info import VideoInfo
 from tests.benchmarks.keeping import ROOT, Absent, digest, place_for
 from tests.rendering.render import rendered
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.video import Examined, Video
-from tracker.video.info import VideoInfo
 
 FPS = 30
 LOOKS = {

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from app.document.library import Library
-from app.store.store import Store
+from keypose.app.document.library import Library
+from keypose.app.store.store import Store
 from tests.app.killing import kill_once
 from tests.benchmarks.keeping import DATA, ROOT, Absent
 from tests.benchmarks.stand import film

@@ -11,17 +11,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.render.pictures import contact_sheet, overlay
+from keypose.app.render.pictures import contact_sheet, overlay
+from keypose.tracker.body.pose import joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.video import Video
 from tests.benchmarks.keeping import ROOT
 from tests.benchmarks.marked import Person
 from tests.benchmarks.table import Pair
 from tests.benchmarks.tracking import Tracked
-from tracker.body.pose import joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
-from tracker.geometry.camera import Camera
-from tracker.video import Video
 
 OUT = ROOT / "out" / "bench"
 

@@ -16,6 +16,19 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.scaling import scaled
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints
+from keypose.tracker.tracking.space.contacts import proposed_pins
+from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceProblem, solve_space
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
 from tests.benchmarks.clips import Clip, clip
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.keyed import Keyed, jittered, keyed
@@ -25,19 +38,6 @@ from tests.benchmarks.sequences import FPS, sequence
 from tests.benchmarks.sequences import Sequence as Shown
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.tracking import keyframes_every, linear, track
-from tracker.body.pose import Pose
-from tracker.body.scaling import scaled
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, joined
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.session.pins import Pin
-from tracker.storage.files import load_session
-from tracker.tracking.cues.sources import DetectedKeypoints
-from tracker.tracking.space.contacts import proposed_pins
-from tracker.tracking.space.solve import PinnedPoint, SpaceProblem, solve_space
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
 
 UP = np.array([0.0, -1.0, 0.0])
 CUTOFF_HZ = 6.0

@@ -13,10 +13,10 @@ from pathlib import Path
 import av
 import cv2
 
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.video import Video
 from tests.app.serving import Keypose
 from tests.benchmarks.keeping import ROOT
-from tracker.geometry.rotations import Array
-from tracker.video import Video
 
 FPS = 30
 

@@ -17,24 +17,24 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.pose_fit import fit_solids_to_surface
+from keypose.tracker.surface.fit.segment import SurfaceTracker
+from keypose.tracker.surface.fit.solving import fit_pose
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.table import Expected, Report, Table
 from tests.rendering.arms import HullKind, arms_scene
 from tests.rendering.walker import WalkKind, walker
-from tracker.body.body import Body
-from tracker.body.pose import Pose, joint_positions, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.formats.verdict_words import verdict_words
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.surface.files.ply import ply_bytes
-from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import Observed
-from tracker.surface.fit.pose_fit import fit_solids_to_surface
-from tracker.surface.fit.segment import SurfaceTracker
-from tracker.surface.fit.solving import fit_pose
-from tracker.surface.mesh import SurfaceMesh
 
 PAPER = Options(mutual=False, floor=False, stiff=0.0, trust=False, offset=False)
 VARIANTS: Mapping[str, Options] = {

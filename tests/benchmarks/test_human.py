@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing.gesture import Gesture
-from app.posing.pointer_view import PointerView
-from app.posing.turning import pointer_angle
+from keypose.app.posing.gesture import Gesture
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.turning import pointer_angle
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.storage.files import load_session
 from tests.benchmarks.human.clips import Watched, carried, noisy, of_poses
 from tests.benchmarks.human.counting import SECONDS, Effort, Ledger
 from tests.benchmarks.human.desk import desk, ring_way
@@ -15,10 +19,6 @@ from tests.benchmarks.human.hand import LOOKS_RIGHT_PX, Hand, px
 from tests.benchmarks.human.strategies import Outcome
 from tests.benchmarks.keeping import ROOT
 from tests.rendering.scenes import camera
-from tracker.body.pose import Pose
-from tracker.session import Session
-from tracker.session.settings import TrackSettings
-from tracker.storage.files import load_session
 
 
 def done(*kinds: str, setup: int = 0, frames: int = 900) -> Effort:

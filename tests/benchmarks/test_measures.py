@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import log_rotation, transpose
 from tests.benchmarks.keyed import JITTER_M, JITTER_RAD, jittered
 from tests.benchmarks.measures import Mark, Over, jitter_px, root_relative
 from tests.benchmarks.needed import Outcome, steps_to_enough, where_worst, words
 from tests.benchmarks.options import way
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import log_rotation, transpose
 
 
 def test_a_steady_path_does_not_jitter_however_fast_it_is() -> None:

@@ -17,11 +17,11 @@ from scipy.optimize import minimize
 from scipy.special import expit
 from scipy.stats import rankdata
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.result import SegmentResult
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.measures import FAR_PX, marks_between
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.tracking.result import SegmentResult
 
 Telling = Callable[[SegmentResult, int, int, Skeleton], float]
 """Of a segment, a frame, and the joint where a part begins: how little the result trusts it."""

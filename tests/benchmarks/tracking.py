@@ -11,18 +11,18 @@ from unittest.mock import patch
 
 import numpy as np
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.initial.chains import follow
+from keypose.tracker.tracking.method import FULL
+from keypose.tracker.tracking.pool import PassFinished, TrackFinished, run
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.tracker import Tracker
 from tests.benchmarks.table import Pair
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.settings import TrackSettings
-from tracker.tracking.initial.chains import follow
-from tracker.tracking.method import FULL
-from tracker.tracking.pool import PassFinished, TrackFinished, run
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.scene import Scene
-from tracker.tracking.tracker import Tracker
 
 Measure = Callable[[Trajectory], tuple[Array, ...]]
 """Errors of a trajectory, one array for each unit, at the frames strictly between its ends."""
@@ -102,7 +102,7 @@ def scene_of(tracker: Tracker, span: tuple[int, int], density: float = FULL.dens
 @contextmanager
 def noted_rounds() -> Iterator[list[int]]:
     """All rounds that drift correction needs meanwhile; −1 where no single X was to be had."""
-    import tracker.tracking.cycle as segment
+    import keypose.tracker.tracking.cycle as segment
 
     rounds: list[int] = []
     correct = segment.correct_drift

@@ -8,22 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.body.scaling import height, resized, scaled, with_height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.sizes import Proposal, fit_sizes
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.fit_joints import fit_picture
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.rendering import motions
 from tests.rendering.render import render
 from tests.rendering.scenes import camera
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, joint_positions, pose_transforms
-from tracker.body.raster import BodyMesh
-from tracker.body.scaling import height, resized, scaled, with_height
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.sizes import Proposal, fit_sizes
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.solver.body_points import BodyPoint
-from tracker.solver.fit_joints import fit_picture
 
 GIVEN, CAMERA = preset("adult_male"), camera()
 FRAMES = {"stride": (5, 30, 55, 80, 110), "throw": (5, 35, 60, 80, 110)}

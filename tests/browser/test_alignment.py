@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.geometry.rotations import Array
 from tests.browser.hands import section, until
 from tests.browser.shared import Desk, desk
-from tracker.geometry.rotations import Array
 
 LIMIT_PX = 0.5
 SIZES = ((1440, 900), (1280, 720), (1000, 880))

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
-from app.scene.viser_compat import SUBPROTOCOL
+from keypose.app.scene.viser_compat import SUBPROTOCOL
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.foreigner import Foreigner, foreigner
@@ -368,7 +368,7 @@ def test_there_is_one_port_and_viser_has_none(doors: Doors) -> None:
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "192.0.2.7", "::"])
 def test_an_address_that_others_reach_needs_an_explicit_word(host: str) -> None:
-    command = [sys.executable, "-m", "app", "open", "--no-browser", "--host", host]
+    command = [sys.executable, "-m", "keypose.app", "open", "--no-browser", "--host", host]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert ended.returncode == 2
     assert "ssh -L 8090:127.0.0.1:8090" in ended.stderr

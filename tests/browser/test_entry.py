@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from app.server.addresses import reachable
+from keypose.app.server.addresses import reachable
 from tests.app.server.test_links import started_with, status
 from tests.app.serving import Keypose, Visitor
 from tests.browser.foreigner import foreigner

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT
 from tests.browser.hands import (
     drag,
@@ -19,9 +22,6 @@ from tests.browser.hands import (
     until_told,
 )
 from tests.browser.shared import Desk, desk
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.storage.files import load_session
 
 FRAME = 24
 SIZE = (1440, 900)

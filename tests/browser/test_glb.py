@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from app.render.palette import SIDE_COLOURS, part_sides
+from keypose.app.render.palette import SIDE_COLOURS, part_sides
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.glb import glb
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import apply_transform, rotation_between
 from tests.browser.conftest import SCREENS
 from tests.tracker.formats import recordings
-from tracker.body.pose import part_transforms
-from tracker.formats.floor_world import floor_from_camera
-from tracker.formats.glb import glb
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import apply_transform, rotation_between
 
 SIZE = (640, 360)
 

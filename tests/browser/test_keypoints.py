@@ -11,6 +11,16 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.session import Session
+from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import (
     Spot,
@@ -23,16 +33,6 @@ from tests.browser.hands import (
     until_told,
 )
 from tests.browser.shared import let_in, opened
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.on_body import points_on_body
-from tracker.session import Session
-from tracker.session.drafted import Drafted
-from tracker.solver.body_points import BodyPoints
-from tracker.storage.files import load_session, save_session
-from tracker.storage.keypoints import save_keypoints
 
 UNSURE = JOINTS.index("right_elbow")
 SECONDS_TO_TRACK = 300

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from app.cli.main import main
-from app.export.motion_formats import FORMATS, MotionFormat
+from keypose.app.cli.main import main
+from keypose.app.export.motion_formats import FORMATS, MotionFormat
 from tests.browser.hands import section, until
 from tests.browser.shared import Desk, desk
 

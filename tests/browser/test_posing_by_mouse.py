@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.geometry.rotations import Array
 from tests.browser.hands import (
     Spot,
     between,
@@ -22,7 +23,6 @@ from tests.browser.hands import (
     until_told,
 )
 from tests.browser.shared import Desk, desk
-from tracker.geometry.rotations import Array
 
 UNDER_PX = 1.5
 DOUBLE_CLICK_MS = 350

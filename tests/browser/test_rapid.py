@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.files import load_session
 from tests.app.serving import Visitor
 from tests.browser.hands import Spot, section, settled, spot, until, until_told
 from tests.browser.shared import Desk, desk
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.storage.files import load_session
 
 MANY = 500
 UNDER_PX = 1.5

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
 from tests.browser.conftest import ROOT
 from tests.browser.hands import screen, section, until, until_counted, until_told
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session import Keyframe
-from tracker.storage.files import load_session, save_session
 
 PERSON = ROOT / "sample_videos" / "person"
 SECONDS_TO_REDUCE = 240

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
+from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.hands import section, until
 from tests.browser.shared import let_in, opened
-from tracker.storage.files import load_session
 
 EDITS = 50
 

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.storage.files import save_session
+from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import screens, section, until, until_counted, until_told
 from tests.browser.shared import let_in, opened
-from tracker.storage.files import save_session
-from tracker.storage.results import save_results
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
 

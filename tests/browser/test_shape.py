@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Page
 
-from app.scene.figure import part_mesh
+from keypose.app.scene.figure import part_mesh
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.shapes import KINDS, Capsule, Solid
 from tests.browser.hands import drag, screen, section, until, until_told
-from tracker.body.body import Body
-from tracker.body.shapes import KINDS, Capsule, Solid
 
 PART = "left_thigh"
 

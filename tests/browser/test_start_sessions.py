@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
+from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import section, until
 from tests.browser.shared import let_in, opened
-from tracker.storage.files import load_session
 
 
 @pytest.fixture

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.storage.files import load_session, open_video_of
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
-from tracker.geometry.rotations import Array
-from tracker.storage.evidence import surfaces_of
-from tracker.storage.files import load_session, open_video_of
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1440, 900)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from playwright.sync_api import Page
 
+from keypose.tracker.storage.files import open_session
 from tests.browser.hands import section, until
-from tracker.storage.files import open_session
 
 
 def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sample: Path) -> None:

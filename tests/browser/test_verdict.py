@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import Results, save_results, segment_keys
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import screens, until_counted, until_told
 from tests.browser.shared import let_in, opened
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, interpolate
-from tracker.session import Session
-from tracker.session.verdict import GOOD
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import Results, save_results, segment_keys
-from tracker.tracking.result import Diagnostics, SegmentResult
 
 WORST = {
     "right_upper_arm": (10.4, 12),

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from playwright.sync_api import Page
 
+from keypose.tracker.storage.files import load_session
 from tests.browser.hands import (
     at_rest,
     between,
@@ -22,7 +23,6 @@ from tests.browser.hands import (
     until,
     until_told,
 )
-from tracker.storage.files import load_session
 
 
 def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:

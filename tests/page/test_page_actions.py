@@ -6,7 +6,7 @@ import json
 import subprocess
 from pathlib import Path
 
-from app.editor.actions import ACTIONS
+from keypose.app.editor.actions import ACTIONS
 from tests.page.test_page_modules import SECONDS
 
 HERE = Path(__file__).parent

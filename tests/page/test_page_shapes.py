@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-import static
-from app.document.library import Library
-from app.editor.state import EditorState
-from app.jobs import SizesFitted
-from app.store.preview import SizesPreview
-from app.store.sections import Sections
-from app.store.state import AppState, FitOutcome, KnownKeypoints
+from keypose import static
+from keypose.app.document.library import Library
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import SizesFitted
+from keypose.app.store.preview import SizesPreview
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState, FitOutcome, KnownKeypoints
+from keypose.tracker.fitting.sizes import Proposal
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.pins import Pin
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors
-from tracker.fitting.sizes import Proposal
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session.drafted import Drafted
-from tracker.session.pins import Pin
 
 (SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
-from tracker.body.shapes import Box, Frustum, Mesh, Shape
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
+from keypose.tracker.body.shapes import Box, Frustum, Mesh, Shape
+from keypose.tracker.geometry.rotations import Array
 
 Kind: TypeAlias = Literal["tripod", "chain"]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array, rotation_from_euler
 from tests.rendering.arm_bodies import APEX_M, LENGTH_M, MIDDLE_M, Kind
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import Array, rotation_from_euler
 
 STEPS = 19
 P_CENTRE = np.array([0.0, 0.0, 3.8])

@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.surface.cameras.carve import carve_field, carve_seen_through
+from keypose.tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
+from keypose.tracker.surface.cameras.photo import consistency
+from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import ROOT, digest, place_for
 from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Carvings, Shot, ring_of
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.surface.cameras.carve import carve_field, carve_seen_through
-from tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
-from tracker.surface.cameras.photo import consistency
-from tracker.surface.cameras.views import View
-from tracker.surface.mesh import SurfaceMesh
 
 HullKind: TypeAlias = Literal["visual", "photo", "ideal"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from itertools import product
 
-from tracker.body.body import ALL_DOFS, Body, Part
-from tracker.body.shapes import Box
+from keypose.tracker.body.body import ALL_DOFS, Body, Part
+from keypose.tracker.body.shapes import Box
 
 
 def box_body(half_m: tuple[float, float, float] = (0.32, 0.20, 0.24)) -> Body:

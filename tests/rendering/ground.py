@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import joint_names, joint_positions, part_transforms
-from tracker.body.skeleton import Skeleton
+from keypose.tracker.body.pose import joint_names, joint_positions, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
 
 SOLES = ("left_toe", "left_heel", "right_toe", "right_heel")
 

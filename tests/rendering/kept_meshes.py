@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def keep_meshes(place: Path, meshes: Sequence[SurfaceMesh]) -> None:

@@ -14,11 +14,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from tests.rendering.bones import about_x, frame_along, hinge_angle, hinge_axis, unit, without_z
 from tests.rendering.ground import lowest_sole
 from tests.rendering.other_names import HEAD_M, JUMPING_JACKS, PIROUETTE
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 Joints = dict[str, Floats]

@@ -10,12 +10,12 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from tests.rendering.angles import Angles, bump, wave
 from tests.rendering.ground import lowest_sole
 from tests.rendering.mocap import jump, jumping_jacks, pirouette, walk, wash
 from tests.rendering.throw_poses import THROW
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
 
 __all__ = [
     "crossing", "jump", "jumping_jacks", "pirouette", "shelf", "speech", "stride", "throw",

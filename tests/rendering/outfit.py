@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
+from keypose.tracker.body.body import Body
 
 SKIN, SHIRT, TROUSERS, SHOES = (206, 160, 132), (164, 86, 74), (74, 92, 128), (84, 72, 66)
 WOOD = (186, 150, 104)

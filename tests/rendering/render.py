@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.render.shading import smooth_normal_maps
+from keypose.app.render.shading import smooth_normal_maps
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import rotation_between
+from keypose.tracker.geometry.view import ViewCamera
 from tests.rendering.outfit import part_colours
 from tests.rendering.settings import Occluder, RenderSettings
 from tests.rendering.shade import shade
 from tests.rendering.texture import VOLUME_SIDE_M, backdrop, noise_volume
-from tracker.body.pose import part_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import rotation_between
-from tracker.geometry.view import ViewCamera
 
 Floats = NDArray[np.float32]
 

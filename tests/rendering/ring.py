@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.shapes import Mesh
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, transform
+from keypose.tracker.kernels.raster import PERSPECTIVE, fill
+from keypose.tracker.surface.cameras.views import Grey, View
 from tests.rendering.shade import shade
 from tests.rendering.texture import VOLUME_SIDE_M, noise_volume
-from tracker.body.shapes import Mesh
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, transform
-from tracker.kernels.raster import PERSPECTIVE, fill
-from tracker.surface.cameras.views import Grey, View
 
 SIZE = (640, 480)
 FOCAL = 620.0

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
 from tests.rendering import motions
 from tests.rendering.bodies import box_body
 from tests.rendering.render import render
 from tests.rendering.settings import RenderSettings
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
 
 RECORDED = ("walk", "jump", "wash", "pirouette", "jumping_jacks")
 PERSON_MOTIONS = ("speech", "throw", "stride", "shelf", "crossing", *RECORDED)

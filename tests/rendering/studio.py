@@ -9,10 +9,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.placing import METRES, Placement
 from tests.rendering.ring import Shot
-from tracker.geometry.rotations import Array
-from tracker.surface.cameras.views import View
-from tracker.surface.placing import METRES, Placement
 
 
 def write_studio(

@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sample_videos.make_arms import FOLDER, MOST_BYTES
+from keypose.sample_videos.make_arms import FOLDER, MOST_BYTES
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.archive import archive_arrays
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.source import placement_of
 from tests.rendering import arms, walker
 from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, STEPS, arm_poses
 from tests.rendering.arms import made_by, observed, shots_of
 from tests.rendering.ring import ring_of
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.storage.archive import archive_arrays
-from tracker.storage.files import load_session
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.source import placement_of
 
 VOXEL_M = 0.02
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.geometry.rotations import log_rotation, transpose
 from tests.rendering.mocap import _recorded, fitted, needs_mocap
 from tests.rendering.scenes import NAMES, RECORDED, scene
-from tracker.body.pose import part_transforms
-from tracker.geometry.rotations import log_rotation, transpose
 
 FRAMES = {
     "speech": 181,

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.geometry.rotations import apply_transform
+from keypose.tracker.geometry.view import ViewCamera
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import Occluder, RenderSettings
-from tracker.body.raster import BodyMesh, raster
-from tracker.geometry.rotations import apply_transform
-from tracker.geometry.view import ViewCamera
 
 CLEAN = RenderSettings(noise=0.0)
 

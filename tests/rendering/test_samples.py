@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sample_videos import make_balance
-from sample_videos.make_samples import FOLDER, samples
-from tracker.body.pose import joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.storage.archive import archive_arrays
-from tracker.storage.files import load_session, open_video_of
+from keypose.sample_videos import make_balance
+from keypose.sample_videos.make_samples import FOLDER, samples
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.storage.archive import archive_arrays
+from keypose.tracker.storage.files import load_session, open_video_of
 
 LARGEST_BYTES = {"box": 300_000, "person": 1_000_000}
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.surface.cameras.nets import surface_of
 from tests.benchmarks.keeping import DATA
 from tests.rendering.walker import WalkKind, brought_together, walker
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.rendering.winding import united
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
 from tests.tracker.surface.test_nets import edge_counts, volume
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.surface.cameras.nets import surface_of
 
 needs_human = pytest.mark.skipif(
     not (DATA / "mesh_walk" / "meta.json").is_file(), reason="the animated human is not here"

@@ -13,17 +13,17 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import digest, place_for
 from tests.rendering.arms import HullKind, made_by, observed
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Skin, ring_of
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.rendering.winding import united
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.surface.mesh import SurfaceMesh
 
 WalkKind: TypeAlias = Literal["plain", "contact", "missing20", "noise1cm"]
 

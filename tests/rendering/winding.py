@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from tracker.geometry.rotations import Array
-from tracker.kernels import compiled
-from tracker.surface.cameras.nets import Field, surface_of
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels import compiled
+from keypose.tracker.surface.cameras.nets import Field, surface_of
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def united(vertices: Array, faces: NDArray[np.int64], voxel_m: float) -> SurfaceMesh:

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.video import Video
 from tests.tracker.video_cases import Picture, write_clip
-from tracker.video import Video
 
 WIDTH, HEIGHT, COUNT = 352, 192, 32
 SEEN = 3.0

@@ -8,13 +8,13 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import (
+from keypose.tracker.geometry.rotations import (
     exp_rotation,
     log_rotation,
     nearest_rotation,
     rotation_between,
 )
-from tracker.kernels.layout import BodyArrays, Lens, Sight
+from keypose.tracker.kernels.layout import BodyArrays, Lens, Sight
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

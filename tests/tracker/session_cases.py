@@ -11,18 +11,18 @@ from typing import Any
 import cv2
 import numpy as np
 
-from tracker.body.body import Body, Part
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box, Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, rotation_from_euler
-from tracker.session import Keyframe, Session, TrackSettings, VideoReference
-from tracker.session.verdict import GOOD, Kind, Verdict
-from tracker.storage.files import save_session
-from tracker.tracking.result import Diagnostics, SegmentResult, TrackResult
-from tracker.video import Video
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box, Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
+from keypose.tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from keypose.tracker.session.verdict import GOOD, Kind, Verdict
+from keypose.tracker.storage.files import save_session
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult, TrackResult
+from keypose.tracker.video import Video
 
 WIDTH, HEIGHT, FRAMES = 64, 48, 9
 KEYFRAMES = (0, 4, 8)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import trimesh
 
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
-from tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Mesh, Solid
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
+from keypose.tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Mesh, Solid
 
 SHAPES: dict[str, Solid] = {
     "box": Box(low_m=(-0.1, -0.05, -0.2), high_m=(0.1, 0.3, 0.1)),

@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import joint_positions, moved, pose_transforms
+from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.shapes import KINDS
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.fitting.pose import fit_pose_to_picture
+from keypose.tracker.fitting.sizes import fit_sizes
+from keypose.tracker.fitting.sizes.proportions import Proportions
 from tests.benchmarks.sequences import video_of
 from tests.rendering import scenes
 from tests.rendering.motions import stride
 from tests.rendering.render import render
 from tests.tracker.tracking_cases import SMALL, Case, MemoryVideo, tracked
-from tracker.body.body import Body, preset
-from tracker.body.pose import joint_positions, moved, pose_transforms
-from tracker.body.scaling import resized
-from tracker.body.shapes import KINDS
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.fitting.pose import fit_pose_to_picture
-from tracker.fitting.sizes import fit_sizes
-from tracker.fitting.sizes.proportions import Proportions
 
 SEGMENTS = {"stride": (30, 48), "throw": (20, 38)}
 KEYS = (8, 30, 55, 85)

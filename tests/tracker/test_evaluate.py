@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.errors import FormatError
+from keypose.tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
+from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.solver.body_points import BodyPoint
 from tests.tracker import session_cases as cases
-from tracker.body.pose import joint_names
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.errors import FormatError
-from tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
-from tracker.geometry.rotations import rotation_from_euler
-from tracker.solver.body_points import BodyPoint
 
 SKELETON, CAMERA = cases.SKELETON, cases.CAMERA
 KEYS = (0, 4, 8)

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.tracker import session_cases as cases
-from tracker.body.body import load_body
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError, FormatError, KeyposeError, SessionError, SurfaceError
-from tracker.files import (
+from keypose.tracker.body.body import load_body
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError, FormatError, KeyposeError, SessionError, SurfaceError
+from keypose.tracker.files import (
     NotRegular,
     TooLarge,
     open_own,
@@ -26,15 +25,16 @@ from tracker.files import (
     read_private,
     read_regular,
 )
-from tracker.formats.joint_names import load_names
-from tracker.formats.reading import load_motion
-from tracker.formats.reading_keypoints import load_keypoints
-from tracker.formats.reference import load_reference
-from tracker.storage.atomic import write_file
-from tracker.storage.evidence.surfaces import MOST_CAMERA_BYTES
-from tracker.storage.files import load_session
-from tracker.storage.journal import Journal, read_journal
-from tracker.surface.cameras.rig import Rig
+from keypose.tracker.formats.joint_names import load_names
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.reading_keypoints import load_keypoints
+from keypose.tracker.formats.reference import load_reference
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.evidence.surfaces import MOST_CAMERA_BYTES
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.journal import Journal, read_journal
+from keypose.tracker.surface.cameras.rig import Rig
+from tests.tracker import session_cases as cases
 
 NOT_FILES = ("pipe", "device", "socket", "folder")
 
@@ -228,7 +228,7 @@ OWN_READS = {
     "tracker/surface/files/child.py": "a number of the system's",
     "tracker/video/encode.py": "a file that was just written",
 }
-"""Where a file is read without `tracker.files`, and what it is."""
+"""Where a file is read without `keypose.tracker.files`, and what it is."""
 
 
 def reads_of(path: Path) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from tracker import kernels, warm
+from keypose.tracker import kernels, warm
 
 
 @pytest.fixture

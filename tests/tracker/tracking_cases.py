@@ -11,24 +11,24 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.cycle import Outcome, track_segment
+from keypose.tracker.tracking.method import Method
+from keypose.tracker.tracking.pool import TrackFinished, run
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
 from tests.rendering import scenes
 from tests.rendering.settings import RenderSettings
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box, Cylinder, Frustum, Shape
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, Trajectory, interpolate
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.settings import TrackSettings
-from tracker.tracking.cycle import Outcome, track_segment
-from tracker.tracking.method import Method
-from tracker.tracking.pool import TrackFinished, run
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.tracking.tracker import Tracker
-from tracker.video.pyramid import LEVELS, Clip, prepare
 
 Floats = NDArray[np.float64]
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tracker.body.body import ROTATIONS, Body, Part
-from tracker.body.shapes import Cylinder
-from tracker.errors import BodyError
+from keypose.tracker.body.body import ROTATIONS, Body, Part
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.errors import BodyError
 
 THINNER = 0.7
 """Width of a new part over that of the part it hangs on."""

@@ -22,10 +22,10 @@ from pydantic import (
     model_validator,
 )
 
-from tracker.body.shapes import Point as Point
-from tracker.body.shapes import Shape
-from tracker.errors import BodyError, one_sentence
-from tracker.files import read_regular
+from keypose.tracker.body.shapes import Point as Point
+from keypose.tracker.body.shapes import Shape
+from keypose.tracker.errors import BodyError, one_sentence
+from keypose.tracker.files import read_regular
 
 Dof: TypeAlias = Literal["tx", "ty", "tz", "rx", "ry", "rz"]
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f/\\]+$")]
@@ -147,7 +147,9 @@ def preset(name: str) -> Body:
     """One of the bodies that come with the product: see PRESETS."""
     if name not in PRESETS:
         raise BodyError(f"There is no body {name!r}; the presets are {', '.join(PRESETS)}.")
-    text = resources.files("tracker.body.presets").joinpath(f"{name}.json").read_text("utf-8")
+    text = (
+        resources.files("keypose.tracker.body.presets").joinpath(f"{name}.json").read_text("utf-8")
+    )
     return Body.model_validate(json.loads(text))
 
 

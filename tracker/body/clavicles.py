@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.body import Body, Limits, Part, Point
-from tracker.body.shapes import Box
+from keypose.tracker.body.body import Body, Limits, Part, Point
+from keypose.tracker.body.shapes import Box
 
 INNER, FORWARD = 0.15, 0.03
 """Where the inner end is, estimated: this share of the way from the middle of the chest to the

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 LOW_PERCENT = 10.0
 """Of the moments, in which the lowest point of a body may lie under a guessed floor: poses that are

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tracker.body.floor import floor_height, lowest_heights
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, frozen
 
 AHEAD_PART = (0.0, 0.0, -1.0)
 """Where a body faces at rest, in its root's frame."""

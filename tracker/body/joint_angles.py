@@ -24,8 +24,8 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.body import Body
+from keypose.tracker.geometry.rotations import Array, frozen
 
 R_ANATOMICAL_PART: Final = frozen([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
 """A part's frame to x forward, y up, z right; the same for every part at rest."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.body.body import Body
+from keypose.tracker.geometry.rotations import Array, euler_from_rotation
 
 LEAST_COS = 0.1
 """Near a right angle of y, where x and z turn about one axis, angles change no faster than this."""

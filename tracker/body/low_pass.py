@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.geometry.rotations import (
+from keypose.tracker.geometry.rotations import (
     Array,
     exp_rotation,
     nearest_rotation,

@@ -6,8 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation, frozen, nearest_rotation, transform
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import (
+    Array,
+    exp_rotation,
+    frozen,
+    nearest_rotation,
+    transform,
+)
 
 
 @dataclass(frozen=True, eq=False)

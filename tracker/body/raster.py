@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.view import ViewCamera
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class Raster:
 
 def raster(mesh: BodyMesh, Ts_camera_part: Array, view: ViewCamera) -> Raster:
     """The body as the view shows it, its parts at Ts_camera_part (P, 4, 4)."""
-    from tracker.kernels.raster import fill  # the loops load when something is drawn
+    from keypose.tracker.kernels.raster import fill  # the loops load when something is drawn
 
     nearness = np.full((view.height, view.width), -np.inf, dtype=np.float32)
     face = np.full((view.height, view.width), -1, dtype=np.int32)
@@ -82,7 +82,7 @@ def raster(mesh: BodyMesh, Ts_camera_part: Array, view: ViewCamera) -> Raster:
 
 def projection_of(view: ViewCamera) -> Array:
     """The six numbers by which the compiled code projects."""
-    from tracker.kernels.raster import PARALLEL, PERSPECTIVE
+    from keypose.tracker.kernels.raster import PARALLEL, PERSPECTIVE
 
     kind = PERSPECTIVE if view.parallel_m is None else PARALLEL
     return np.array([kind, *view.focal, *view.centre, view.parallel_m or 1.0])

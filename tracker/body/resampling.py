@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
 FARTHEST_RAD = 3.0
 """Where neighbours turn by more than this, frame by frame, together, cubics do not tell rotations:

@@ -12,10 +12,10 @@ from collections.abc import Iterable
 import numpy as np
 from pydantic import ValidationError
 
-from tracker.body.body import Body, Part, Point
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError, one_sentence
+from keypose.tracker.body.body import Body, Part, Point
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError, one_sentence
 
 
 def scaled(body: Body, factor: float) -> Body:

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ALL_DOFS, Body, Dof
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.body import ALL_DOFS, Body, Dof
+from keypose.tracker.geometry.rotations import Array, frozen
 
 TRANSLATION_SCALE_M = 0.3
 """Column scale of translations before singular values are compared with those of rotations:

@@ -12,9 +12,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.shapes import Mesh
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.shapes import Mesh
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 GOLDEN = 0.6180339887498949
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.body.pose import Pose, joint_positions, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen, rotation_between, transpose
+from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, frozen, rotation_between, transpose
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@
                                the pelvis at the origin, y up, x to the body's left
 
 World: z up on the floor, the camera above the origin and looking along +y as nearly as the floor
-allows. Tree and rest pose: `tracker.formats.smpl`.
+allows. Tree and rest pose: `keypose.tracker.formats.smpl`.
 
 No model is needed to write it. With `rest_joints`, forward kinematics gives our joints to rounding.
 With a licensed model instead, limbs have its lengths, and point beside ours by as much as its own
@@ -24,11 +24,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.recording import Recording
-from tracker.formats.smpl import JOINTS, SMPL_H_JOINTS, rest_joints, smpl_of
-from tracker.geometry.rotations import log_rotation, transform
-from tracker.storage.archive import archive_bytes
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.smpl import JOINTS, SMPL_H_JOINTS, rest_joints, smpl_of
+from keypose.tracker.geometry.rotations import log_rotation, transform
+from keypose.tracker.storage.archive import archive_bytes
 
 BETAS, DMPLS = 16, 8
 

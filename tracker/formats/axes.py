@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 FLIP = np.array([1.0, -1.0, -1.0])
 """The diagonal of F."""

@@ -1,8 +1,9 @@
 """The motion as BVH (Biovision hierarchy), which animation programs read.
 
-World of the file: that of the floor (`tracker.formats.floor_world`), y up. Bones are those of a rig
-(`tracker.formats.rigs`), at rest parallel to the world, as BVH has no other: where all rotations
-are zero the body stands in the rig's rest pose and faces +z. Bones of landmarks are left out.
+World of the file: that of the floor (`keypose.tracker.formats.floor_world`), y up. Bones are
+those of a rig (`keypose.tracker.formats.rigs`), at rest parallel to the world, as BVH has no other:
+where all rotations are zero the body stands in the rig's rest pose and faces +z. Bones of landmarks
+are left out.
 
 Lengths are in the unit that is asked for, which the file cannot name; angles are degrees. Channels:
 position, then Z, Y, X rotation for the root and for the bone that carries the body, where that is
@@ -19,14 +20,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.decimals import fixed_decimals
-from tracker.formats.euler_curves import smooth_euler
-from tracker.formats.names import single_words
-from tracker.formats.rigs import OWN
-from tracker.formats.rigs.rig import Rig
-from tracker.formats.units import PER_METRE, FileUnit
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.euler_curves import smooth_euler
+from keypose.tracker.formats.names import single_words
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.rigs.rig import Rig
+from keypose.tracker.formats.units import PER_METRE, FileUnit
+from keypose.tracker.geometry.rotations import Array
 
 DECIMALS = 6
 

@@ -1,7 +1,7 @@
 """The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
 
-Both tell where it stands in the world of the GLB (`tracker.formats.floor_world`): metres, y up, the
-floor at zero, the origin below the camera.
+Both tell where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
+y up, the floor at zero, the origin below the camera.
 
 JSON:
 
@@ -36,13 +36,13 @@ from typing import Any
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.axes import FLIP
-from tracker.formats.decimals import fixed_decimals
-from tracker.formats.floor_world import floor_from_camera
-from tracker.formats.recording import Recording
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 FORMAT, VERSION = "keypose camera", 1
 DECIMALS = 9

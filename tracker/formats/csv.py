@@ -6,7 +6,7 @@ landmark: metres in the camera frame, x right, y down, z away from the camera.
 angles: `frame`, `time_s`, then `<part>_rz_deg`, `<part>_ry_deg`, `<part>_rx_deg` for every part:
 degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Angles
 lie within ±180, that of y within ±90. For a person then `<joint>_<angle>_deg` by the clinical names
-and signs of `tracker.body.joint_angles`, such as `left_knee_flexion_deg`.
+and signs of `keypose.tracker.body.joint_angles`, such as `left_knee_flexion_deg`.
 
 frames: what is known of every frame, and how far to trust it.
 
@@ -43,15 +43,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tracker.body.joint_angles import JointAngles
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError
-from tracker.formats.decimals import fixed_decimals
-from tracker.formats.names import column_names
-from tracker.formats.recording import Recording
-from tracker.formats.verdict_words import verdict_words
-from tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.body.joint_angles import JointAngles
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.geometry.rotations import Array, euler_from_rotation
 
 DECIMALS = 6
 """A micrometre, a microdegree, a microsecond."""

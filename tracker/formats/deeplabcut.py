@@ -14,11 +14,11 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tracker.errors import FormatError, listed
-from tracker.formats.hdf5 import Group
-from tracker.formats.people import People, chosen_individual, person_numbers
-from tracker.formats.reading_csv import number
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.hdf5 import Group
+from keypose.tracker.formats.people import People, chosen_individual, person_numbers
+from keypose.tracker.formats.reading_csv import number
+from keypose.tracker.geometry.rotations import Array
 
 HEAD: Final = ("scorer", "individuals", "bodyparts", "coords")
 COORDS: Final = ("x", "y", "likelihood")

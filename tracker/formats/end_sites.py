@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.body import Part
+from keypose.tracker.body.body import Part
 
 
 def end_site(part: Part) -> tuple[float, float, float]:

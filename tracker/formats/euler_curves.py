@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.geometry.rotations import Array, euler_from_rotation
 
 LOCKED = 1e-8
 """cos y below which z and x turn about one axis, to the precision of any file."""

@@ -1,7 +1,7 @@
 """The world of files that hold a whole scene: y up, the floor at zero, metres.
 
 Its origin lies on the floor below the camera, which looks along −z as nearly as the floor allows.
-Part frames are those of files whose y points up (`tracker.formats.axes`).
+Part frames are those of files whose y points up (`keypose.tracker.formats.axes`).
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracker.body.floor import floor_height, lowest_heights
-from tracker.errors import FormatError
-from tracker.formats.axes import FLIP
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array, transform
+from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array, transform
 
 _FORWARD, _PICTURE_UP = np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])
 _STEEP = 0.02

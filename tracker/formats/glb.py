@@ -1,12 +1,11 @@
 """The motion as GLB, binary glTF 2.0: one rig with its skin, one animation, one camera.
 
-The world is the floor's (`tracker.formats.floor_world`): metres, y up, the floor at zero, the
-origin below the camera. The bones (`tracker.formats.rigs`) are nodes below the node "Armature", in
-their rest pose; the body's solids are one mesh, each vertex on one bone. One animation turns every
-bone and moves the body. Its times count from the video's first frame; between two of them
-programs turn
-each bone about one axis, the shorter way. The animation's `extras` say its rate, its frames,
-the film's timecode and, where the motion was low-pass filtered, the cut-off.
+The world is the floor's (`keypose.tracker.formats.floor_world`): metres, y up, the floor at zero,
+the origin below the camera. The bones (`keypose.tracker.formats.rigs`) are nodes below the node
+"Armature", in their rest pose; the body's solids are one mesh, each vertex on one bone. One
+animation turns every bone and moves the body. Its times count from the video's first frame; between
+two of them programs turn each bone about one axis, the shorter way. The animation's `extras` say
+its rate, its frames, the film's timecode and, where the motion was low-pass filtered, the cut-off.
 
 The film's camera is the node "camera". glTF knows the angle it sees, but no principal point beside
 the middle and no distortion: the exact numbers are in the camera's `extras`. A telephoto lens is an
@@ -24,19 +23,19 @@ from typing import Any
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.axes import FLIP
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.glb_file import Numbers
-from tracker.formats.glb_skin import bind_matrices, primitives
-from tracker.formats.looks import ROUGHNESS, linear
-from tracker.formats.quaternion_curves import smooth_quaternions_xyzw
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN
-from tracker.formats.rigs.rig import Rig, rig_of
-from tracker.formats.rigs.table import table_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, quaternion_wxyz
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.glb_file import Numbers
+from keypose.tracker.formats.glb_skin import bind_matrices, primitives
+from keypose.tracker.formats.looks import ROUGHNESS, linear
+from keypose.tracker.formats.quaternion_curves import smooth_quaternions_xyzw
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.formats.rigs.table import table_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
 
 NEAR_M, FAR_M = 0.01, 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""

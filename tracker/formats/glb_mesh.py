@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.shapes import Shape
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.shapes import Shape
+from keypose.tracker.geometry.rotations import Array
 
 CREASE_COS = np.cos(np.deg2rad(40.0))
 """Faces that meet at a larger angle meet in an edge; those of a round side meet at 15 degrees."""

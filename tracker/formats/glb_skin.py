@@ -1,4 +1,4 @@
-"""The skin of a rig (`tracker.formats.rigs.skin`) in the numbers of a GLB file."""
+"""The skin of a rig (`keypose.tracker.formats.rigs.skin`) in the numbers of a GLB file."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.formats.glb_file import Numbers
-from tracker.formats.rigs.rig import Rig
-from tracker.formats.rigs.skin import Skin
+from keypose.tracker.body.body import Body
+from keypose.tracker.formats.glb_file import Numbers
+from keypose.tracker.formats.rigs.rig import Rig
+from keypose.tracker.formats.rigs.skin import Skin
 
 
 def bind_matrices(rig: Rig) -> NDArray[np.float32]:

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import FormatError
+from keypose.tracker.errors import FormatError
 
 MAGIC: Final = b"\x89HDF\r\n\x1a\n"
 MOST_VALUES: Final = 60_000_000

@@ -1,6 +1,6 @@
 """The child process that reads a stranger's HDF5 file, within limits of memory and time.
 
-    python -m tracker.formats.hdf5_child NAME [INDIVIDUAL]
+    python -m keypose.tracker.formats.hdf5_child NAME [INDIVIDUAL]
 
 A damaged file can keep the HDF5 library going for ever, or crash it. The file comes on standard
 input; people or a sentence that says why there are none go to standard output, as JSON.
@@ -16,10 +16,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from tracker.errors import FormatError
-from tracker.formats import deeplabcut, hdf5, sleap
-from tracker.formats.people import People
-from tracker.surface.files.child import limit_memory, limit_time
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats import deeplabcut, hdf5, sleap
+from keypose.tracker.formats.people import People
+from keypose.tracker.surface.files.child import limit_memory, limit_time
 
 MEMORY_BYTES: Final = 4 * 2**30
 """Of the child, beyond what it starts with."""
@@ -34,7 +34,7 @@ def people_of_hdf5(file: str, content: bytes, individual: str | None) -> People:
             f"{file} is HDF5, which needs h5py: pip install 'keypose[h5]', or export it as CSV."
         )
     paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    command = [sys.executable, "-P", "-m", "tracker.formats.hdf5_child", file]
+    command = [sys.executable, "-P", "-m", "keypose.tracker.formats.hdf5_child", file]
     try:
         done = subprocess.run(
             command if individual is None else [*command, individual],

@@ -7,8 +7,8 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.errors import FormatError
+from keypose.tracker.geometry.rotations import Array, frozen
 
 MOST_FRAMES: Final = 1_000_000
 MOST_JOINTS: Final = 2_000

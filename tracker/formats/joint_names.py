@@ -18,14 +18,14 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.body.body import Body, Point
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError, listed
-from tracker.files import TooLarge, read_regular
-from tracker.formats.end_sites import end_site
-from tracker.formats.marker_names import places_of
-from tracker.keypoints.layouts import snake
-from tracker.solver.body_points import BodyPoint
+from keypose.tracker.body.body import Body, Point
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.keypoints.layouts import snake
+from keypose.tracker.solver.body_points import BodyPoint
 
 LARGEST_NAMES_BYTES = 2**20
 MOST_LISTED = 24

@@ -24,12 +24,12 @@ from typing import Any, Final
 
 from pydantic_core import from_json
 
-from tracker.errors import FormatError
-from tracker.files import TooLarge, read_regular
-from tracker.formats import deeplabcut, sleap
-from tracker.formats.hdf5_child import people_of_hdf5
-from tracker.formats.people import People
-from tracker.formats.reading_csv import rows_of
+from keypose.tracker.errors import FormatError
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats import deeplabcut, sleap
+from keypose.tracker.formats.hdf5_child import people_of_hdf5
+from keypose.tracker.formats.people import People
+from keypose.tracker.formats.reading_csv import rows_of
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
 LARGEST_PERSON_BYTES: Final = 16 * 2**20

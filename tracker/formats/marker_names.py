@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.solver.body_points import BodyPoint
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.solver.body_points import BodyPoint
 
 _LIMBS = {
     "Shoulder": "upper_arm",

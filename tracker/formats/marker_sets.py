@@ -1,12 +1,12 @@
 """Which markers files of markers (TRC, C3D) have, by the name of the set.
 
 keypose:  every joint and landmark of the body, under its own name; x right, y up, z toward
-          the camera, as in `tracker.formats.axes`, or, for a model, on the ground.
+          the camera, as in `keypose.tracker.formats.axes`, or, for a model, on the ground.
 halpe26:  the markers of HALPE_26 by the names of Pose2Sim (Pagnon et al. 2021) and its marker file
           for full-body models after Rajagopal et al. (2016), eyes and ears left out as there; on
           the ground.
 
-On the ground x is ahead, y up and z right, as `tracker.body.ground` says.
+On the ground x is ahead, y up and z right, as `keypose.tracker.body.ground` says.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.body import Body, Point
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.axes import flipped
-from tracker.formats.names import column_names
-from tracker.formats.recording import MarkerSetName, Recording
-from tracker.geometry.rotations import Array
-from tracker.keypoints.on_body import points_on_body
-from tracker.solver.body_points import BodyPoints
+from keypose.tracker.body.body import Body, Point
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.recording import MarkerSetName, Recording
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.solver.body_points import BodyPoints
 
 _HALPE_26: Final[Mapping[str, str]] = {
     "Nose": "nose",

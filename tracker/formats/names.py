@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
 
 
 def column_names(skeleton: Skeleton) -> tuple[str, ...]:

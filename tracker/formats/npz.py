@@ -47,13 +47,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.formats.euler_curves import smooth_euler
-from tracker.formats.names import column_names
-from tracker.formats.recording import Recording
-from tracker.formats.verdict_words import verdict_words
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.storage.archive import archive_bytes
+from keypose.tracker.formats.euler_curves import smooth_euler
+from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.archive import archive_bytes
 
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tracker.errors import FormatError, listed
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.geometry.rotations import Array
 
 MOST_NUMBERS = 10_000_000
 """Keypoints over all frames and individuals of a table."""

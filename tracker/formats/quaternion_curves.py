@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, quaternion_wxyz
+from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
 
 
 def smooth_quaternions_xyzw(rotations: Array) -> NDArray[np.float32]:

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion, Unit, require_size
-from tracker.formats.smpl import JOINTS, joints_of, rest_joints, smpl_of
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion, Unit, require_size
+from keypose.tracker.formats.smpl import JOINTS, joints_of, rest_joints, smpl_of
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 RATES = ("mocap_framerate", "mocap_frame_rate")
 """What older and newer files call frames a second."""

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import MOST_JOINTS, JointMotion, require_size
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import MOST_JOINTS, JointMotion, require_size
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 LONGEST_HIERARCHY = 4_000_000
 LONGEST_NAME = 5_000

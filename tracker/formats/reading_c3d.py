@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion, Unit, World, require_size
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion, Unit, World, require_size
 
 _UNITS: dict[str, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}
 _MAGIC = 0x50

@@ -1,7 +1,7 @@
 """A camera that stands still, as another program or this one wrote it: JSON, .chan, glTF.
 
-JSON and .chan as `tracker.formats.camera_files` has them, glTF by its only camera. Their world has
-y up. A camera that moves is refused: this program's stands still.
+JSON and .chan as `keypose.tracker.formats.camera_files` has them, glTF by its only camera. Their
+world has y up. A camera that moves is refused: this program's stands still.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from typing import Annotated, Any, Final, Literal, TypeAlias
 import numpy as np
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
-from tracker.errors import FormatError, one_sentence
-from tracker.files import TooLarge, read_regular
-from tracker.formats.axes import FLIP
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
-from tracker.surface.files.parsing.channels import channels_of
-from tracker.surface.files.parsing.glb import Glb
-from tracker.surface.files.parsing.nodes import Nodes
-from tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.errors import FormatError, one_sentence
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
+from keypose.tracker.surface.files.parsing.channels import channels_of
+from keypose.tracker.surface.files.parsing.glb import Glb
+from keypose.tracker.surface.files.parsing.nodes import Nodes
+from keypose.tracker.surface.files.parsing.raw import Refused
 
 LARGEST_BYTES: Final = 96 * 2**20
 STILL_M, STILL_RAD = 1e-3, math.radians(0.01)

@@ -14,8 +14,8 @@ import re
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, require_size
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, require_size
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
 _TIMES = ("time_s", "time", "t")

@@ -1,9 +1,9 @@
 """2D keypoints in: COCO, AlphaPose, MediaPipe, SLEAP and DeepLabCut files, or OpenPose's folder.
 
 What each kind of file looks like is in `keypoint_files`, the orders of keypoints in
-`tracker.keypoints.layouts`. Names in the file count; without them the number of keypoints says
-which layout it is; where several have that number, the limbs do. Of several people in a frame the
-most confident counts. Pixels have their centres at integers; shares of the picture's size, as
+`keypose.tracker.keypoints.layouts`. Names in the file count; without them the number of keypoints
+says which layout it is; where several have that number, the limbs do. Of several people in a frame
+the most confident counts. Pixels have their centres at integers; shares of the picture's size, as
 MediaPipe writes them, become pixels where the file says how large the picture is.
 """
 
@@ -16,13 +16,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from tracker.errors import FormatError, listed
-from tracker.formats.keypoint_files import read_people
-from tracker.formats.people import People
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
-from tracker.keypoints.telling_layout import told_layout
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.formats.people import People
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
+from keypose.tracker.keypoints.telling_layout import told_layout
 
 FARTHEST_PX: Final = 1e6
 NORMALIZED: Final = 2.0

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion
-from tracker.formats.reading_amass import read_amass
-from tracker.formats.reading_recovered import is_recovered, read_recovered
-from tracker.formats.torch_archive import torch_arrays
-from tracker.storage.archive import archive_arrays
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.reading_amass import read_amass
+from keypose.tracker.formats.reading_recovered import is_recovered, read_recovered
+from keypose.tracker.formats.torch_archive import torch_arrays
+from keypose.tracker.storage.archive import archive_arrays
 
 
 def read_smpl(file: str, content: bytes) -> JointMotion:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion, Unit, require_size
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion, Unit, require_size
+from keypose.tracker.geometry.rotations import Array
 
 _UNITS: dict[str, Unit] = {"m": "m", "meters": "m", "metres": "m", "cm": "cm", "mm": "mm"}
 

@@ -10,27 +10,27 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.ground import Ground, ground_of
-from tracker.body.joint_angles import JointAngles, joint_angles, joints_of
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
-from tracker.session.notes import Note
-from tracker.session.pins import Pin, sole_of
-from tracker.session.schema import Session
-from tracker.session.verdict import Verdict
-from tracker.storage.tracks import Tracks
-from tracker.tracking.space.contacts import proposed_pins
-from tracker.tracking.space.gait import Gait, gait_of
+from keypose.tracker.body.ground import Ground, ground_of
+from keypose.tracker.body.joint_angles import JointAngles, joint_angles, joints_of
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.session.notes import Note
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.storage.tracks import Tracks
+from keypose.tracker.tracking.space.contacts import proposed_pins
+from keypose.tracker.tracking.space.gait import Gait, gait_of
 
 if TYPE_CHECKING:
-    from tracker.video.timecode import Timecode
+    from keypose.tracker.video.timecode import Timecode
 
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)
-"""What markers files of markers have, as `tracker.formats.marker_sets` says."""
+"""What markers files of markers have, as `keypose.tracker.formats.marker_sets` says."""
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Up where no other direction is known: the camera's own."""
@@ -55,7 +55,8 @@ class RecordedSegment:
 class Recording:
     """N consecutive frames. Where one is not tracked, its pose is NaN and it is in no segment.
 
-    They are the video's frames, or poses at a rate of their own (`tracker.formats.sampling`), frame
+    They are the video's frames, or poses at a rate of their own
+    (`keypose.tracker.formats.sampling`), frame
     n then n / rate seconds after the video's first frame. Segments and open ends have the video's
     numbers in both cases.
 

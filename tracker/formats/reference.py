@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError, one_sentence
-from tracker.evaluate import JointReference
-from tracker.files import TooLarge, read_regular
-from tracker.formats.marker_names import places_of
-from tracker.geometry.rotations import Array, transpose
-from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError, one_sentence
+from keypose.tracker.evaluate import JointReference
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays
 
 LARGEST_MARKS_BYTES = 256 * 2**20
 

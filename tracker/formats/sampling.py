@@ -13,18 +13,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.low_pass import (
+from keypose.tracker.body.low_pass import (
     filtered_positions,
     filtered_rotations,
     least_frames,
     low_pass_kernel,
 )
-from tracker.body.resampling import resampled
-from tracker.errors import FormatError
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array, frozen, log_rotation, transpose
-from tracker.storage.tracks import Tracks
-from tracker.tracking.result import COLUMNS, Diagnostics
+from keypose.tracker.body.resampling import resampled
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array, frozen, log_rotation, transpose
+from keypose.tracker.storage.tracks import Tracks
+from keypose.tracker.tracking.result import COLUMNS, Diagnostics
 
 SLACK = 1e-3
 """Of a frame, that a pose may lie beyond an end: times are rounded."""

@@ -14,11 +14,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import FormatError
-from tracker.formats.hdf5 import Group
-from tracker.formats.people import People, chosen_individual, person_numbers
-from tracker.formats.reading_csv import number
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.hdf5 import Group
+from keypose.tracker.formats.people import People, chosen_individual, person_numbers
+from keypose.tracker.formats.reading_csv import number
+from keypose.tracker.geometry.rotations import Array
 
 AXES: Final = ("track", "xy", "node", "frame")
 """Of `tracks`, where the file does not say otherwise."""

@@ -1,8 +1,8 @@
 """The joints of SMPL's body, and a body of ours as its kinematic tree.
 
 Names and parents of the joints are public; where they rest is taken from our own body, which is
-laid into the T of the rig `smpl` (`tracker.formats.rigs`). The model itself, its surface and its
-own rest joints, is licensed apart and not needed.
+laid into the T of the rig `smpl` (`keypose.tracker.formats.rigs`). The model itself, its surface
+and its own rest joints, is licensed apart and not needed.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError, listed
-from tracker.formats.rigs.rig import Rig, rig_of
-from tracker.formats.rigs.table import table_of
-from tracker.geometry.rotations import Array, transform
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.formats.rigs.table import table_of
+from keypose.tracker.geometry.rotations import Array, transform
 
 RIG: Final = "smpl"
 

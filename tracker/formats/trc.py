@@ -1,21 +1,21 @@
 """The motion as TRC, the table of markers that OpenSim and motion capture programs read.
 
-Markers and axes are those of the recording's markers (`tracker.formats.marker_sets`): joints and
-landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on the ground.
-Millimetres, as `Units` says. Columns are parted by tabs. Frames that are not tracked have no
-positions, and a tab ends every row, without which OpenSim would miss a last marker left empty.
-`Time` counts in seconds from the video's first frame
-and `Frame#` from 0; the rates in the header are the mean where times are uneven.
+Markers and axes are those of the recording's markers (`keypose.tracker.formats.marker_sets`):
+joints and landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on
+the ground. Millimetres, as `Units` says. Columns are parted by tabs. Frames that are not tracked
+have no positions, and a tab ends every row, without which OpenSim would miss a last marker left
+empty. `Time` counts in seconds from the video's first frame and `Frame#` from 0; the rates in the
+header are the mean where times are uneven.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tracker.formats.decimals import fixed_decimals
-from tracker.formats.marker_sets import marked
-from tracker.formats.names import single_words
-from tracker.formats.recording import Recording
+from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.marker_sets import marked
+from keypose.tracker.formats.names import single_words
+from keypose.tracker.formats.recording import Recording
 
 MM_PER_M = 1000.0
 DECIMALS = 4

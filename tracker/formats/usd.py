@@ -2,12 +2,13 @@
 
 That is an extra: who imports this module has it installed.
 
-A stage in metres, y up, in the world of the floor (`tracker.formats.floor_world`). A time code is a
-frame of the video, `timeCodesPerSecond` its rate; between two of them programs turn each bone about
-one axis, the shorter way. The default prim, called as the body, holds
+A stage in metres, y up, in the world of the floor (`keypose.tracker.formats.floor_world`). A time
+code is a frame of the video, `timeCodesPerSecond` its rate; between two of them programs turn each
+bone about one axis, the shorter way. The default prim, called as the body, holds
 
-    Skeleton   a UsdSkel skeleton of the rig's bones (`tracker.formats.rigs`) in its rest pose
-    Motion     a UsdSkel animation: all bones' rotations, and the place of the one that moves the
+    Skeleton   a UsdSkel skeleton of the rig's bones (`keypose.tracker.formats.rigs`) in its rest
+    pose Motion     a UsdSkel animation: all bones' rotations, and the place of the one that moves
+    the
                body
     Skin       the body's solids as one mesh, each vertex on one bone, a subset of faces for every
                material
@@ -29,17 +30,17 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
-from tracker.formats.axes import FLIP
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.looks import ROUGHNESS, linear
-from tracker.formats.names import single_words
-from tracker.formats.quaternion_curves import smooth_quaternions_xyzw
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN
-from tracker.formats.rigs.rig import Rig, rig_of
-from tracker.formats.rigs.skin import Skin
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.looks import ROUGHNESS, linear
+from keypose.tracker.formats.names import single_words
+from keypose.tracker.formats.quaternion_curves import smooth_quaternions_xyzw
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.formats.rigs.skin import Skin
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 TENTHS = 10.0
 """USD measures lens and film back in tenths of the scene's unit."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from tracker.errors import spoken
-from tracker.session.verdict import Cause, Verdict
+from keypose.tracker.errors import spoken
+from keypose.tracker.session.verdict import Cause, Verdict
 
 _REASONS: Final[Mapping[Cause, str]] = {
     "uncertain": "{part} uncertain",

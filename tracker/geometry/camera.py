@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from tracker.errors import CameraError
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.rotations import Array
 
 PixelSize: TypeAlias = Annotated[int, Field(ge=2, le=65536)]
 Focal: TypeAlias = Annotated[FiniteFloat, Field(ge=1, le=1e7)]

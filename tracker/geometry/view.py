@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen, transform
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen, transform
 
 NEAR_M = 0.05
 """Nothing nearer to a camera than this is drawn."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 MOST_CELLS = 400_000
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.rigid import compose, product
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.rigid import compose, product
 
 
 @compiled

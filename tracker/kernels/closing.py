@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.rigid import (
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.rigid import (
     cleaned,
     compose,
     exponential,

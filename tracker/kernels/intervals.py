@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.rigid import exponential, logarithm, product, turned_back
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.rigid import exponential, logarithm, product, turned_back
 
 NEAREST_M = 1e-6
 """Points nearer to the camera are not seen."""

@@ -18,7 +18,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 Grey: TypeAlias = NDArray[np.int16]
 Found: TypeAlias = tuple[int, int, int, int]

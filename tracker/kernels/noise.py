@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 BINS = 257
 FAR, LOST = 255, 256

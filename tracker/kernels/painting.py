@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.chain import (
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.chain import (
     camera_twists,
     inverse_diagonal,
     move,
@@ -20,11 +20,18 @@ from tracker.kernels.chain import (
     solve_positive,
     sum_subtrees,
 )
-from tracker.kernels.layout import Lens
-from tracker.kernels.noise import BINS, capped_square, robust_sigma
-from tracker.kernels.rigid import cleaned, product, turned_back
-from tracker.kernels.seeing import pick, room, see
-from tracker.kernels.sums import BLOCK, HUBER, HUBER_WIDTH, count_landed, sum_points, sum_residuals
+from keypose.tracker.kernels.layout import Lens
+from keypose.tracker.kernels.noise import BINS, capped_square, robust_sigma
+from keypose.tracker.kernels.rigid import cleaned, product, turned_back
+from keypose.tracker.kernels.seeing import pick, room, see
+from keypose.tracker.kernels.sums import (
+    BLOCK,
+    HUBER,
+    HUBER_WIDTH,
+    count_landed,
+    sum_points,
+    sum_residuals,
+)
 
 FIRST_WIDTH = 20.0
 """Huber width of the first solve, grey levels: before the residuals' own noise is known."""

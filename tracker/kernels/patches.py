@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 
 @compiled

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
+from keypose.tracker.kernels import compiled
 
 f4 = np.float32
 # Unsigned indices: signed ones are checked for counting from the end.

@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.kernels import compiled
-from tracker.kernels.chain import solve_positive
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.chain import solve_positive
 
 Array: TypeAlias = NDArray[np.float64]
 Picture: TypeAlias = NDArray[np.float32]

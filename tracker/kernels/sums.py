@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.noise import FAR, LOST
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.noise import FAR, LOST
 
 f4 = np.float32
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)

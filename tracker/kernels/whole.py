@@ -10,12 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.kernels import compiled
-from tracker.kernels.chain import camera_twists, move, normal_equations, place_parts, sum_subtrees
-from tracker.kernels.noise import BINS, robust_sigma
-from tracker.kernels.rigid import logarithm, turned_back
-from tracker.kernels.seeing import room, see
-from tracker.kernels.sums import BLOCK, TUKEY, TUKEY_WIDTH, sum_points
+from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.chain import (
+    camera_twists,
+    move,
+    normal_equations,
+    place_parts,
+    sum_subtrees,
+)
+from keypose.tracker.kernels.noise import BINS, robust_sigma
+from keypose.tracker.kernels.rigid import logarithm, turned_back
+from keypose.tracker.kernels.seeing import room, see
+from keypose.tracker.kernels.sums import BLOCK, TUKEY, TUKEY_WIDTH, sum_points
 
 
 @compiled

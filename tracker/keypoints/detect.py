@@ -17,14 +17,14 @@ from typing import Final, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError, listed
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.network import NAMES, Seen
-from tracker.keypoints.region import Box, Region
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError, listed
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.network import NAMES, Seen
+from keypose.tracker.keypoints.region import Box, Region
 
 LEAST_PRESENCE: Final = 0.5
 LOOKS_AT_SEED: Final = 3

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 if TYPE_CHECKING:
-    from tracker.session.corrections import KeypointCorrection
+    from keypose.tracker.session.corrections import KeypointCorrection
 
 JOINTS: Final = tuple(
     f"{side}_{joint}"

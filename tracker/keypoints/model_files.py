@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from tracker.errors import KeypointError
-from tracker.files import read_regular
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.files import read_regular
 
 LARGEST_BYTES: Final = 64 * 2**20
 

@@ -19,10 +19,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import KeypointError
-from tracker.geometry.rotations import Array
-from tracker.keypoints.model_files import FULL, Model, verified
-from tracker.keypoints.region import Region
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.model_files import FULL, Model, verified
+from keypose.tracker.keypoints.region import Region
 
 _SIDES = ("left", "right")
 NAMES: Final = (

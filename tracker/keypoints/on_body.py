@@ -8,9 +8,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body, Point
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.body.body import Body, Point
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
 
 FEWEST: Final = 4
 """Joints with which a body, or what is seen of it, can be compared with keypoints."""

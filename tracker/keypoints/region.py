@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 MARGIN: Final = 1.25
 """Side of the square over the diameter of the circle around the body, as it was trained."""

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.layouts import LAYOUTS
 
 CLEARLY: Final = 0.75
 """The best order's implausibility is below this share of the next one's. A person with all joints

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Part
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.kernels.intervals import interval_costs, interval_misses, reached_from
-from tracker.kernels.layout import ComparedBody, DenseMotion, IntervalWork, Lens, Limits
-from tracker.reduction.result import Tolerance
+from keypose.tracker.body.body import Part
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.intervals import interval_costs, interval_misses, reached_from
+from keypose.tracker.kernels.layout import ComparedBody, DenseMotion, IntervalWork, Lens, Limits
+from keypose.tracker.reduction.result import Tolerance
 
 Frames = NDArray[np.int64]
 

@@ -15,8 +15,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.reduction.compare import Comparison, Frames
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.reduction.compare import Comparison, Frames
 
 AT_A_TIME = 256
 """Frames compared between two looks at whether the work was cancelled."""

@@ -8,14 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import ReductionError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import frozen
-from tracker.reduction.compare import Comparison
-from tracker.reduction.fewest import fewest_frames
-from tracker.reduction.result import Reduction, Tolerance
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import ReductionError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import frozen
+from keypose.tracker.reduction.compare import Comparison
+from keypose.tracker.reduction.fewest import fewest_frames
+from keypose.tracker.reduction.result import Reduction, Tolerance
 
 
 def reduce_motion(

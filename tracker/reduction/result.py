@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.trajectory import Trajectory
-from tracker.errors import ReductionError
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import ReductionError
+from keypose.tracker.geometry.rotations import Array
 
 LEAST_M, LEAST_PX = 1e-4, 0.01
 """The smallest tolerances: below, rounding of a file's numbers would ask for every frame."""

@@ -7,8 +7,8 @@ from typing import Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from tracker.body.body import Body, Name
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.body.body import Body, Name
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 Direction: TypeAlias = Literal["forward", "backward"]
 StopCause: TypeAlias = Literal[

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from tracker.session.settings import FrameIndex, Pixel, Plain
+from keypose.tracker.session.settings import FrameIndex, Pixel, Plain
 
 
 class KeypointCorrection(Plain):

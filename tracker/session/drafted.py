@@ -6,8 +6,8 @@ from typing import Final, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from tracker.body.body import Name
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.body.body import Name
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "person"]
 """Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Self, TypeAli
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, frozen
 
 if TYPE_CHECKING:
-    from tracker.session.schema import Keyframe, Session, Surface, VideoReference
+    from keypose.tracker.session.schema import Keyframe, Session, Surface, VideoReference
 
 T = TypeVar("T")
 Frames: TypeAlias = Collection[int]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from tracker.session.schema import Session
+from keypose.tracker.session.schema import Session
 
 MOST_STEPS = 1000
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 LONGEST = 500
 """Characters of a note."""

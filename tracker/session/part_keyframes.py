@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tracker.session.schema import Session
+    from keypose.tracker.session.schema import Session
 
 
 def require_part_keyframes(session: Session) -> None:

@@ -8,8 +8,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from tracker.body.body import Body, Name, Part, Point
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.body.body import Body, Name, Part, Point
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 
 class Pin(Plain):

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat
 
-from tracker.session.pins import Pin
-from tracker.session.settings import (
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.settings import (
     FrameIndex,
     Initial,
     MethodName,
@@ -17,7 +17,7 @@ from tracker.session.settings import (
     TrackSettings,
     is_unknown,
 )
-from tracker.session.verdict import Verdict
+from keypose.tracker.session.verdict import Verdict
 
 
 class SegmentSummary(Plain):

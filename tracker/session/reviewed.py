@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from tracker.body.body import Name
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.body.body import Name
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 Answer: TypeAlias = Literal["accepted", "unclear"]
 

@@ -21,21 +21,21 @@ from pydantic import (
     model_validator,
 )
 
-from tracker.body.body import Body, Name
-from tracker.body.pose import Pose, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
-from tracker.session.ahead import Ahead, require_ahead
-from tracker.session.corrections import KeypointCorrection, require_corrections
-from tracker.session.drafted import Drafted
-from tracker.session.evidence import Evidence, evidence_of
-from tracker.session.notes import NoteList, require_notes
-from tracker.session.part_keyframes import require_part_keyframes
-from tracker.session.pins import PinList, require_pins
-from tracker.session.results import Results
-from tracker.session.reviewed import ReviewedList
-from tracker.session.settings import (
+from keypose.tracker.body.body import Body, Name
+from keypose.tracker.body.pose import Pose, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
+from keypose.tracker.session.ahead import Ahead, require_ahead
+from keypose.tracker.session.corrections import KeypointCorrection, require_corrections
+from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.evidence import Evidence, evidence_of
+from keypose.tracker.session.notes import NoteList, require_notes
+from keypose.tracker.session.part_keyframes import require_part_keyframes
+from keypose.tracker.session.pins import PinList, require_pins
+from keypose.tracker.session.results import Results
+from keypose.tracker.session.reviewed import ReviewedList
+from keypose.tracker.session.settings import (
     FrameIndex,
     IgnoreMask,
     Plain,
@@ -45,7 +45,7 @@ from tracker.session.settings import (
     Weights,
     is_unknown,
 )
-from tracker.session.versions import PRESENT
+from keypose.tracker.session.versions import PRESENT
 
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]

@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from tracker.session.settings import FrameIndex, Plain
+from keypose.tracker.session.settings import FrameIndex, Plain
 
 Kind: TypeAlias = Literal["good", "check", "lost"]
 Cause: TypeAlias = Literal[

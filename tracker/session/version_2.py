@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from tracker.session.verdict import GOOD, Cause, Kind, Verdict
+from keypose.tracker.session.verdict import GOOD, Cause, Kind, Verdict
 
 _CHECK = re.compile(r"check frames? ([0-9]{1,9})(?:–([0-9]{1,9}))?: (.+)")
 _NOT_FOLLOWED = re.compile(r"lost: add a keyframe near ([0-9]{1,9})")

@@ -10,8 +10,8 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
-from tracker.errors import SessionError
-from tracker.session.version_2 import migrate_to_3
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.version_2 import migrate_to_3
 
 PRESENT: Final = 3
 

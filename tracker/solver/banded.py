@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.chain import solve_banded
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.chain import solve_banded
 
 
 def banded_step(banded: Array, gradient: Array, damping: float) -> Array | None:

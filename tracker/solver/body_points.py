@@ -9,10 +9,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Point
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.posed import Posed
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Point
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.posed import Posed
 
 BodyPoint: TypeAlias = tuple[tuple[int, Point], ...]
 """A place on a body: the middle of points, each a part's index and metres in that part's frame."""

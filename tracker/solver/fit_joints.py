@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen, nearest_rotation
-from tracker.solver.body_points import BodyPoints, free_skeleton
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import (
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen, nearest_rotation
+from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import (
     JointLimits,
     PointsInPicture,
     PointsInSpace,
@@ -33,8 +33,8 @@ from tracker.solver.terms import (
 )
 
 if TYPE_CHECKING:
-    from tracker.body.skeleton import Skeleton
-    from tracker.solver.body_points import BodyPoint
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.solver.body_points import BodyPoint
 
 JOINT_SIGMA_M = 0.005
 PIXEL_SIGMA = 2.0

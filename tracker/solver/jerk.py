@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.solver.banded import with_blocks
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.posed import Posed
-from tracker.solver.smoothness import INNER
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.banded import with_blocks
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.smoothness import INNER
 
 THIRD = (-1, 3, -3, 1)
 """Third differences: they leave free flight and steady pushes alone."""

@@ -13,7 +13,7 @@ from typing import Generic, Literal, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 End: TypeAlias = Literal["settled", "no gain", "steps", "cancelled", "unsolvable"]
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.least_squares import Problem, damped_step
-from tracker.solver.posed import Posed
-from tracker.solver.terms import Equations, Term, total_equations
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.least_squares import Problem, damped_step
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.terms import Equations, Term, total_equations
 
 
 @dataclass(frozen=True, eq=False)

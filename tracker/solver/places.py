@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.posed import Posed
-from tracker.solver.robust import Kernel
-from tracker.solver.stretch_poses import SharedEquations
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Kernel
+from keypose.tracker.solver.stretch_poses import SharedEquations
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, part_transforms, twists
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, log_rotation, transpose
+from keypose.tracker.body.pose import Pose, part_transforms, twists
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Posed:
 
     @cached_property
     def twists(self) -> Array:
-        """(..., D, 6) of the degrees of freedom, as `tracker.body.pose.twists`."""
+        """(..., D, 6) of the degrees of freedom, as `keypose.tracker.body.pose.twists`."""
         return twists(self.skeleton, self.Ts_camera_part)
 
     def points(self, parts: NDArray[np.int64], points: Array) -> Array:

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 
 class Kernel(Protocol):

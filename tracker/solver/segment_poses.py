@@ -8,16 +8,16 @@ from functools import cached_property
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.kernels.layout import BodyArrays
-from tracker.kernels.whole import move_inner
-from tracker.solver.banded import added, banded_step, with_frames
-from tracker.solver.least_squares import Problem
-from tracker.solver.posed import Posed
-from tracker.solver.smoothness import INNER, Link
-from tracker.solver.terms import Term, total_cost, total_equations
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.layout import BodyArrays
+from keypose.tracker.kernels.whole import move_inner
+from keypose.tracker.solver.banded import added, banded_step, with_frames
+from keypose.tracker.solver.least_squares import Problem
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.smoothness import INNER, Link
+from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,12 +7,12 @@ from typing import Protocol
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, log_rotation, transpose
-from tracker.solver.banded import banded_diagonals
-from tracker.solver.posed import by_dof
-from tracker.solver.robust import Kernel
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
+from keypose.tracker.solver.banded import banded_diagonals
+from keypose.tracker.solver.posed import by_dof
+from keypose.tracker.solver.robust import Kernel
 
 INNER = slice(1, -1)
 """The poses between two that do not move."""

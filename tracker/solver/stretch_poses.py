@@ -14,14 +14,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, exp_rotation, nearest_rotation
-from tracker.solver.banded import added, bordered_step, with_frames
-from tracker.solver.least_squares import Problem
-from tracker.solver.posed import Posed
-from tracker.solver.smoothness import Link
-from tracker.solver.terms import Term, total_cost, total_equations
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, exp_rotation, nearest_rotation
+from keypose.tracker.solver.banded import added, bordered_step, with_frames
+from keypose.tracker.solver.least_squares import Problem
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.smoothness import Link
+from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 EVERY = slice(None)
 
@@ -132,7 +132,7 @@ class StretchPoint:
 
 
 def moved_poses(skeleton: Skeleton, motion: Trajectory, steps: Array) -> Trajectory:
-    """Every pose moved by its row of steps (N, D), as `tracker.body.pose.moved`."""
+    """Every pose moved by its row of steps (N, D), as `keypose.tracker.body.pose.moved`."""
     turns, shifts = (np.flatnonzero(skeleton.dof_turns == kind) for kind in (1, 0))
     turn, shift = np.zeros((len(motion), skeleton.part_count, 3)), np.zeros((len(motion), 3))
     turn[:, skeleton.dof_part[turns], skeleton.dof_axis[turns]] = steps[:, turns]

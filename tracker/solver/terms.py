@@ -20,13 +20,13 @@ from typing import Protocol
 
 import numpy as np
 
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, transpose
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.posed import Posed, image_jacobian, image_points
-from tracker.solver.robust import SQUARED, Kernel
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.robust import SQUARED, Kernel
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from tracker.errors import FormatError, KeyposeError
+from keypose.tracker.errors import FormatError, KeyposeError
 
 _USUAL, _PRIVATE = 0o666, 0o600
 """Modes of new files, less what the umask takes away."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracker.errors import SessionError
-from tracker.files import read_regular
-from tracker.session.schema import Session
-from tracker.storage.archive import LARGEST_PACKED_BYTES
-from tracker.storage.atomic import write_file
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import read_regular
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES
+from keypose.tracker.storage.atomic import write_file
 
 
 def carry_beside(session: Session, folder: Path, other: Path) -> None:

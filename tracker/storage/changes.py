@@ -11,8 +11,8 @@ from typing import Any, TypeAlias, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from tracker.errors import one_sentence
-from tracker.session.schema import Keyframe, PartKeyframe, Session, require_few, require_fit
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session, require_few, require_fit
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of those listed: {"set": [...], "drop": [frames]}."""

@@ -20,12 +20,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tracker.errors import SessionError
-from tracker.session.history import History, Step
-from tracker.session.schema import Session
-from tracker.session.versions import migrate
-from tracker.storage.changes import apply_changes, changes
-from tracker.storage.journal import Record
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.history import History, Step
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.versions import migrate
+from keypose.tracker.storage.changes import apply_changes, changes
+from keypose.tracker.storage.journal import Record
 
 OUTSIDE = "change made outside"
 """The label of a step that took over a session file changed by another program."""

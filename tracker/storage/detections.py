@@ -13,13 +13,13 @@ from typing import Final
 
 import numpy as np
 
-from tracker.errors import KeypointError
-from tracker.files import read_own
-from tracker.keypoints.detect import Stretch
-from tracker.keypoints.model_files import cache_folder
-from tracker.keypoints.network import NAMES
-from tracker.storage.archive import archive_arrays, archive_bytes
-from tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.files import read_own
+from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.model_files import cache_folder
+from keypose.tracker.keypoints.network import NAMES
+from keypose.tracker.storage.archive import archive_arrays, archive_bytes
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 MOST_BYTES: Final = 256 * 2**20
 """Some 250,000 frames."""

@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING
 from pydantic import ValidationError
 from pydantic_core import from_json
 
-from tracker.errors import SessionError, one_sentence
-from tracker.files import TooLarge, read_own, read_regular
-from tracker.session.schema import Session
-from tracker.session.versions import PRESENT, migrate, version_in
-from tracker.storage.atomic import write_file
-from tracker.storage.chronicle import Recovered, recover
-from tracker.storage.evidence import files_of
-from tracker.storage.finding import find_moved
-from tracker.storage.journal import NAME as JOURNAL
-from tracker.storage.journal import Read, read_journal
+from keypose.tracker.errors import SessionError, one_sentence
+from keypose.tracker.files import TooLarge, read_own, read_regular
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.versions import PRESENT, migrate, version_in
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.chronicle import Recovered, recover
+from keypose.tracker.storage.evidence import files_of
+from keypose.tracker.storage.finding import find_moved
+from keypose.tracker.storage.journal import NAME as JOURNAL
+from keypose.tracker.storage.journal import Read, read_journal
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 LARGEST_SESSION_BYTES = 64 * 2**20
 """Far above any session: a larger file is a video or an archive chosen by mistake."""

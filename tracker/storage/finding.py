@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracker.session.schema import Session
-from tracker.storage.evidence import files_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.evidence import files_of
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 MOST_FILES = 500
 NOT_FILMS = (".json", ".jsonl", ".npz", ".csv", ".txt", ".md", ".py", ".previous", ".part")

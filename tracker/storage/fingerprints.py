@@ -20,11 +20,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from tracker.geometry.rotations import rotation_from_quaternion
-from tracker.keypoints.model_files import FULL, find_model
-from tracker.keypoints.on_body import is_persons
-from tracker.session import Keyframe, Session
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.keypoints.model_files import FULL, find_model
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""

@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SessionError
-from tracker.files import read_regular
-from tracker.geometry.rotations import transpose
-from tracker.session.schema import FirstMotion, OwnRun, Session
-from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
-from tracker.storage.atomic import write_file
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import read_regular
+from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.session.schema import FirstMotion, OwnRun, Session
+from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
+from keypose.tracker.storage.atomic import write_file
 
 REDUCED = "reduced motion"
 """What a session's own motion is said to be from."""

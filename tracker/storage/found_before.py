@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from tracker.body.skeleton import Skeleton
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.model_files import FULL, find_model
-from tracker.session.schema import Session
-from tracker.storage.detections import Detections
-from tracker.storage.fingerprints import Span
-from tracker.tracking.cues import sources
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.model_files import FULL, find_model
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.detections import Detections
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.cues import sources
 
 
 def found_before(session: Session, span: Span) -> Keypoints | None:

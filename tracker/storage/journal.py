@@ -19,9 +19,9 @@ from typing import Any, TypeAlias
 
 from pydantic_core import from_json, to_json
 
-from tracker.errors import SessionError
-from tracker.files import TooLarge, open_own, read_own, require_own
-from tracker.storage.atomic import write_file
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import TooLarge, open_own, read_own, require_own
+from keypose.tracker.storage.atomic import write_file
 
 NAME = "journal.jsonl"
 LARGEST_BYTES = 256 * 2**20

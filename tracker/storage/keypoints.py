@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import KeypointError
-from tracker.files import read_regular
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import Keypoints
-from tracker.session.schema import KeypointFile, Session
-from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
-from tracker.storage.atomic import write_file
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.files import read_regular
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.schema import KeypointFile, Session
+from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
+from keypose.tracker.storage.atomic import write_file
 
 
 def save_keypoints(

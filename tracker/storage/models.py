@@ -8,10 +8,10 @@ import zlib
 from pathlib import Path
 from typing import Final
 
-from tracker.errors import KeypointError
-from tracker.files import read_regular
-from tracker.keypoints.model_files import LARGEST_BYTES, Model, is_content
-from tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.files import read_regular
+from keypose.tracker.keypoints.model_files import LARGEST_BYTES, Model, is_content
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 LARGEST_PACKAGE_BYTES: Final = 2 * LARGEST_BYTES
 _GZIP = b"\x1f\x8b"

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.session.results import Results
-from tracker.session.schema import Session
-from tracker.storage.fingerprints import present_keys, setup_hash
-from tracker.storage.stretches import Usable, stretch_keys
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.results import Results
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.fingerprints import present_keys, setup_hash
+from keypose.tracker.storage.stretches import Usable, stretch_keys
 
 if TYPE_CHECKING:
-    from tracker.storage.tracks import Tracks
+    from keypose.tracker.storage.tracks import Tracks
 
 KEYFRAME_TOLERANCE = 1e-4
 """Radians and metres within which a tracked motion goes through a keyframe."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tracker.body.skeleton import Skeleton
-from tracker.session.schema import Session
-from tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.schema import Session
+from keypose.tracker.tracking.parts.keyed import KeyedParts
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:

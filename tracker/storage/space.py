@@ -1,4 +1,4 @@
-"""The last solve of a session's motion, see `tracker.tracking.space.solve`."""
+"""The last solve of a session's motion, see `keypose.tracker.tracking.space.solve`."""
 
 from __future__ import annotations
 
@@ -6,18 +6,23 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import joined
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin, sole_of
-from tracker.session.results import PinResult
-from tracker.session.schema import Keyframe, Session
-from tracker.storage.part_keyframes import keyed_parts
-from tracker.storage.stretches import Stretch, keyframes_within
-from tracker.tracking.space.contacts import proposed_pins
-from tracker.tracking.space.findings import Judged, space_findings
-from tracker.tracking.space.result import SpaceResult
-from tracker.tracking.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import joined
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.results import PinResult
+from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.storage.part_keyframes import keyed_parts
+from keypose.tracker.storage.stretches import Stretch, keyframes_within
+from keypose.tracker.tracking.space.contacts import proposed_pins
+from keypose.tracker.tracking.space.findings import Judged, space_findings
+from keypose.tracker.tracking.space.result import SpaceResult
+from keypose.tracker.tracking.space.solve import (
+    PinnedPoint,
+    SpaceProblem,
+    SpaceSolution,
+    solve_space,
+)
 
 UP = (0.0, -1.0, 0.0)
 CONTRADICTS_M = 0.01

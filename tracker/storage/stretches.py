@@ -12,11 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from tracker.session.pins import Pin
-from tracker.session.schema import Keyframe, Session
-from tracker.session.settings import Quality
-from tracker.storage.fingerprints import Span
-from tracker.tracking.result import SegmentResult
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.result import SegmentResult
 
 VERSION = 1
 """Of the solve: another one finds another motion."""

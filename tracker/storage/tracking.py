@@ -4,33 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SessionError
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.model_files import FULL, find_model
-from tracker.keypoints.on_body import is_persons
-from tracker.session.ahead import Direction
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
-from tracker.session.schema import Session
-from tracker.storage.detections import Detections
-from tracker.storage.evidence import surfaces_of
-from tracker.storage.fingerprints import segment_keys, without_part_keyframes
-from tracker.storage.part_keyframes import keyed_parts
-from tracker.surface.fit.fitter import SurfaceFitter
-from tracker.surface.source import UnratedSteps
-from tracker.surface.steps import Steps
-from tracker.tracking.ahead.follow import LONGEST, Emit, FoundAhead, follow_ahead
-from tracker.tracking.cues.sources import (
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.model_files import FULL, find_model
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.detections import Detections
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.storage.fingerprints import segment_keys, without_part_keyframes
+from keypose.tracker.storage.part_keyframes import keyed_parts
+from keypose.tracker.surface.fit.fitter import SurfaceFitter
+from keypose.tracker.surface.source import UnratedSteps
+from keypose.tracker.surface.steps import Steps
+from keypose.tracker.tracking.ahead.follow import LONGEST, Emit, FoundAhead, follow_ahead
+from keypose.tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
     GivenKeypoints,
     KeypointSource,
 )
-from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
-from tracker.tracking.tracker import Tracker
-from tracker.video import Video
-from tracker.video.clip_loader import MEMORY_BYTES
+from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import MEMORY_BYTES
 
 
 def tracker_of(

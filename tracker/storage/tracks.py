@@ -32,25 +32,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SessionError
-from tracker.files import read_own, read_regular
-from tracker.geometry.rotations import Array, frozen, transpose
-from tracker.session.results import Results, SegmentSummary, SpaceSummary
-from tracker.session.schema import Session
-from tracker.storage.archive import archive_arrays, archive_bytes
-from tracker.storage.atomic import write_file
-from tracker.storage.fingerprints import open_ends, setup_hash
-from tracker.tracking.result import COLUMNS, Diagnostics, side_by_side
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import read_own, read_regular
+from keypose.tracker.geometry.rotations import Array, frozen, transpose
+from keypose.tracker.session.results import Results, SegmentSummary, SpaceSummary
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.archive import archive_arrays, archive_bytes
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.fingerprints import open_ends, setup_hash
+from keypose.tracker.tracking.result import COLUMNS, Diagnostics, side_by_side
 
 LARGEST_TRACKS_BYTES = 2**30
 """Hours of film; a larger file is not ours."""
 
 if TYPE_CHECKING:
-    from tracker.body.skeleton import Skeleton
-    from tracker.tracking.result import SegmentResult, TrackResult
-    from tracker.tracking.space.result import SpaceResult
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.tracking.result import SegmentResult, TrackResult
+    from keypose.tracker.tracking.space.result import SpaceResult
 
 _POSES = ("Rs_parent_part", "ps_camera_root")
 _BEFORE = "before_space_"

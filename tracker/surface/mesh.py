@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,16 +8,16 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Surface
-from tracker.session.settings import Units, UpAxis
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.files.guessing import guess_units, guess_up
-from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import METRES, Placement
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.settings import Units, UpAxis
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.files.guessing import guess_units, guess_up
+from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import METRES, Placement
 
 WIDTH, HEIGHT = 960, 720
 FIELD_OF_VIEW = math.radians(35.0)

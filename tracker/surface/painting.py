@@ -8,11 +8,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.raster import depth_of, projection_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, apply_transform, frozen
-from tracker.geometry.view import ViewCamera
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.body.raster import depth_of, projection_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, apply_transform, frozen
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 Picture: TypeAlias = NDArray[np.uint8]
 Colours: TypeAlias = NDArray[np.uint8]
@@ -39,8 +39,8 @@ def paint(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -> 
     """
     import cv2  # loads, as the loops do, when something is drawn
 
-    from tracker.kernels.painting import colour
-    from tracker.kernels.raster import PERSPECTIVE, fill
+    from keypose.tracker.kernels.painting import colour
+    from keypose.tracker.kernels.raster import PERSPECTIVE, fill
 
     size = (FINE * camera.height, FINE * camera.width)
     nearness = np.full(size, -np.inf, dtype=np.float32)
@@ -71,8 +71,8 @@ class Layer:
 def layer(mesh: SurfaceMesh, view: ViewCamera, colours: Colours | None = None) -> Layer:
     """A surface (camera frame, metres) from any view camera; each pixel is what its middle
     shows. colours: clay when left out."""
-    from tracker.kernels.painting import colour
-    from tracker.kernels.raster import fill
+    from keypose.tracker.kernels.painting import colour
+    from keypose.tracker.kernels.raster import fill
 
     size = (view.height, view.width)
     nearness = np.full(size, -np.inf, dtype=np.float32)

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.geometry.camera import Camera
-from tracker.session.schema import Session, Surface
-from tracker.surface.painting import Picture, paint
-from tracker.surface.source import SurfaceSteps, open_steps
-from tracker.video.damage import Examined
-from tracker.video.info import MissingFrame, VideoInfo
-from tracker.video.video import Video
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.surface.painting import Picture, paint
+from keypose.tracker.surface.source import SurfaceSteps, open_steps
+from keypose.tracker.video.damage import Examined
+from keypose.tracker.video.info import MissingFrame, VideoInfo
+from keypose.tracker.video.video import Video
 
 CONTAINER = "surfaces"
 """The kind of file, as reported."""

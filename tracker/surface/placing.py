@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.session.settings import Units, UpAxis
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import Units, UpAxis
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 METRES: dict[Units, float] = {
     "m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048,

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.errors import SurfaceError, VideoError
-from tracker.session.schema import Surface
-from tracker.surface.cameras.footage import Footage
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.cameras.views import View
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError, VideoError
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.surface.cameras.footage import Footage
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def open_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.session.schema import Surface
-from tracker.surface.files.sequence import Glance, MeshSequence
-from tracker.surface.files.sources import SUFFIXES
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import Placement
-from tracker.video.folder import SUFFIXES as IMAGES
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.surface.files.sequence import Glance, MeshSequence
+from keypose.tracker.surface.files.sources import SUFFIXES
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import Placement
+from keypose.tracker.video.folder import SUFFIXES as IMAGES
 
 if TYPE_CHECKING:
-    from tracker.surface.cameras.footage import Footage
+    from keypose.tracker.surface.cameras.footage import Footage
 
 MOST_KEPT = 6
 """Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""
@@ -78,7 +78,7 @@ class SurfaceSteps:
         """Names of the session's cameras whose pictures do not hold all of a step's surface."""
         if self._surface.cameras is None:
             return ()
-        from tracker.surface.rating import cut_by  # loads what only this needs
+        from keypose.tracker.surface.rating import cut_by  # loads what only this needs
 
         return cut_by(self._surface, self._folder, self.shape(frame))
 
@@ -105,7 +105,7 @@ class SurfaceSteps:
         """On a thread of its own, which opens the images when the first are wanted."""
         mesh = self._shapes.get(frame)
         if not self._looked:
-            from tracker.surface.rating import open_footage  # loads what only this needs
+            from keypose.tracker.surface.rating import open_footage  # loads what only this needs
 
             self._footage = open_footage(self._surface, self._folder, self.frame_count)
             self._looked = True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 class Steps(Protocol):

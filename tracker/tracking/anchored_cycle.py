@@ -15,26 +15,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.solver.posed import image_points
-from tracker.solver.robust import Cauchy
-from tracker.tracking.bundle import refine
-from tracker.tracking.cues.from_keypoints import from_keypoints
-from tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
-from tracker.tracking.cues.silhouette import silhouette_mismatch
-from tracker.tracking.cues.soft_correction import Correction, even_increments, measured_increments
-from tracker.tracking.cycle import Outcome, Work, drift_px
-from tracker.tracking.frame_pair import robust_pass
-from tracker.tracking.initial.choose import Starts, starts
-from tracker.tracking.segment import distance_px, is_sound
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
+from keypose.tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
+from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
+from keypose.tracker.tracking.cues.soft_correction import (
+    Correction,
+    even_increments,
+    measured_increments,
+)
+from keypose.tracker.tracking.cycle import Outcome, Work, drift_px
+from keypose.tracker.tracking.frame_pair import robust_pass
+from keypose.tracker.tracking.initial.choose import Starts, starts
+from keypose.tracker.tracking.segment import distance_px, is_sound
 
 if TYPE_CHECKING:
-    from tracker.geometry.rotations import Array
-    from tracker.solver.smoothness import Increments
-    from tracker.tracking.cues.anchors import Anchors
-    from tracker.tracking.method import Keypose
-    from tracker.tracking.scene import Scene
-    from tracker.tracking.segment import Segment
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.solver.smoothness import Increments
+    from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.method import Keypose
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.tracking.segment import Segment
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.kernels.pairs import view
-from tracker.kernels.whole import move_inner, see_all, whole_segment
-from tracker.solver.banded import added, banded_step
-from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Clip, Picture
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.pairs import view
+from keypose.tracker.kernels.whole import move_inner, see_all, whole_segment
+from keypose.tracker.solver.banded import added, banded_step
+from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip, Picture
 
 if TYPE_CHECKING:
-    from tracker.solver.segment_poses import SegmentPoses
-    from tracker.tracking.method import Refinement
+    from keypose.tracker.solver.segment_poses import SegmentPoses
+    from keypose.tracker.tracking.method import Refinement
 
 SMOOTH_TURN_RAD = np.radians(1.0)
 SMOOTH_SHIFT_PX = 1.1

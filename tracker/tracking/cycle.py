@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.geometry.rotations import Array
-from tracker.tracking.bundle import refine
-from tracker.tracking.cues.joint_evidence import JointEvidence
-from tracker.tracking.cues.silhouette import SilhouetteMismatch
-from tracker.tracking.drift import Corrected, Motions, correct_drift
-from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
-from tracker.tracking.initial.choose import Starts, printed_start, starts
-from tracker.tracking.method import Keypose, Method, Paper
-from tracker.tracking.scene import Scene
-from tracker.tracking.score import best_of, capped_score, keyframe_difference
-from tracker.tracking.segment import Segment, distance_px, is_sound
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
+from keypose.tracker.tracking.drift import Corrected, Motions, correct_drift
+from keypose.tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
+from keypose.tracker.tracking.initial.choose import Starts, printed_start, starts
+from keypose.tracker.tracking.method import Keypose, Method, Paper
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.score import best_of, capped_score, keyframe_difference
+from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.kernels.closing import close_segment
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.closing import close_segment
 
 DOUBT_FLOOR = 0.03
 """Doubt that remains where everything is observable: the picture may mislead."""

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.kernels.chain import move
-from tracker.kernels.noise import BINS, LOST
-from tracker.kernels.pairs import LONGEST_STEP, follow_pairs, linearise, shortened, view
-from tracker.kernels.sums import LEAST_SQUARES
-from tracker.tracking.drift import Doubt, Motions
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Clip, Picture
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.chain import move
+from keypose.tracker.kernels.noise import BINS, LOST
+from keypose.tracker.kernels.pairs import LONGEST_STEP, follow_pairs, linearise, shortened, view
+from keypose.tracker.kernels.sums import LEAST_SQUARES
+from keypose.tracker.tracking.drift import Doubt, Motions
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip, Picture
 
 SINGULAR_CUT = 0.02
 """Singular values below this share of the largest count as zero (the paper leaves it open)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from tracker.session.settings import Initial, TrackSettings
+from keypose.tracker.session.settings import Initial, TrackSettings
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from tracker.tracking.result import SegmentResult, TrackResult
+from keypose.tracker.tracking.result import SegmentResult, TrackResult
 
 if TYPE_CHECKING:
-    from tracker.body.skeleton import Skeleton
-    from tracker.body.trajectory import Pass, Trajectory
-    from tracker.session.settings import TrackSettings
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.body.trajectory import Pass, Trajectory
+    from keypose.tracker.session.settings import TrackSettings
 
 Item = TypeVar("Item")
 
@@ -31,7 +31,7 @@ POLL_S = 0.05
 class Task:
     """A segment to be tracked with these settings. Tasks of one segment have the same index.
 
-    key: what its result is kept under, see `tracker.storage.fingerprints`; may be left out.
+    key: what its result is kept under, see `keypose.tracker.storage.fingerprints`; may be left out.
     """
 
     index: int

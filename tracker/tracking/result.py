@@ -3,7 +3,7 @@
 A new array of the diagnostics is one field of `Diagnostics`, declared with its layout: its copies,
 its place in the tracks file and its rows among those of other segments follow from that. A new
 fact of a segment is a field of `SegmentResult`, and one of the same name in
-`tracker.session.results.SegmentSummary` where it is to be saved.
+`keypose.tracker.session.results.SegmentSummary` where it is to be saved.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Pass, Trajectory, joined
+from keypose.tracker.body.trajectory import Pass, Trajectory, joined
 
 if TYPE_CHECKING:
-    from tracker.body.skeleton import Skeleton
-    from tracker.geometry.rotations import Array
-    from tracker.session.settings import Quality, TrackSettings
-    from tracker.session.verdict import Kind, Verdict
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.session.settings import Quality, TrackSettings
+    from keypose.tracker.session.verdict import Kind, Verdict
 
 
 class Column(NamedTuple):
@@ -86,15 +86,16 @@ def side_by_side(
 class Diagnostics:
     """The diagnostics of a motion of N frames, so of n = N − 1 steps. Arrays are read-only.
 
-    rank: (n,) singular values above the cut, see `tracker.tracking.diagnostics.observability`;
+    rank: (n,) singular values above the cut, see
+        `keypose.tracker.tracking.diagnostics.observability`;
         −1 where nothing was measured.
     singular_values: (n, D), largest first.
     observability: (n, P) 0 to 1, NaN where nothing is tracked.
     residual: (n, P) grey levels, of surfaces metres; NaN where unseen.
     expected_gain: (N,) of a keyframe at each frame, see
-        `tracker.tracking.diagnostics.expected_gain`; None where that is not known of any.
+        `keypose.tracker.tracking.diagnostics.expected_gain`; None where that is not known of any.
     expected_error: (N, P) pixels of the video by which the joint at a part's far end is expected to
-        be off, see `tracker.tracking.cues.joint_evidence`; NaN where no keypoint tells.
+        be off, see `keypose.tracker.tracking.cues.joint_evidence`; NaN where no keypoint tells.
     """
 
     rank: NDArray[np.int64] = field(metadata=_layout("step", dtype="<i8"))
@@ -177,7 +178,8 @@ class SegmentResult:
     missing: steps of the work that were not done, because it was stopped; 0 where all is done.
     unreached: the first and last frame that therefore have no pose of their own; the nearest one's
         stands there.
-    key: of what it was tracked for, see `tracker.storage.fingerprints`; empty where not known.
+    key: of what it was tracked for, see `keypose.tracker.storage.fingerprints`; empty where not
+        known.
     quality: what it was found with.
     before_space: the trajectory as tracked, where `trajectory` is that of the last solve in space.
     """

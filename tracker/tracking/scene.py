@@ -9,13 +9,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, sample_points, surface_area
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
-from tracker.kernels.layout import BodyArrays, Lens, Prior, Sight
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.surface_points import SurfacePoints, sample_points, surface_area
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Sight
 
 POINT_SPACING_PX = 2.3
 MOST_POINTS, FEWEST_POINTS = 14000, 5000

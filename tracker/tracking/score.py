@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.kernels.pairs import CAP, mean_capped_square
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import Clip
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.kernels.pairs import CAP, mean_capped_square
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import Clip
 
 
 def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, stride: int) -> float:

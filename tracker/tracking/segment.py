@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.rotations import Array
 
 if TYPE_CHECKING:
-    from tracker.tracking.scene import Scene
-    from tracker.video.pyramid import Clip
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.video.pyramid import Clip
 
 NEAREST_M, FURTHEST = 0.05, 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""

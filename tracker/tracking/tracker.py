@@ -8,34 +8,34 @@ from dataclasses import replace
 from itertools import count, pairwise
 from typing import TypeAlias
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, sample_points
-from tracker.body.trajectory import Pass, Trajectory, displaced
-from tracker.errors import SessionError
-from tracker.geometry.camera import Camera
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.on_body import is_persons
-from tracker.session.settings import IgnoreMask, TrackSettings
-from tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
-from tracker.tracking.cues.anchors import anchors_of, with_free_joints
-from tracker.tracking.cues.silhouette import silhouette_mismatch
-from tracker.tracking.cues.sources import KeypointSource
-from tracker.tracking.cycle import Outcome, Work, track_segment
-from tracker.tracking.diagnostics.expected_gain import expected_gain
-from tracker.tracking.diagnostics.judge import judge
-from tracker.tracking.diagnostics.observability import observe, unobserved
-from tracker.tracking.drift import closing_error
-from tracker.tracking.initial.chains import fit_to_keyframes
-from tracker.tracking.method import Keypose, Method, Paper, method_of
-from tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
-from tracker.tracking.parts.kept import KeptOutcomes, Kind
-from tracker.tracking.parts.keyed import KeyedParts
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video import Video
-from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.surface_points import SurfacePoints, sample_points
+from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
+from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.settings import IgnoreMask, TrackSettings
+from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
+from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
+from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
+from keypose.tracker.tracking.cues.sources import KeypointSource
+from keypose.tracker.tracking.cycle import Outcome, Work, track_segment
+from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
+from keypose.tracker.tracking.diagnostics.judge import judge
+from keypose.tracker.tracking.diagnostics.observability import observe, unobserved
+from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.initial.chains import fit_to_keyframes
+from keypose.tracker.tracking.method import Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
+from keypose.tracker.tracking.parts.kept import KeptOutcomes, Kind
+from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""

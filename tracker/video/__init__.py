@@ -20,8 +20,8 @@ What a picture is:
 
 from __future__ import annotations
 
-from tracker.video.damage import Examined
-from tracker.video.info import MissingFrame, VideoInfo
-from tracker.video.video import Video
+from keypose.tracker.video.damage import Examined
+from keypose.tracker.video.info import MissingFrame, VideoInfo
+from keypose.tracker.video.video import Video
 
 __all__ = ["Examined", "MissingFrame", "Video", "VideoInfo"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
-from tracker.video.picture import Picture
+from keypose.tracker.video.picture import Picture
 
 
 class PictureCache:

@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import SessionError, VideoError
-from tracker.geometry.camera import Camera
-from tracker.session.settings import IgnoreMask
-from tracker.video import Video
-from tracker.video.plate import background, moving, smooth
-from tracker.video.pyramid import (
+from keypose.tracker.errors import SessionError, VideoError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.video import Video
+from keypose.tracker.video.plate import background, moving, smooth
+from keypose.tracker.video.pyramid import (
     IGNORED,
     LEVELS,
     TARGET_ONLY,

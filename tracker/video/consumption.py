@@ -18,8 +18,8 @@ import av
 from av.codec.context import CodecContext, Flags
 from av.video.codeccontext import VideoCodecContext
 
-from tracker.video.container import PYAV_ERRORS
-from tracker.video.vp9 import inner_tiles
+from keypose.tracker.video.container import PYAV_ERRORS
+from keypose.tracker.video.vp9 import inner_tiles
 
 _HEAD = 24
 """Bytes of a slice in which its header may lie: a shorter one is not judged."""

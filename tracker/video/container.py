@@ -15,8 +15,8 @@ import av.error
 from av.container import InputContainer
 from av.video.stream import VideoStream
 
-from tracker.errors import VideoError
-from tracker.files import read_head
+from keypose.tracker.errors import VideoError
+from keypose.tracker.files import read_head
 
 # Only demuxers that read one local file. Playlists (HLS, DASH, concat) and numbered image
 # patterns would let a file name other files, or addresses on the network.

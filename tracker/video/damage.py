@@ -25,9 +25,9 @@ from av.video.codeccontext import VideoCodecContext
 from av.video.frame import PictureType
 from av.video.stream import VideoStream
 
-from tracker.video.consumption import Coding, is_misread
-from tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
-from tracker.video.index import FrameIndex
+from keypose.tracker.video.consumption import Coding, is_misread
+from keypose.tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
+from keypose.tracker.video.index import FrameIndex
 
 _STRICTER = {"vp9": "libvpx-vp9"}
 """Decoders that notice damage FFmpeg's own pass over, by codec."""

@@ -12,21 +12,21 @@ import numpy as np
 from av.container import InputContainer
 from av.video.stream import VideoStream
 
-from tracker.errors import VideoError
-from tracker.video.container import (
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video.container import (
     PYAV_ERRORS,
     decode_packets,
     open_container,
     picture_stream,
     tags_of,
 )
-from tracker.video.damage import Examined, examine
-from tracker.video.file_lens import lens_in
-from tracker.video.fingerprint import fingerprint_of_file
-from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
-from tracker.video.info import VideoInfo, clock
-from tracker.video.picture import Picture, PictureMaker, orientation_of
-from tracker.video.timecode import timecode_in
+from keypose.tracker.video.damage import Examined, examine
+from keypose.tracker.video.file_lens import lens_in
+from keypose.tracker.video.fingerprint import fingerprint_of_file
+from keypose.tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
+from keypose.tracker.video.info import VideoInfo, clock
+from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
+from keypose.tracker.video.timecode import timecode_in
 
 # Going on forward is worth this many more frames than a seek would decode.
 _SEEK_COST = 8

@@ -22,9 +22,9 @@ from typing import Self
 import av
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 
-from tracker.errors import VideoError
-from tracker.video.container import PYAV_ERRORS
-from tracker.video.picture import Picture
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video.container import PYAV_ERRORS
+from keypose.tracker.video.picture import Picture
 
 QUALITY = 18
 """Of H.264, lower is better: drawn lines and letters stay sharp."""

@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
-from tracker.files import open_regular
+from keypose.tracker.files import open_regular
 
 _CHUNK = 64 * 1024
 _IMAGE_CHUNK = 4 * 1024

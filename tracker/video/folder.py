@@ -12,15 +12,15 @@ from pathlib import Path
 import av
 import numpy as np
 
-from tracker.errors import VideoError
-from tracker.files import open_regular
-from tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
-from tracker.video.damage import Examined
-from tracker.video.file_lens import lens_in
-from tracker.video.fingerprint import fingerprint_of_images
-from tracker.video.image_size import stored_size
-from tracker.video.info import VideoInfo, clock
-from tracker.video.picture import Orientation, Picture, PictureMaker, orientation_of
+from keypose.tracker.errors import VideoError
+from keypose.tracker.files import open_regular
+from keypose.tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
+from keypose.tracker.video.damage import Examined
+from keypose.tracker.video.file_lens import lens_in
+from keypose.tracker.video.fingerprint import fingerprint_of_images
+from keypose.tracker.video.image_size import stored_size
+from keypose.tracker.video.info import VideoInfo, clock
+from keypose.tracker.video.picture import Orientation, Picture, PictureMaker, orientation_of
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
 FPS = Fraction(30)  # a folder keeps no time; this is what is assumed

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from tracker.errors import VideoError
-from tracker.video.container import decode_packets, open_container, picture_stream
-from tracker.video.folder import first_image
-from tracker.video.picture import Picture, PictureMaker, orientation_of
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video.container import decode_packets, open_container, picture_stream
+from keypose.tracker.video.folder import first_image
+from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
 
 MOST_FRAMES = 60
 """Decoded until one is whole: a recorder may begin in the middle of a group of pictures."""

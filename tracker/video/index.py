@@ -17,7 +17,7 @@ from av.container import InputContainer
 from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
-from tracker.video.container import (
+from keypose.tracker.video.container import (
     PYAV_ERRORS,
     decode,
     open_container,

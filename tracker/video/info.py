@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import VideoError
-from tracker.video.file_lens import FileLens
-from tracker.video.timecode import Timecode
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video.file_lens import FileLens
+from keypose.tracker.video.timecode import Timecode
 
 
 class MissingFrame(VideoError):

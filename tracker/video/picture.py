@@ -11,7 +11,7 @@ from av.sidedata.sidedata import Type as SideDataType
 from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 
-from tracker.video.container import PYAV_ERRORS
+from keypose.tracker.video.container import PYAV_ERRORS
 
 Picture = NDArray[np.uint8]  # (height, width, 3) RGB
 

@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.video.plate import Grey, background, moving, smooth
-from tracker.video.video import Video
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.video.plate import Grey, background, moving, smooth
+from keypose.tracker.video.video import Video
 
 SAMPLES = 9
 """Frames that are looked at, however long the film is."""

@@ -10,13 +10,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
 
-from tracker.errors import VideoError
-from tracker.video.cache import PictureCache
-from tracker.video.damage import Examined
-from tracker.video.decode import FileSource, IndexMismatch
-from tracker.video.folder import FolderSource
-from tracker.video.info import MissingFrame, VideoInfo
-from tracker.video.picture import Picture
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video.cache import PictureCache
+from keypose.tracker.video.damage import Examined
+from keypose.tracker.video.decode import FileSource, IndexMismatch
+from keypose.tracker.video.folder import FolderSource
+from keypose.tracker.video.info import MissingFrame, VideoInfo
+from keypose.tracker.video.picture import Picture
 
 CACHE_BYTES = 256 * 1024 * 1024
 

@@ -12,9 +12,9 @@ library.discard(id)                    # when it turns out to be no video
 
 from __future__ import annotations
 
-from app.document.library.library import Library
-from app.document.library.recents import id_of
-from app.document.library.session_paths import usual_folders
-from app.document.library.uploads import LARGEST_BYTES, Upload
+from keypose.app.document.library.library import Library
+from keypose.app.document.library.recents import id_of
+from keypose.app.document.library.session_paths import usual_folders
+from keypose.app.document.library.uploads import LARGEST_BYTES, Upload
 
 __all__ = ["LARGEST_BYTES", "Library", "Upload", "id_of", "usual_folders"]

@@ -6,8 +6,8 @@ import re
 from contextlib import suppress
 from pathlib import Path
 
-from tracker.files import read_regular
-from tracker.storage.files import LARGEST_SESSION_BYTES, journal_path
+from keypose.tracker.files import read_regular
+from keypose.tracker.storage.files import LARGEST_SESSION_BYTES, journal_path
 
 _NAMED = re.compile(rb"(?:tracks|first|keypoints)-[0-9a-f]{12}\.npz")
 """Files that a session names."""

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
-from app.document.library.names import printable
-from app.document.library.uploads import SURFACES
-from tracker.errors import KeyposeError
-from tracker.files import read_head
-from tracker.surface.files.sources import SUFFIXES as MESHES
-from tracker.surface.source import are_meshes
-from tracker.video.container import SUFFIXES
-from tracker.video.folder import SUFFIXES as IMAGES
+from keypose.app.document.library.names import printable
+from keypose.app.document.library.uploads import SURFACES
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_head
+from keypose.tracker.surface.files.sources import SUFFIXES as MESHES
+from keypose.tracker.surface.source import are_meshes
+from keypose.tracker.video.container import SUFFIXES
+from keypose.tracker.video.folder import SUFFIXES as IMAGES
 
 Kind: TypeAlias = Literal["video", "images", "meshes", "session"]
 

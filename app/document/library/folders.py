@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.document.library.files import (
+from keypose.app.document.library.files import (
     MOST_FILES,
     SESSION_FOLDER,
     Found,
@@ -19,8 +19,8 @@ from app.document.library.files import (
     quoted,
     unquoted,
 )
-from app.document.library.names import printable
-from tracker.errors import KeyposeError
+from keypose.app.document.library.names import printable
+from keypose.tracker.errors import KeyposeError
 
 MOST_PEEKED = 400
 """Entries of a folder inside that are looked at to tell what it holds."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Literal, TypeAlias
 
-from app.document.duplicating import duplicate_session
-from app.document.library.files import (
+from keypose.app.document.duplicating import duplicate_session
+from keypose.app.document.library.files import (
     Found,
     file_at,
     find_files,
@@ -20,9 +20,9 @@ from app.document.library.files import (
     kind_of,
     unquoted,
 )
-from app.document.library.folders import list_folder
-from app.document.library.names import printable
-from app.document.library.recents import (
+from keypose.app.document.library.folders import list_folder
+from keypose.app.document.library.names import printable
+from keypose.app.document.library.recents import (
     Recent,
     Span,
     forget,
@@ -33,18 +33,18 @@ from app.document.library.recents import (
     rename,
     spans_of,
 )
-from app.document.library.samples import bundled_samples, own_copy
-from app.document.library.session_paths import SESSION, session_for
-from app.document.library.thumb_cache import ThumbCache, of_session
-from app.document.library.trash import FOLDER as TRASH
-from app.document.library.trash import Trash
-from app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
-from app.document.renaming import rename_session
-from tracker.errors import KeyposeError, SessionError
-from tracker.session.schema import Session
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.video.container import SUFFIXES
-from tracker.video.fingerprint import fingerprint_of_file
+from keypose.app.document.library.samples import bundled_samples, own_copy
+from keypose.app.document.library.session_paths import SESSION, session_for
+from keypose.app.document.library.thumb_cache import ThumbCache, of_session
+from keypose.app.document.library.trash import FOLDER as TRASH
+from keypose.app.document.library.trash import Trash
+from keypose.app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
+from keypose.app.document.renaming import rename_session
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.video.container import SUFFIXES
+from keypose.tracker.video.fingerprint import fingerprint_of_file
 
 Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]
 

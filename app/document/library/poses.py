@@ -9,13 +9,13 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from app.editor.actions import PoseId, PoseName
-from app.editor.copied import Copied
-from app.editor.refusal import Refused
-from app.render.pose_strokes import PoseStroke
-from tracker.errors import KeyposeError
-from tracker.files import read_own
-from tracker.storage.atomic import make_folder, write_file
+from keypose.app.editor.actions import PoseId, PoseName
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.refusal import Refused
+from keypose.app.render.pose_strokes import PoseStroke
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_own
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 MOST = 200
 LARGEST_BYTES = 8 * 2**20

@@ -9,11 +9,11 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from app.document.library.files import SESSION_FOLDER
-from tracker.files import read_own
-from tracker.session import SegmentSummary, Session
-from tracker.storage.atomic import make_folder, write_file
-from tracker.storage.files import video_path
+from keypose.app.document.library.files import SESSION_FOLDER
+from keypose.tracker.files import read_own
+from keypose.tracker.session import SegmentSummary, Session
+from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.files import video_path
 
 MOST = 40
 LARGEST_BYTES = 4 * 2**20

@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracker.errors import KeyposeError
-from tracker.storage.atomic import make_folder
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.atomic import make_folder
 
 _COPIED = {".mp4", ".json", ".md", ".ply", ""}
 """Endings of what goes along: clip or surfaces, session, how they are described, the licence."""

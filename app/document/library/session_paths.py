@@ -7,12 +7,12 @@ from pathlib import Path
 
 from pydantic_core import from_json
 
-from app.document.library.files import SESSION_FOLDER
-from app.document.library.names import numbered
-from tracker.errors import KeyposeError
-from tracker.files import read_regular
-from tracker.storage.atomic import require_folder
-from tracker.storage.files import LARGEST_SESSION_BYTES
+from keypose.app.document.library.files import SESSION_FOLDER
+from keypose.app.document.library.names import numbered
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_regular
+from keypose.tracker.storage.atomic import require_folder
+from keypose.tracker.storage.files import LARGEST_SESSION_BYTES
 
 SESSION = "session.json"
 

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from app.document.library.recents import id_of
-from tracker.errors import KeyposeError
-from tracker.files import read_own
-from tracker.storage.atomic import make_folder, write_file
-from tracker.storage.files import load_session, open_video_of
+from keypose.app.document.library.recents import id_of
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_own
+from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.files import load_session, open_video_of
 
 _FILE = "file-"
 """How the names of those of files begin; those of sessions stay."""
@@ -58,7 +58,9 @@ class ThumbCache:
 
 def of_session(path: Path) -> bytes | None:
     """The body in the middle keyframe; None where that cannot be had."""
-    from app.document.library.thumbnails import thumbnail  # with the decoder, when it is wanted
+    from keypose.app.document.library.thumbnails import (
+        thumbnail,  # with the decoder, when it is wanted
+    )
 
     try:
         session = load_session(path)
@@ -69,7 +71,7 @@ def of_session(path: Path) -> bytes | None:
 
 
 def _of_film(path: Path) -> bytes | None:
-    from app.document.library.thumbnails import glimpse
+    from keypose.app.document.library.thumbnails import glimpse
 
     try:
         return glimpse(path)

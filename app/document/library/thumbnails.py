@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.document.library.recents import middle_frame
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.session.schema import Session
-from tracker.video import Video
-from tracker.video.glimpse import first_picture
-from tracker.video.picture import Picture
+from keypose.app.document.library.recents import middle_frame
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
+from keypose.tracker.video.glimpse import first_picture
+from keypose.tracker.video.picture import Picture
 
 WIDTH, HEIGHT = 192, 112
 QUALITY = 82

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from app.document.folder_lock import NAME as LOCK
-from app.document.folder_lock import locked
-from app.document.library.belongings import belongings
-from tracker.errors import KeyposeError, SessionError
-from tracker.files import read_own
-from tracker.storage.atomic import make_folder, write_file
+from keypose.app.document.folder_lock import NAME as LOCK
+from keypose.app.document.folder_lock import locked
+from keypose.app.document.library.belongings import belongings
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.files import read_own
+from keypose.tracker.storage.atomic import make_folder, write_file
 
 FOLDER = ".trash"
 _ORIGIN = "origin.json"

@@ -10,11 +10,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Final, Self
 
-from app.document.library.names import clean_name, numbered
-from tracker.errors import KeyposeError
-from tracker.storage.atomic import make_folder
-from tracker.storage.leftovers import sweep
-from tracker.video.container import SUFFIXES
+from keypose.app.document.library.names import clean_name, numbered
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.leftovers import sweep
+from keypose.tracker.video.container import SUFFIXES
 
 LARGEST_BYTES: Final = 8 * 2**30
 SPARE_BYTES: Final = 256 * 2**20

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from app.export.report.markup import Child, Html, element, joined
-from app.export.report.plots import (
+from keypose.app.export.report.markup import Child, Html, element, joined
+from keypose.app.export.report.plots import (
     Scale,
     area,
     curve,
@@ -20,12 +20,12 @@ from app.export.report.plots import (
     steps,
     uprights,
 )
-from app.export.report.subject import Subject
-from app.posing import axis_labels, lanes, part_angles_deg, part_label
-from app.posing.labels import number_text
-from tracker.geometry.rotations import Array
-from tracker.storage.results import Span, observability, ranks, root_positions, rotations
-from tracker.tracking.result import SegmentResult
+from keypose.app.export.report.subject import Subject
+from keypose.app.posing import axis_labels, lanes, part_angles_deg, part_label
+from keypose.app.posing.labels import number_text
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.results import Span, observability, ranks, root_positions, rotations
+from keypose.tracker.tracking.result import SegmentResult
 
 HIDDEN_BELOW = 0.35
 """A part that is less visible than this is hatched, as on the page's timeline."""

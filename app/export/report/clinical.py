@@ -8,15 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.export.report.charts import framed
-from app.export.report.markup import Html, element
-from app.export.report.plots import Scale, curve, dots, drawing, path, uprights
-from app.export.report.subject import Subject
-from app.posing import part_label
-from app.posing.labels import number_text
-from tracker.body.joint_angles import Angle, Joint, JointAngles
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array
+from keypose.app.export.report.charts import framed
+from keypose.app.export.report.markup import Html, element
+from keypose.app.export.report.plots import Scale, curve, dots, drawing, path, uprights
+from keypose.app.export.report.subject import Subject
+from keypose.app.posing import part_label
+from keypose.app.posing.labels import number_text
+from keypose.tracker.body.joint_angles import Angle, Joint, JointAngles
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array
 
 LEAST_MOTION_DEG = 1.0
 """A joint none of whose angles changes more gets no row."""

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.export.report.charts import single_chart
-from app.export.report.figures import figure
-from app.export.report.markup import Child, Html, element
-from app.export.report.motion import recording_of
-from app.export.report.subject import Subject
-from app.export.report.tables import table
-from app.posing import part_label
-from tracker.errors import FormatError
-from tracker.formats.recording import Recording
-from tracker.formats.sampling import low_passed
-from tracker.geometry.rotations import Array
+from keypose.app.export.report.charts import single_chart
+from keypose.app.export.report.figures import figure
+from keypose.app.export.report.markup import Child, Html, element
+from keypose.app.export.report.motion import recording_of
+from keypose.app.export.report.subject import Subject
+from keypose.app.export.report.tables import table
+from keypose.app.posing import part_label
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import low_passed
+from keypose.tracker.geometry.rotations import Array
 
 FILTER_HZ = 6.0
 MOST_PARTS = 12

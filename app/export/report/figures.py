@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from app.posing.labels import number_text
-from tracker.tracking.result import SegmentResult
+from keypose.app.posing.labels import number_text
+from keypose.tracker.tracking.result import SegmentResult
 
 
 def figure(value: float, digits: int) -> str:

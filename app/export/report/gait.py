@@ -7,19 +7,19 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from app.export.report.charts import framed, timeline
-from app.export.report.clinical import caption, chart_range
-from app.export.report.figures import figure
-from app.export.report.markup import Child, Html, element, joined
-from app.export.report.plots import Scale, curve, drawing, path, uprights
-from app.export.report.subject import Subject
-from app.export.report.tables import table, tile
-from app.posing import part_label
-from app.posing.labels import number_text
-from tracker.body.joint_angles import Angle
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array
-from tracker.tracking.space.gait import Gait, Stride
+from keypose.app.export.report.charts import framed, timeline
+from keypose.app.export.report.clinical import caption, chart_range
+from keypose.app.export.report.figures import figure
+from keypose.app.export.report.markup import Child, Html, element, joined
+from keypose.app.export.report.plots import Scale, curve, drawing, path, uprights
+from keypose.app.export.report.subject import Subject
+from keypose.app.export.report.tables import table, tile
+from keypose.app.posing import part_label
+from keypose.app.posing.labels import number_text
+from keypose.tracker.body.joint_angles import Angle
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.space.gait import Gait, Stride
 
 CYCLE = np.linspace(0.0, 100.0, 101)
 CYCLE_JOINTS = ("hip", "knee", "ankle")

@@ -6,12 +6,12 @@ import base64
 
 import cv2
 
-from app.export.report.markup import Html, element
-from app.export.report.subject import Subject
-from app.render.palette import Picture
-from app.render.snapshots import Look, snapshot
-from tracker.errors import FormatError
-from tracker.video import MissingFrame, Video
+from keypose.app.export.report.markup import Html, element
+from keypose.app.export.report.subject import Subject
+from keypose.app.render.palette import Picture
+from keypose.app.render.snapshots import Look, snapshot
+from keypose.tracker.errors import FormatError
+from keypose.tracker.video import MissingFrame, Video
 
 QUALITY = 86
 """Of JPEG; a thumbnail of 320 pixels takes about 15 kB."""

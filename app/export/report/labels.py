@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from app.export.report.figures import best_score, figure
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
-from tracker.session.results import Results
-from tracker.session.schema import Session
-from tracker.session.settings import Weights
-from tracker.tracking.result import SegmentResult
+from keypose.app.export.report.figures import best_score, figure
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.session.results import Results
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import Weights
+from keypose.tracker.tracking.result import SegmentResult
 
 
 @dataclass(frozen=True)

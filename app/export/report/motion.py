@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.export.report.subject import Subject
-from tracker.errors import FormatError
-from tracker.formats.recording import RecordedSegment, Recording
-from tracker.storage.tracks import Tracks
+from keypose.app.export.report.subject import Subject
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import RecordedSegment, Recording
+from keypose.tracker.storage.tracks import Tracks
 
 
 def recording_of(subject: Subject) -> Recording | None:

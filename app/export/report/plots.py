@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.export.report.markup import Child, Html, element
-from tracker.geometry.rotations import Array
+from keypose.app.export.report.markup import Child, Html, element
+from keypose.tracker.geometry.rotations import Array
 
 WIDTH, HEIGHT = 1000.0, 100.0
 MOST_COLUMNS = 500

@@ -7,20 +7,20 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
-from app.editor.advice import next_step
-from app.editor.judged import Judged
-from app.editor.review_words import answers_words
-from app.export.report.charts import angle_charts, over_time, score_chart
-from app.export.report.clinical import CONVENTIONS, clinical_charts, legend
-from app.export.report.derivatives import derivatives_section
-from app.export.report.gait import gait_section
-from app.export.report.images import thumbnail
-from app.export.report.labels import words_for
-from app.export.report.markup import Child, Html, element, joined
-from app.export.report.motion import recording_of
-from app.export.report.shell import html_page, logo
-from app.export.report.subject import STATE_WORDS, Subject, subject_of
-from app.export.report.tables import (
+from keypose.app.editor.advice import next_step
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.review_words import answers_words
+from keypose.app.export.report.charts import angle_charts, over_time, score_chart
+from keypose.app.export.report.clinical import CONVENTIONS, clinical_charts, legend
+from keypose.app.export.report.derivatives import derivatives_section
+from keypose.app.export.report.gait import gait_section
+from keypose.app.export.report.images import thumbnail
+from keypose.app.export.report.labels import words_for
+from keypose.app.export.report.markup import Child, Html, element, joined
+from keypose.app.export.report.motion import recording_of
+from keypose.app.export.report.shell import html_page, logo
+from keypose.app.export.report.subject import STATE_WORDS, Subject, subject_of
+from keypose.app.export.report.tables import (
     keyframes_table,
     notes_table,
     part_keyframes,
@@ -28,12 +28,12 @@ from app.export.report.tables import (
     tile,
     verdict,
 )
-from app.posing.labels import number_text
-from app.render.snapshots import Look
-from tracker.errors import FormatError
-from tracker.session.schema import Session
-from tracker.storage.results import Span, State
-from tracker.video import Video, VideoInfo
+from keypose.app.posing.labels import number_text
+from keypose.app.render.snapshots import Look
+from keypose.tracker.errors import FormatError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Span, State
+from keypose.tracker.video import Video, VideoInfo
 
 __all__ = [
     "Html",

@@ -6,8 +6,8 @@ import base64
 from functools import cache
 from pathlib import Path
 
-import static
-from app.export.report.markup import Html, element
+from keypose import static
+from keypose.app.export.report.markup import Html, element
 
 _STATIC = Path(static.__file__).parent
 _LIGHT = "@media print, not (prefers-color-scheme: dark)"

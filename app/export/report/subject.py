@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from app.editor.verdict_text import sentence
-from app.render.poses import KnownPoses
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SessionError
-from tracker.session.schema import Session
-from tracker.storage.outdated import outdated_words
-from tracker.storage.results import Results, Span, State, load_results
-from tracker.tracking.result import SegmentResult
-from tracker.video import VideoInfo
+from keypose.app.editor.verdict_text import sentence
+from keypose.app.render.poses import KnownPoses
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.results import Results, Span, State, load_results
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import VideoInfo
 
 STATE_WORDS: Mapping[State, str] = {
     "good": "Good",

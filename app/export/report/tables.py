@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.editor.part_edits import keyed_words
-from app.export.report.figures import figure
-from app.export.report.labels import words_for
-from app.export.report.markup import Child, Html, element
-from app.export.report.subject import Subject
-from app.posing.labels import number_text
-from tracker.errors import listed
-from tracker.session.notes import Note
-from tracker.session.schema import Session
-from tracker.storage.results import Span, State
+from keypose.app.editor.part_edits import keyed_words
+from keypose.app.export.report.figures import figure
+from keypose.app.export.report.labels import words_for
+from keypose.app.export.report.markup import Child, Html, element
+from keypose.app.export.report.subject import Subject
+from keypose.app.posing.labels import number_text
+from keypose.tracker.errors import listed
+from keypose.tracker.session.notes import Note
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.results import Span, State
 
 
 def segments_table(subject: Subject) -> Html:

@@ -12,9 +12,9 @@ from contextlib import suppress
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
-from app.jobs.batch.pool import News, WorkerDied
-from app.jobs.batch.task import Step, Summary, Task
-from tracker.errors import KeyposeError
+from keypose.app.jobs.batch.pool import News, WorkerDied
+from keypose.app.jobs.batch.task import Step, Summary, Task
+from keypose.tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -26,7 +26,7 @@ LONGEST_REASON = 200
 
 def do_remotely(task: Task) -> Summary:
     """What a worker of the cluster runs."""
-    from app.jobs.batch.run_one import run_task
+    from keypose.app.jobs.batch.run_one import run_task
 
     return run_task(task, _ignore_step, Event())
 

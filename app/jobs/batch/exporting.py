@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.export.motion_files import motion_files, saved_motion
-from app.export.motion_formats import FORMATS
-from app.jobs.batch.finding import SESSION
-from app.jobs.batch.task import Export
-from tracker.errors import FormatError
-from tracker.storage.atomic import make_folder, write_file
-from tracker.storage.files import load_session, open_video_of
-from tracker.storage.tracks import load_tracks
+from keypose.app.export.motion_files import motion_files, saved_motion
+from keypose.app.export.motion_formats import FORMATS
+from keypose.app.jobs.batch.finding import SESSION
+from keypose.app.jobs.batch.task import Export
+from keypose.tracker.errors import FormatError
+from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.storage.tracks import load_tracks
 
 
 def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str, ...]) -> Export:

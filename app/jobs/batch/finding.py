@@ -6,8 +6,8 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from app.document.library.files import is_session
-from tracker.errors import SessionError
+from keypose.app.document.library.files import is_session
+from keypose.tracker.errors import SessionError
 
 SESSION = "session.json"
 

@@ -15,10 +15,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
-from app.document.folder_lock import LockedElsewhere, SessionLock
-from tracker.errors import SessionError
-from tracker.files import open_own, read_own
-from tracker.storage.atomic import make_folder
+from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
+from keypose.tracker.errors import SessionError
+from keypose.tracker.files import open_own, read_own
+from keypose.tracker.storage.atomic import make_folder
 
 FOLDER, NAME = ".keypose-batch", "journal.jsonl"
 LARGEST_BYTES = 64 * 2**20

@@ -15,8 +15,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Protocol, TypeAlias
 
-from app.jobs.batch.task import Step, Summary, Task
-from app.jobs.batch.worker import serve
+from keypose.app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.batch.worker import serve
 
 PATIENCE_S = 2.0
 """For a process that was asked to end; then it is killed."""

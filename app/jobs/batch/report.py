@@ -7,8 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.export.report.markup import Child, Html, element, joined
-from app.export.report.report import (
+from keypose.app.export.report.markup import Child, Html, element, joined
+from keypose.app.export.report.report import (
     Subject,
     html_page,
     score_chart,
@@ -16,14 +16,14 @@ from app.export.report.report import (
     subject_of,
     thumbnail,
 )
-from app.export.report.shell import logo
-from app.jobs.batch.task import Summary
-from tracker.errors import KeyposeError
-from tracker.files import read_head
-from tracker.session import Session
-from tracker.storage.files import load_session, open_video_of
-from tracker.tracking.result import SegmentResult
-from tracker.video import Video
+from keypose.app.export.report.shell import logo
+from keypose.app.jobs.batch.task import Summary
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_head
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
 
 NAME = "batch-report.html"
 TITLE = "Keypose batch report"

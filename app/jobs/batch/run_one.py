@@ -9,20 +9,20 @@ from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
-from app.document.folder_lock import LockedElsewhere, SessionLock
-from app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
-from app.jobs.batch.exporting import export_motion
-from app.jobs.batch.task import SegmentSummary, State, Step, Summary, Task
-from app.jobs.failure import failure_message
-from app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
-from tracker.errors import FormatError, KeyposeError, SessionError
-from tracker.formats.verdict_words import verdict_words
-from tracker.session import Session
-from tracker.storage.files import load_session, open_video_of
-from tracker.storage.finding import with_present_fingerprints
-from tracker.storage.results import Results, load_results
-from tracker.tracking.result import SegmentResult
-from tracker.video import Video
+from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
+from keypose.app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
+from keypose.app.jobs.batch.exporting import export_motion
+from keypose.app.jobs.batch.task import SegmentSummary, State, Step, Summary, Task
+from keypose.app.jobs.failure import failure_message
+from keypose.app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
+from keypose.tracker.errors import FormatError, KeyposeError, SessionError
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.storage.finding import with_present_fingerprints
+from keypose.tracker.storage.results import Results, load_results
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
 
 SendStep: TypeAlias = Callable[[Step], None]
 
@@ -96,7 +96,7 @@ def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
 def _track(
     task: Task, asked: Session, video: Video, wanted: Sequence[Wanted], send: SendStep, stop: Event
 ) -> _Found:
-    from tracker.warm import warm
+    from keypose.tracker.warm import warm
 
     warm()
     found = _Found([])

@@ -8,8 +8,8 @@ from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
-from app.jobs.batch.pool import News, WorkerDied, WorkerPool
-from app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.batch.pool import News, WorkerDied, WorkerPool
+from keypose.app.jobs.batch.task import Step, Summary, Task
 
 TRIES = 2
 LOOK_S = 0.2

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from tracker.session.settings import MethodName, Quality
+from keypose.tracker.session.settings import MethodName, Quality
 
 State: TypeAlias = Literal["tracked", "kept", "failed", "open", "interrupted"]
 """kept: nothing was missing.  open: another Keypose has it, so it was left alone."""

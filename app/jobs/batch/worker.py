@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection
 from threading import Event, Lock, Thread
 from typing import TypeAlias
 
-from app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.batch.task import Step, Summary, Task
 
 Message: TypeAlias = Task | None
 """None: leave what is at work within one pass."""
@@ -50,7 +50,7 @@ class _TaskRunner:
         Thread(target=self._work, args=(message, self._stop), daemon=True).start()
 
     def _work(self, task: Task, stop: Event) -> None:
-        from app.jobs.batch.run_one import (
+        from keypose.app.jobs.batch.run_one import (
             run_task,  # heavy: the process answers before it is loaded
         )
 

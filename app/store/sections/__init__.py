@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.store.sections.changes import Sections
-from app.store.sections.scene_values import image_version
+from keypose.app.store.sections.changes import Sections
+from keypose.app.store.sections.scene_values import image_version
 
 __all__ = ["Sections", "image_version"]

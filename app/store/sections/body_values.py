@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from app.posing import axis_labels, handles, part_label, part_sizes, short_label
-from app.posing import lanes as lane_groups
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
-from tracker.body.clavicles import can_have_clavicles, has_clavicles, without_clavicles
-from tracker.body.scaling import height
-from tracker.body.shapes import KINDS
-from tracker.keypoints.on_body import is_persons
+from keypose.app.posing import axis_labels, handles, part_label, part_sizes, short_label
+from keypose.app.posing import lanes as lane_groups
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
+from keypose.tracker.body.clavicles import can_have_clavicles, has_clavicles, without_clavicles
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.shapes import KINDS
+from keypose.tracker.keypoints.on_body import is_persons
 
 
 def body(app_state: AppState) -> Json:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.store.identity import unchanged
-from app.store.sections import (
+from keypose.app.store.identity import unchanged
+from keypose.app.store.sections import (
     body_values,
     cue_values,
     error_values,
@@ -28,8 +28,8 @@ from app.store.sections import (
     surface_values,
     work_values,
 )
-from app.store.sections.json_value import Json
-from app.store.state import AppState
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from app.posing import part_label
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.keypoints.model_files import FULL, MODELS
-from tracker.keypoints.on_body import is_persons
-from tracker.session.schema import Session
-from tracker.session.settings import ALL_CUES, Cue
+from keypose.app.posing import part_label
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.keypoints.model_files import FULL, MODELS
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import ALL_CUES, Cue
 
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from app.editor.judged import Judged
-from app.editor.problems import problem_of
-from app.editor.segment_evidence import best_row, part_errors_px
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.problems import problem_of
+from keypose.app.editor.segment_evidence import best_row, part_errors_px
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.tracking.result import SegmentResult
 
 MOST: Final = 5
 """Parts of a segment that are told."""

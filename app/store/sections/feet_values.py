@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from app.editor.feet import feet_paths
-from app.editor.shown import find
-from app.posing import part_label
-from app.store.sections.body_values import side_of
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.body.pose import pose_transforms
+from keypose.app.editor.feet import feet_paths
+from keypose.app.editor.shown import find
+from keypose.app.posing import part_label
+from keypose.app.store.sections.body_values import side_of
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
 
 
 def feet(app_state: AppState) -> Json:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
 
 MOST_LISTED = 200
 """Steps on either side of the present one; further ones are listed once one has gone there."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from app.store.state import AppState
-from tracker.session.schema import Session
+from keypose.app.store.state import AppState
+from keypose.tracker.session.schema import Session
 
 Json: TypeAlias = Any
 """Whatever JSON can say."""

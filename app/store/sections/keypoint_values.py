@@ -6,14 +6,14 @@ from typing import Final
 
 import numpy as np
 
-from app.posing import part_label
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.on_body import HEAD_POINTS, points_on_body
-from tracker.session.corrections import KeypointCorrection
+from keypose.app.posing import part_label
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import HEAD_POINTS, points_on_body
+from keypose.tracker.session.corrections import KeypointCorrection
 
 TOLD: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 

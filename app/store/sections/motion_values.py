@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from app.editor.advice import next_step
-from app.editor.judged import Judged
-from app.editor.problem_words import sentence_of, size_of, todo_of
-from app.editor.problems import BY_MOTION, Problem, problem_of
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.session.evidence import Words
-from tracker.storage.results import Span, State, expected_gain, listed, observability
-from tracker.tracking.result import SegmentResult
+from keypose.app.editor.advice import next_step
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.problem_words import sentence_of, size_of, todo_of
+from keypose.app.editor.problems import BY_MOTION, Problem, problem_of
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.session.evidence import Words
+from keypose.tracker.storage.results import Span, State, expected_gain, listed, observability
+from keypose.tracker.tracking.result import SegmentResult
 
 
 def segments(app_state: AppState) -> Json:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor.pin_range import still_range
-from app.editor.pinned import default_landmarks, open_proposals, pin_result
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.posing import part_label
-from app.posing.labels import joint_label, kind_of, number_text
-from app.store.sections.body_values import side_of
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
+from keypose.app.editor.pin_range import still_range
+from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.app.posing.labels import joint_label, kind_of, number_text
+from keypose.app.store.sections.body_values import side_of
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin
 
 SOLE_M = 0.015
 """What of a foot at rest counts as its sole: so much above its lowest point."""

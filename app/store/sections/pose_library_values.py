@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import astuple
 
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
 
 
 def poses(app_state: AppState) -> Json:

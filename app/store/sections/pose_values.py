@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor.part_edits import keyed_limbs, keyed_words
-from app.editor.posing_edits import angles_at
-from app.editor.shown import draft_at, shown_pose
-from app.editor.state import EditorState
-from app.editor.trail import end_trail
-from app.posing import at_limit, part_angles_deg
-from app.store.sections.body_values import side_of
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.body.body import Body
-from tracker.body.pose import joint_names, joint_positions, pose_transforms
-from tracker.geometry.rotations import Array, rotation_from_quaternion
-from tracker.session.schema import PartKeyframe
-from tracker.storage.results import listed, residual, rotations
+from keypose.app.editor.part_edits import keyed_limbs, keyed_words
+from keypose.app.editor.posing_edits import angles_at
+from keypose.app.editor.shown import draft_at, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.trail import end_trail
+from keypose.app.posing import at_limit, part_angles_deg
+from keypose.app.store.sections.body_values import side_of
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
+from keypose.tracker.session.schema import PartKeyframe
+from keypose.tracker.storage.results import listed, residual, rotations
 
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from app.editor.problem_words import size_of
-from app.editor.review import GOALS_PX, Place, Review, review_of
-from app.editor.review_words import label_of_place, reason_of_place
-from app.store.sections.body_values import side_of
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.geometry.rotations import Array
-from tracker.session.drafted import DraftPlace
-from tracker.session.schema import Session
+from keypose.app.editor.problem_words import size_of
+from keypose.app.editor.review import GOALS_PX, Place, Review, review_of
+from keypose.app.editor.review_words import label_of_place, reason_of_place
+from keypose.app.store.sections.body_values import side_of
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.drafted import DraftPlace
+from keypose.tracker.session.schema import Session
 
 CROP_SHARE, LEAST_CROP_PX = 0.25, 40
 """Side of the picture beside a place: of the body's height, and at least."""

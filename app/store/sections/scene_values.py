@@ -8,13 +8,13 @@ from dataclasses import asdict
 
 import numpy as np
 
-from app.editor.pointer_views import up_of
-from app.posing import tilt_and_roll, view_rotations
-from app.store.sections.json_value import Json, doc_of
-from app.store.sections.surface_values import surface_version
-from app.store.state import AppState
-from tracker.session.schema import Session
-from tracker.tracking.diagnostics.runs import runs
+from keypose.app.editor.pointer_views import up_of
+from keypose.app.posing import tilt_and_roll, view_rotations
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.sections.surface_values import surface_version
+from keypose.app.store.state import AppState
+from keypose.tracker.session.schema import Session
+from keypose.tracker.tracking.diagnostics.runs import runs
 
 
 def file(app_state: AppState) -> Json:

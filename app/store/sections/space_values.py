@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from app.editor.judged import Judged
-from app.editor.space_words import pin_sentence, space_sentence
-from app.editor.state import EditorState
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.session.results import SpaceFinding
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.space_words import pin_sentence, space_sentence
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.session.results import SpaceFinding
 
 _REMEDIES: Final = {
     "slides": "pin",

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 from pathlib import PurePath
 
-from app.editor.state import EditorState
-from app.render.tints import LEGENDS, Tint, css_stops
-from app.store.sections.json_value import Json
-from app.store.state import AppState
-from tracker.session.evidence import surface_of
+from keypose.app.editor.state import EditorState
+from keypose.app.render.tints import LEGENDS, Tint, css_stops
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.state import AppState
+from keypose.tracker.session.evidence import surface_of
 
 
 def surface(app_state: AppState) -> Json:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from app.editor.drafted import frame_runs, missing_frames
-from app.posing import part_label
-from app.store.sections.json_value import Json, doc_of
-from app.store.state import AppState
-from tracker.body.scaling import height
-from tracker.session.schema import Session
-from tracker.session.settings import TrackSettings
-from tracker.tracking.method import method_of
+from keypose.app.editor.drafted import frame_runs, missing_frames
+from keypose.app.posing import part_label
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.body.scaling import height
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.method import method_of
 
 
 def masks(app_state: AppState) -> Json:

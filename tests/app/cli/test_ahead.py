@@ -11,13 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker import (
+    FoundAhead,
+    Skeleton,
+    Trajectory,
+    load_session,
+    open_video_of,
+    track_ahead,
+)
+from keypose.tracker.session import Session
+from keypose.tracker.storage import tracking
+from keypose.tracker.storage.files import save_session
 from tests.app.cli_cases import everything_in, refused
 from tests.app.serving import ROOT
-from tracker import FoundAhead, Skeleton, Trajectory, load_session, open_video_of, track_ahead
-from tracker.session import Session
-from tracker.storage import tracking
-from tracker.storage.files import save_session
 
 BOX = ROOT / "sample_videos" / "box"
 
@@ -89,8 +96,8 @@ def followed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     calls: list[Any] = []
 
     def follow(tracker: Any, frame: int, way: Any, settings: Any, emit: Any, longest: int) -> Any:
-        from tracker.session.ahead import Stop
-        from tracker.tracking.pool import Cancelled
+        from keypose.tracker.session.ahead import Stop
+        from keypose.tracker.tracking.pool import Cancelled
 
         calls.append((frame, way, settings))
         pose = tracker.keyposes[frame]

@@ -11,21 +11,21 @@ from typing import Any
 
 import pytest
 
-from app.cli.main import main
-from app.jobs.batch import pool
-from app.jobs.batch.journal import FOLDER
-from app.jobs.batch.pool import News, WorkerDied
-from app.jobs.batch.report import NAME
-from app.jobs.batch.task import SegmentSummary, Step, Summary, Task
+from keypose.app.cli.main import main
+from keypose.app.jobs.batch import pool
+from keypose.app.jobs.batch.journal import FOLDER
+from keypose.app.jobs.batch.pool import News, WorkerDied
+from keypose.app.jobs.batch.report import NAME
+from keypose.app.jobs.batch.task import SegmentSummary, Step, Summary, Task
+from keypose.tracker import warm
+from keypose.tracker.errors import FormatError
+from keypose.tracker.storage import atomic
+from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
 from tests.app.full_disks import fill
 from tests.app.jobs.batch.batch_cases import Befalls, Here, write_sessions
 from tests.app.serving import ROOT
 from tests.tracker import session_cases as cases
-from tracker import warm
-from tracker.errors import FormatError
-from tracker.storage import atomic
-from tracker.storage.files import load_session
 
 Capture = pytest.CaptureFixture[str]
 
@@ -230,7 +230,16 @@ def test_killed_midway_it_leaves_no_worker_in_the_way_and_goes_on_when_started_a
     tmp_path: Path,
 ) -> None:
     paths = write_sessions(tmp_path, "a", "b", "c")
-    command = [sys.executable, "-m", "app", "batch", str(tmp_path), "--json", "--workers", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "keypose.app",
+        "batch",
+        str(tmp_path),
+        "--json",
+        "--workers",
+        "1",
+    ]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as first:
         assert first.stdout is not None
         for line in first.stdout:
@@ -357,7 +366,7 @@ def test_a_report_that_cannot_be_written_is_told_after_the_table(
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 def test_output_that_goes_to_a_full_disk_ends_in_a_sentence() -> None:
-    run = "import sys; from app.cli.main import main; sys.exit(main())"
+    run = "import sys; from keypose.app.cli.main import main; sys.exit(main())"
     command = [sys.executable, "-c", run, "schema", "body"]
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cli.main import grammar, main
+from keypose.app.cli.main import grammar, main
 
 BASH = """\
 source "$1"; shift

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from app.cli import checks
-from app.cli.checks import Finding, compiled_loops, examine, films, folders, networks, port
-from app.cli.main import main
-from app.server.listening import bind
-from tracker.keypoints import model_files
-from tracker.video import encode
+from keypose.app.cli import checks
+from keypose.app.cli.checks import Finding, compiled_loops, examine, films, folders, networks, port
+from keypose.app.cli.main import main
+from keypose.app.server.listening import bind
+from keypose.tracker.keypoints import model_files
+from keypose.tracker.video import encode
 
 
 @pytest.fixture

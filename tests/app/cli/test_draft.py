@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from app.cli.main import main
-from app.jobs import drafts
+from keypose.app.cli.main import main
+from keypose.app.jobs import drafts
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.storage.keypoints import of_session
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
-from tracker.session.schema import Session
-from tracker.storage.files import load_session, open_video_of
-from tracker.storage.keypoints import of_session
 
 VIDEO = BALANCE / "balance.mp4"
 AROUND = ",".join(f"{value:g}" for value in BOX)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from app.cli.main import grammar, main
+from keypose.app.cli.main import grammar, main
 
 NAMES = sorted(grammar()[1])
 

@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.geometry.rotations import log_rotation, transpose
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.tracks import load_tracks, load_trajectory
+from keypose.tracker.surface.fit import segment
+from keypose.tracker.tracking import pool
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker import session_cases
-from tracker.geometry.rotations import log_rotation, transpose
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import load_results
-from tracker.storage.tracks import load_tracks, load_trajectory
-from tracker.surface.fit import segment
-from tracker.tracking import pool
 
 NEAR_M, NEAR_RAD = 0.03, np.deg2rad(8)
 """The sample's voxels are 4 cm wide."""

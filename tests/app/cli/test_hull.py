@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker import warm
+from keypose.tracker.kernels import carving, patches, sweeping
+from keypose.tracker.surface.cameras import hulls
+from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import Placement
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, studio
-from tracker import warm
-from tracker.kernels import carving, patches, sweeping
-from tracker.surface.cameras import hulls
-from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import Placement
 
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 VOXEL = ["--voxel", "0.03"]

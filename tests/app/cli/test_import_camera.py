@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.body.pose import joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.storage.files import load_session, save_session
 from tests.app.cli_cases import refused
 from tests.tracker import session_cases as cases
-from tracker.body.pose import joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.storage.files import load_session, save_session
 
 
 @pytest.fixture
@@ -62,8 +62,8 @@ def test_what_was_posed_is_seen_as_large_as_before(path: Path) -> None:
 
 
 def test_the_camera_that_was_exported_outdates_nothing(path: Path, tmp_path: Path) -> None:
+    from keypose.tracker.storage.results import save_results
     from tests.app import results_cases
-    from tracker.storage.results import save_results
 
     session = load_session(path)
     tracked = save_results(session, path, results_cases.both(session))

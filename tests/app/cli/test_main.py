@@ -16,16 +16,16 @@ import cv2
 import numpy as np
 import pytest
 
-from app.cli import follow
-from app.cli.main import grammar, main
-from app.render.palette import Picture
-from app.render.snapshots import _with_plate
+from keypose.app.cli import follow
+from keypose.app.cli.main import grammar, main
+from keypose.app.render.palette import Picture
+from keypose.app.render.snapshots import _with_plate
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.tracks import load_trajectory, save_result
+from keypose.tracker.video import MissingFrame, Video
 from tests.tracker import session_cases as cases
 from tests.tracker.damage_cases import FilmKind, write_film
 from tests.tracker.video_cases import flip_bit
-from tracker.storage.files import load_session, save_session
-from tracker.storage.tracks import load_trajectory, save_result
-from tracker.video import MissingFrame, Video
 
 
 def test_evaluation_prints_the_tracker_beside_interpolation(
@@ -185,9 +185,9 @@ def test_a_missing_frame_is_drawn_grey_with_the_body_and_says_so(
         said.append(words)
 
     monkeypatch.setattr(Video, "frame", lost)
-    monkeypatch.setattr("app.render.lettering.plate", plate)
-    monkeypatch.setattr("app.render.pictures.plate", plate)
-    monkeypatch.setattr("app.render.snapshots.plate", plate)
+    monkeypatch.setattr("keypose.app.render.lettering.plate", plate)
+    monkeypatch.setattr("keypose.app.render.pictures.plate", plate)
+    monkeypatch.setattr("keypose.app.render.snapshots.plate", plate)
     out = tmp_path / "a.png"
     command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
     assert main(command) == 0
@@ -274,13 +274,13 @@ def loaded_by(code: str) -> set[str]:
 
 @pytest.mark.parametrize("words", [["--version"], ["--help"], ["open", "--help"]])
 def test_what_answers_at_once_loads_no_heavy_library(words: list[str]) -> None:
-    loaded = loaded_by(f"from app.cli.main import main; main({words})")
-    assert "app.cli.open" in loaded
+    loaded = loaded_by(f"from keypose.app.cli.main import main; main({words})")
+    assert "keypose.app.cli.open" in loaded
     heavy = {"av", "cv2", "numba", "numpy", "pydantic", "scipy", "starlette", "uvicorn", "viser"}
     assert not heavy & loaded
 
 
-@pytest.mark.parametrize("module", ["app.server.server", "app.store.store"])
+@pytest.mark.parametrize("module", ["keypose.app.server.server", "keypose.app.store.store"])
 def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_wanted(
     module: str,
 ) -> None:
@@ -289,7 +289,7 @@ def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_want
 
 def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "app", "track", str(tmp_path / "none.json")],
+        [sys.executable, "-m", "keypose.app", "track", str(tmp_path / "none.json")],
         capture_output=True,
         text=True,
         check=False,
@@ -304,7 +304,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     os.close(reading)
     with os.fdopen(writing, "wb") as out:
         done = subprocess.run(
-            [sys.executable, "-m", "app", "schema", "session"],
+            [sys.executable, "-m", "keypose.app", "schema", "session"],
             stdout=out,
             stderr=subprocess.PIPE,
             check=False,

@@ -13,8 +13,8 @@ from urllib.error import URLError
 
 import pytest
 
-from app.cli.main import main
-from tracker.keypoints import model_files
+from keypose.app.cli.main import main
+from keypose.tracker.keypoints import model_files
 
 CONTENT = b"stands for the large network"
 

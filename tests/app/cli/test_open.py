@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose, Visitor
-from tracker.storage.files import load_session
 
 
 @pytest.fixture

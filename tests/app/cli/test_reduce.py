@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
 from tests.app.serving import ROOT
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session import Keyframe
-from tracker.storage.files import load_session, save_session
 
 PERSON = ROOT / "sample_videos" / "person"
 

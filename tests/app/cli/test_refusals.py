@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from app.cli import follow
-from app.cli.main import main
+from keypose.app.cli import follow
+from keypose.app.cli.main import main
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.tracks import save_result
 from tests.app.cli_cases import refused
 from tests.tracker import session_cases as cases
-from tracker.storage.files import load_session, save_session
-from tracker.storage.tracks import save_result
 
 
 def test_files_that_are_there_are_not_overwritten_unless_asked(
@@ -164,7 +164,7 @@ def test_a_folder_that_may_not_be_written_is_told_before_the_work(
 
     monkeypatch.setattr(follow, "rerun", pytest.fail)
     with monkeypatch.context() as patch:
-        patch.setattr("tracker.storage.atomic._write_through", forbidden)
+        patch.setattr("keypose.tracker.storage.atomic._write_through", forbidden)
         sentence = refused(capsys, session_path.parent, ["track", session_path])
     assert "cannot be written to: Permission denied" in sentence
 

@@ -13,18 +13,18 @@ from typing import Any
 
 import pytest
 
-from app.cli import follow
-from app.cli.main import main
-from app.document.folder_lock import NAME
-from app.jobs import SegmentFinished
+from keypose.app.cli import follow
+from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import NAME
+from keypose.app.jobs import SegmentFinished
+from keypose.tracker.errors import VideoError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.tracks import load_trajectory
 from tests.app.cli_cases import everything_in, refused, tracker
 from tests.app.document.test_folder_lock import holder
 from tests.tracker import session_cases as cases
-from tracker.errors import VideoError
-from tracker.session import Session
-from tracker.storage.files import load_session, save_session
-from tracker.storage.outdated import outdated_words
-from tracker.storage.tracks import load_trajectory
 
 
 def test_tracking_writes_beside_the_session(session_path: Path) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from app.cli.main import main
-from app.document.defaults import Defaults, defaults_path, read_defaults
-from app.document.library.library import SAMPLE_FOLDER
-from app.document.new import new_session
-from tracker.errors import KeyposeError
-from tracker.video import Video
+from keypose.app.cli.main import main
+from keypose.app.document.defaults import Defaults, defaults_path, read_defaults
+from keypose.app.document.library.library import SAMPLE_FOLDER
+from keypose.app.document.new import new_session
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.video import Video
 
 
 @pytest.fixture

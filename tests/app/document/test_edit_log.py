@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.folder_lock import LockedElsewhere, SessionLock
-from app.document.library import Library
-from app.document.open import OpenSession, copy_session, edit_state
-from app.store import runner
-from app.store.store import Store
-from app.store.tabs import Tab
+from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
+from keypose.app.document.library import Library
+from keypose.app.document.open import OpenSession, copy_session, edit_state
+from keypose.app.store import runner
+from keypose.app.store.store import Store
+from keypose.app.store.tabs import Tab
+from keypose.tracker.errors import SessionError
+from keypose.tracker.storage.files import journal_path, load_session, open_session
+from keypose.tracker.storage.journal import Journal, read_journal
 from tests.app.killing import kill_once
 from tests.app.serving import ROOT
-from tracker.errors import SessionError
-from tracker.storage.files import journal_path, load_session, open_session
-from tracker.storage.journal import Journal, read_journal
 
 KILLS = 5
 """The benchmark kills two hundred times."""
@@ -243,7 +243,7 @@ def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_
 def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
 
     async def edit(store: Store) -> None:
         with monkeypatch.context() as patch:
@@ -262,7 +262,7 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
 def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
     elsewhere = path.parent.with_name("renamed")
 
     async def edit(store: Store) -> None:
@@ -333,7 +333,7 @@ def _full(*_: object) -> int:
 def test_a_long_journal_is_begun_anew_without_losing_a_step(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.edit_log.MOST_BYTES", 100_000)
+    monkeypatch.setattr("keypose.app.document.edit_log.MOST_BYTES", 100_000)
 
     async def edit(store: Store) -> None:
         await done(store, *(turn(-x / 4) for x in range(1, 60)))
@@ -354,12 +354,12 @@ def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_las
 
         def slowly(piece: OpenSession) -> Any:
             state = edit_state(piece)
-            monkeypatch.setattr("app.store.store.edit_state", edit_state)
+            monkeypatch.setattr("keypose.app.store.store.edit_state", edit_state)
             asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
             asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
             return state
 
-        monkeypatch.setattr("app.store.store.edit_state", slowly)
+        monkeypatch.setattr("keypose.app.store.store.edit_state", slowly)
         second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
         await second.open(path)
         await done(second, turn(-40))

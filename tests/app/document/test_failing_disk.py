@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from app.store import runner
+from keypose.app.store import runner
+from keypose.tracker.storage.chronicle import mark_of, without_results
+from keypose.tracker.storage.files import load_session, open_session
 from tests.app.document.test_edit_log import NoWorker, done, tried, turn, with_store
 from tests.app.full_disks import fill
 from tests.app.serving import ROOT
-from tracker.storage.chronicle import mark_of, without_results
-from tracker.storage.files import load_session, open_session
 
 STEPS = 12
 """More calls than a save makes of any kind."""

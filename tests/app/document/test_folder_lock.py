@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from app.document import folder_lock
-from app.document.folder_lock import NAME, LockedElsewhere, SessionLock
+from keypose.app.document import folder_lock
+from keypose.app.document.folder_lock import NAME, LockedElsewhere, SessionLock
 
 _HOLD = """
 import sys, time
 from pathlib import Path
-from app.document.folder_lock import SessionLock
+from keypose.app.document.folder_lock import SessionLock
 lock = SessionLock.take(Path(sys.argv[1]))
 print("held", flush=True)
 time.sleep(60)

@@ -9,16 +9,16 @@ from typing import Any
 
 import pytest
 
-from app.cli.main import main
-from app.document.folder_lock import NAME as LOCK
-from app.document.folder_lock import NotALock, SessionLock
-from app.jobs.batch.journal import FOLDER, NAME
-from app.store import runner
+from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import NAME as LOCK
+from keypose.app.document.folder_lock import NotALock, SessionLock
+from keypose.app.jobs.batch.journal import FOLDER, NAME
+from keypose.app.store import runner
+from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
 from tests.app.document.test_edit_log import NoWorker, done, with_store
 from tests.app.document.test_edit_log import turn as turned
 from tests.app.serving import ROOT
-from tracker.storage.files import load_session
 
 PRECIOUS = b"precious\n"
 

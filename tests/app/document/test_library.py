@@ -13,16 +13,16 @@ import cv2
 import numpy as np
 import pytest
 
-from app.document.library import Library, usual_folders
-from app.document.library.files import find_files
-from app.document.library.names import clean_name
-from app.document.library.recents import strip_of
-from app.document.library.uploads import Upload
+from keypose.app.document.library import Library, usual_folders
+from keypose.app.document.library.files import find_files
+from keypose.app.document.library.names import clean_name
+from keypose.app.document.library.recents import strip_of
+from keypose.app.document.library.uploads import Upload
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.surface.source import holds_meshes
+from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
-from tracker.errors import KeyposeError, SessionError
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.surface.source import holds_meshes
-from tracker.video import Video
 
 if TYPE_CHECKING:
     from av.video.stream import VideoStream
@@ -295,7 +295,7 @@ def test_a_name_that_is_no_text_is_listed_and_found(library: Library, home: Path
 
 
 def test_a_listing_that_would_never_end_ends(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.document.library.files.MOST_ENTRIES", 5)
+    monkeypatch.setattr("keypose.app.document.library.files.MOST_ENTRIES", 5)
     for number in range(9):
         (home / f"{number}.txt").touch()
     assert find_files([home]).more
@@ -422,7 +422,9 @@ def test_a_session_lives_beside_its_video(library: Library, home: Path) -> None:
 def test_a_session_lives_in_the_workspace_when_the_folder_is_locked(
     library: Library, home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.library.session_paths._is_writable", lambda folder: False)
+    monkeypatch.setattr(
+        "keypose.app.document.library.session_paths._is_writable", lambda folder: False
+    )
     place = library.workspace / "jump.keypose" / "session.json"
     assert library.session_for(clip(home)) == place
 
@@ -530,7 +532,9 @@ def test_an_upload_of_unknown_size_is_stopped_at_the_limit(tmp_path: Path) -> No
 def test_an_upload_without_room_is_refused(
     library: Library, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.library.uploads.free_bytes", lambda folder: 300 * 2**20)
+    monkeypatch.setattr(
+        "keypose.app.document.library.uploads.free_bytes", lambda folder: 300 * 2**20
+    )
     with pytest.raises(KeyposeError, match="no room"):
         library.upload("jump.mp4", 200 * 2**20)
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from app.document.library.poses import MOST, PoseShelf
-from app.editor.copied import Copied
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.render.pose_strokes import SIZE, PoseStroke, pose_strokes
+from keypose.app.document.library.poses import MOST, PoseShelf
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.render.pose_strokes import SIZE, PoseStroke, pose_strokes
+from keypose.tracker.errors import KeyposeError
 from tests.app.editor.desk import desk
-from tracker.errors import KeyposeError
 
 
 def copied() -> Copied:
@@ -61,7 +61,7 @@ def test_a_damaged_library_is_left_as_it_is(shelf: PoseShelf, tmp_path: Path) ->
 def test_the_library_takes_no_more_than_it_can_show(
     shelf: PoseShelf, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.library.poses.MOST", 2)
+    monkeypatch.setattr("keypose.app.document.library.poses.MOST", 2)
     for name in ("One", "Two"):
         shelf.keep(name, copied(), ())
     with pytest.raises(Refused, match="holds 2 poses"):

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from app.document.folder_lock import SessionLock
-from app.document.library import Library, id_of
-from app.document.library.belongings import belongings
-from app.document.open import open_for_editing
+from keypose.app.document.folder_lock import SessionLock
+from keypose.app.document.library import Library, id_of
+from keypose.app.document.library.belongings import belongings
+from keypose.app.document.open import open_for_editing
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.storage.files import load_session, open_video_of
 from tests.app.serving import ROOT
-from tracker.errors import KeyposeError, SessionError
-from tracker.storage.files import load_session, open_video_of
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 import pytest
 
-from app.document.new import new_session
-from app.jobs.rerun import with_settings
+from keypose.app.document.new import new_session
+from keypose.app.jobs.rerun import with_settings
+from keypose.tracker.session import Session, TrackSettings
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.fingerprints import segment_keys
+from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
-from tracker.session import Session, TrackSettings
-from tracker.storage.files import load_session, save_session
-from tracker.storage.fingerprints import segment_keys
-from tracker.video import Video
 
 BALANCE = Path(__file__).parents[3] / "sample_videos" / "balance"
 

@@ -12,29 +12,29 @@ import numpy as np
 import pytest
 import trimesh
 
-from app.cli.main import main
-from app.document.new import new_surface_session, open_with_reading
-from app.document.open import OpenSession, copy_session, edit_state, open_for_editing
-from app.render.video_frames import frame_or_grey
+from keypose.app.cli.main import main
+from keypose.app.document.new import new_surface_session, open_with_reading
+from keypose.app.document.open import OpenSession, copy_session, edit_state, open_for_editing
+from keypose.app.render.video_frames import frame_or_grey
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError
+from keypose.tracker.storage.chronicle import Moment, base_record, edit_record
+from keypose.tracker.storage.files import journal_path, load_session, open_video_of, save_session
+from keypose.tracker.storage.fingerprints import setup_hash
+from keypose.tracker.storage.journal import Journal
+from keypose.tracker.storage.results import segment_keys
+from keypose.tracker.surface.files import sequence
+from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.files.sequence import Glance, MeshSequence
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.new_session import Reading
+from keypose.tracker.surface.picture import SurfaceVideo
+from keypose.tracker.surface.source import holds_meshes
+from keypose.tracker.video import MissingFrame
 from tests.app import surface_cases as cases
-from tracker.body.body import preset
-from tracker.body.pose import pose_transforms
-from tracker.body.scaling import height
-from tracker.body.shapes import Box
-from tracker.errors import KeyposeError, SessionError, SurfaceError
-from tracker.storage.chronicle import Moment, base_record, edit_record
-from tracker.storage.files import journal_path, load_session, open_video_of, save_session
-from tracker.storage.fingerprints import setup_hash
-from tracker.storage.journal import Journal
-from tracker.storage.results import segment_keys
-from tracker.surface.files import sequence
-from tracker.surface.files.ply import ply_bytes
-from tracker.surface.files.sequence import Glance, MeshSequence
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.new_session import Reading
-from tracker.surface.picture import SurfaceVideo
-from tracker.surface.source import holds_meshes
-from tracker.video import MissingFrame
 
 
 def place(video: Path) -> Path:

@@ -14,16 +14,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
-from app.editor.state import EditorState
-from app.posing import opening_pose
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.cli.main import main
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import opening_pose
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import load_results, save_results
 from tests.app.serving import ROOT
-from tracker.body.skeleton import Skeleton
-from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import load_results, save_results
 
 HERE = Path(__file__).parent / "version_2"
 DIFFER = ": forward and backward passes differ"

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from app.editor.actions import ACTIONS
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.editor.update import update
-from app.posing import opening_pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.storage.files import load_session
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.update import update
+from keypose.app.posing import opening_pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.files import load_session
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "person" / "session.json"
 
@@ -43,6 +43,6 @@ def after(state: EditorState, *messages: dict[str, Any]) -> EditorState:
 
 def angles(state: EditorState, part: str) -> Array:
     """A part's angles at the present frame, degrees."""
-    from app.editor.posing_edits import angles_at
+    from keypose.app.editor.posing_edits import angles_at
 
     return np.array(angles_at(state, shown_pose(state).pose)[part])

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-import static
-from app.editor.actions import ACTIONS
+from keypose import static
+from keypose.app.editor.actions import ACTIONS
 
 ANGLES = {"do": "angles", "part": "head"}
 MASK = {"do": "add_mask", "polygon": [[0, 0], [1, 0], [0, 1]], "first": 0, "last": 1}

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.actions import ACTIONS
-from app.editor.advice import next_step
-from app.editor.ahead import start_frame, with_followed
-from app.editor.ahead_text import found_sentence
-from app.editor.drafted import with_clip_drafted
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.advice import next_step
+from keypose.app.editor.ahead import start_frame, with_followed
+from keypose.app.editor.ahead_text import found_sentence
+from keypose.app.editor.drafted import with_clip_drafted
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.ahead import Direction, Stop
+from keypose.tracker.session.schema import Session
+from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.editor.desk import after, desk
-from tracker.body.trajectory import Trajectory
-from tracker.session.ahead import Direction, Stop
-from tracker.session.schema import Session
-from tracker.tracking.ahead.follow import FoundAhead
 
 HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")
 

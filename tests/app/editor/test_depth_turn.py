@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.rotations import Array
 from tests.app.editor.desk import after, desk
-from tracker.body.pose import joint_names, joint_positions, pose_transforms
-from tracker.geometry.rotations import Array
 
 LIMB_PX, BODY_PX = 3.0, 5.0
 """How near the joints stay to their pixels: the worst of a limb, and the mean of the body, whose

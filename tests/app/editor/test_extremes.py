@@ -10,14 +10,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
-from app.editor.documents import require_sound
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.editor.update import update
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.documents import require_sound
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.update import update
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.files import load_session, save_session
 from tests.app.editor.desk import after, desk
-from tracker.errors import KeyposeError
-from tracker.storage.files import load_session, save_session
 
 HUGE_AND_TINY = (0.0, 5e-324, 1e-308, 1e-12, 1e-3, 0.2, 1.0, 1e3, 1e4, 1e6, 1e7, 1e150, 1.7e308)
 NUMBERS = st.one_of(

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.editor.feet import feet_paths
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.editor.feet import feet_paths
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.body import load_body
+from keypose.tracker.geometry.rotations import apply_transform
 from tests.app.editor.desk import after, desk
 from tests.app.posing.posing_cases import SAMPLES
 from tests.app.store.test_sections import seen
-from tracker.body.body import load_body
-from tracker.geometry.rotations import apply_transform
 
 
 def test_both_feet_are_followed_over_all_segments_tracked_or_not() -> None:

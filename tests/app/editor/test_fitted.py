@@ -7,17 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.editor.body_edits import with_body
-from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.posing import with_height
+from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.fitted import (
+    pose_to_fit,
+    require_sizes_to_fit,
+    with_pose_fitted,
+    with_sizes_fitted,
+)
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import with_height
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.session.schema import FirstMotion, Session
 from tests.app.editor.desk import after, desk
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.errors import KeyposeError
-from tracker.session.schema import FirstMotion, Session
 
 BACK = {"do": "undo"}
 

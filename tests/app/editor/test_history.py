@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.store.sections.history_values import MOST_LISTED, history
-from app.store.state import AppState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections.history_values import MOST_LISTED, history
+from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 
 

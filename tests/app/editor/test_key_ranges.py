@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
-from app.editor.refusal import Refused
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.refusal import Refused
 from tests.app.editor.desk import after, desk
 
 KEYS = (0, 24, 48, 72)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.corrections import KeypointCorrection
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
-from tracker.session.corrections import KeypointCorrection
 
 WRIST = {"do": "correct_keypoint", "frame": 3, "joint": "left_wrist"}
 STROKE = {"stroke": "ring-1"}

@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Session
 from tests.app.editor.desk import after, desk
-from tracker.body.pose import pose_transforms
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Session
 
 
 def seen(state: EditorState) -> Array:

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.editor.documents import with_drafts
-from app.editor.shown import find, shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor.documents import with_drafts
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import after, angles, desk
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Pass, Trajectory, interpolate
-from tracker.storage.results import Results, segment_keys
-from tracker.tracking.result import SegmentResult
 
 MIDDLE = 12
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.tracker.session.notes import LONGEST
+from keypose.tracker.session.schema import MOST, Session
 from tests.app.editor.desk import after, desk
-from tracker.session.notes import LONGEST
-from tracker.session.schema import MOST, Session
 
 
 def noted(state: EditorState) -> list[tuple[int, str]]:

@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.actions import ACTIONS
-from app.editor.body_edits import with_body
-from app.editor.edits import label_of
-from app.editor.part_edits import limbs_of
-from app.editor.refusal import Refused
-from app.editor.shown import pose_behind, shown_pose
-from app.editor.state import EditorState
-from app.store.sections import pose_values
-from app.store.state import AppState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.edits import label_of
+from keypose.app.editor.part_edits import limbs_of
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import pose_behind, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections import pose_values
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.session import Session
+from keypose.tracker.storage import changes
 from tests.app.editor.desk import after, desk
-from tracker.body.pose import pose_transforms
-from tracker.session import Session
-from tracker.storage import changes
 
 RIGHT_ARM = ("right_upper_arm", "right_forearm", "right_hand")
 LEFT_LEG = ("left_thigh", "left_shin", "left_foot")

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
-from app.editor.copied import Copied
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.storage.files import load_session
 from tests.app.editor.desk import SAMPLE, after, angles, desk
-from tracker.body.skeleton import Skeleton
-from tracker.storage.files import load_session
 
 
 def text_of(*frames: int, at: int = 0) -> dict[str, Any]:

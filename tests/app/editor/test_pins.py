@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.actions import ACTIONS
-from app.editor.edits import label_of
-from app.editor.pinned import open_proposals, pinned_ends
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.store.sections import pin_values
-from app.store.state import AppState
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.edits import label_of
+from keypose.app.editor.pinned import open_proposals, pinned_ends
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections import pin_values
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage import changes
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import after, desk
-from tracker.body.pose import pose_transforms
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.session.pins import Pin
-from tracker.session.verdict import GOOD
-from tracker.storage import changes
-from tracker.storage.results import Results, segment_keys
-from tracker.tracking.result import SegmentResult
 
 FOOT = {"do": "set_pin", "part": "left_foot"}
 SOLE = ("left_heel", "left_toe")

@@ -9,23 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.document.open import with_kept_motion
-from app.editor.motion import motion_between
-from app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.document.open import with_kept_motion
+from keypose.app.editor.motion import motion_between
+from keypose.app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.reduction.reduce import reduce_motion
+from keypose.tracker.reduction.result import Reduction, Tolerance
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.storage.fingerprints import segment_keys
+from keypose.tracker.storage.first_motion import kept_beside, of_session, save_own_motion
 from tests.app import surface_cases
 from tests.app.editor.desk import SAMPLE, after, desk
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.errors import KeyposeError
-from tracker.reduction.reduce import reduce_motion
-from tracker.reduction.result import Reduction, Tolerance
-from tracker.session import Keyframe, Session
-from tracker.storage.fingerprints import segment_keys
-from tracker.storage.first_motion import kept_beside, of_session, save_own_motion
 
 TRUTH = np.load(SAMPLE.with_name("truth.npz"))
 MOTION = Trajectory(0, TRUTH["Rs_parent_part"], TRUTH["ps_camera_root"])

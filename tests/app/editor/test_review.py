@@ -8,22 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
-from app.editor.judged import Judged
-from app.editor.refusal import Refused
-from app.editor.review import Review, review_of
-from app.editor.review_words import label_of_place, reason_of_place
-from app.editor.state import EditorState
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.cli.main import main
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.review import Review, review_of
+from keypose.app.editor.review_words import label_of_place, reason_of_place
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.storage.files import save_session
+from keypose.tracker.storage.results import Results, save_results, segment_keys
+from keypose.tracker.tracking.result import Diagnostics
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting
-from tracker.body.pose import pose_transforms
-from tracker.session.drafted import Drafted
-from tracker.session.verdict import Verdict
-from tracker.storage.files import save_session
-from tracker.storage.results import Results, save_results, segment_keys
-from tracker.tracking.result import Diagnostics
 
 RIGHT_PX = 3.5
 """Of joints that are right."""

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from app.editor.suggest import WHERE_WRONG, middle, suggestion
+from keypose.app.editor.suggest import WHERE_WRONG, middle, suggestion
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.session.verdict import GOOD, Cause, Verdict
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.results_cases import judged, passing, session
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import rotation_from_euler
-from tracker.session.verdict import GOOD, Cause, Verdict
-from tracker.storage.results import Span
-from tracker.tracking.result import SegmentResult
 
 KEYS = (0, 24, 48, 72)
 PARTS = ("chest", "left_hand")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.editor.trail import end_trail
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.trail import end_trail
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.rotations import Array
 from tests.app.editor.desk import after, desk
 from tests.app.editor.test_next_key import tracked_desk
-from tracker.body.pose import joint_names, joint_positions, pose_transforms
-from tracker.geometry.rotations import Array
 
 
 def joint(state: EditorState, frame: int, name: str) -> Array:

@@ -11,19 +11,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.editor import body_edits
-from app.editor.actions import ACTIONS, Clavicles
-from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
+from keypose.app.editor import body_edits
+from keypose.app.editor.actions import ACTIONS, Clavicles
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.clavicles import has_clavicles, without_clavicles
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import session_json
 from tests.app.editor.desk import after, angles, desk
-from tracker.body.body import Body, preset
-from tracker.body.clavicles import has_clavicles, without_clavicles
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeyposeError
-from tracker.session import Session
-from tracker.storage.files import session_json
 
 TURN = {"do": "angles", "part": "left_forearm", "x": -40}
 

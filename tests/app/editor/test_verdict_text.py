@@ -6,8 +6,8 @@ from typing import get_args
 
 import pytest
 
-from app.editor.verdict_text import reason_with_frames, sentence, short_sentence
-from tracker.session.verdict import GOOD, Cause, Verdict
+from keypose.app.editor.verdict_text import reason_with_frames, sentence, short_sentence
+from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 
 HAND = "right_hand"
 SAID = {

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.storage.files import load_session, save_session
 from tests.app.cli_cases import refused
 from tests.tracker.formats import animals, recordings
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.solver.body_points import BodyPoints
-from tracker.storage.files import load_session, save_session
 
 DOG = Body.model_validate_json((recordings.SAMPLES / "bodies" / "dog.json").read_text("utf-8"))
 SKELETON = Skeleton.of(DOG)

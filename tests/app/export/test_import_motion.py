@@ -14,33 +14,33 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.cli.main import main
-from app.document.folder_lock import SessionLock
-from app.document.open import copy_session
-from app.export.import_motion import Draft, drafts_of, fit_to_session, match_keypoints
+from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import SessionLock
+from keypose.app.document.open import copy_session
+from keypose.app.export.import_motion import Draft, drafts_of, fit_to_session, match_keypoints
+from keypose.tracker.body.pose import joint_names, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError, SessionError
+from keypose.tracker.evaluate import evaluate
+from keypose.tracker.formats.csv import joints_csv
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.session import Session
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.first_motion import of_session
+from keypose.tracker.storage.results import segment_keys
+from keypose.tracker.storage.tracking import track_session
+from keypose.tracker.storage.tracks import load_trajectory
+from keypose.tracker.tracking.pool import TrackFinished
+from keypose.tracker.tracking.result import TrackResult
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
-from tracker.body.pose import joint_names, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError, SessionError
-from tracker.evaluate import evaluate
-from tracker.formats.csv import joints_csv
-from tracker.formats.joint_motion import JointMotion
-from tracker.formats.joint_names import matched
-from tracker.geometry.rotations import exp_rotation, log_rotation
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.layouts import LAYOUTS
-from tracker.session import Session
-from tracker.solver.body_points import BodyPoints
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.first_motion import of_session
-from tracker.storage.results import segment_keys
-from tracker.storage.tracking import track_session
-from tracker.storage.tracks import load_trajectory
-from tracker.tracking.pool import TrackFinished
-from tracker.tracking.result import TrackResult
 
 Floats = NDArray[np.float64]
 

@@ -12,24 +12,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.cli.main import main
-from app.editor.state import EditorState
-from app.export.motion_files import Sampling, motion_archive
-from app.export.motion_formats import FORMATS, MotionFormat
-from app.posing import opening_pose
-from app.server.outputs import MOTION
+from keypose.app.cli.main import main
+from keypose.app.editor.state import EditorState
+from keypose.app.export.motion_files import Sampling, motion_archive
+from keypose.app.export.motion_formats import FORMATS, MotionFormat
+from keypose.app.posing import opening_pose
+from keypose.app.server.outputs import MOTION
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.rigs import RIGS
+from keypose.tracker.formats.units import FILE_UNITS
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import Results, save_results
+from keypose.tracker.storage.tracks import save_result
+from keypose.tracker.video.fingerprint import fingerprint_of_file
 from tests.app import results_cases
 from tests.app.cli_cases import refused
 from tests.tracker import session_cases as cases
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.video_cases import write_numbered
-from tracker.errors import FormatError
-from tracker.formats.rigs import RIGS
-from tracker.formats.units import FILE_UNITS
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import Results, save_results
-from tracker.storage.tracks import save_result
-from tracker.video.fingerprint import fingerprint_of_file
 
 STATIC = Path(__file__).parents[3] / "static"
 LAST = 8

@@ -12,14 +12,14 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from app.export.motion_files import AS_TRACKED, Sampling
-from app.export.motion_formats import MARKER_SETS as MARKER_SETS_OF_HELP
-from app.export.opensim_files import files_for_model
+from keypose.app.export.motion_files import AS_TRACKED, Sampling
+from keypose.app.export.motion_formats import MARKER_SETS as MARKER_SETS_OF_HELP
+from keypose.app.export.opensim_files import files_for_model
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import MARKER_SETS
 from tests.app.cli_cases import refused
 from tests.tracker.formats import recordings
 from tests.tracker.formats.opensim_model import osim
-from tracker.errors import FormatError
-from tracker.formats.recording import MARKER_SETS
 
 WITH_OPENSIM = pytest.mark.skipif(find_spec("opensim") is None, reason="OpenSim is not installed")
 
@@ -34,7 +34,7 @@ def model(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def without_opensim(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.export.opensim_files.find_spec", lambda name: None)
+    monkeypatch.setattr("keypose.app.export.opensim_files.find_spec", lambda name: None)
 
 
 @pytest.mark.usefixtures("without_opensim")

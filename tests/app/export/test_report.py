@@ -13,24 +13,32 @@ import cv2
 import numpy as np
 import pytest
 
-from app.cli.main import main
-from app.editor.suggest import suggestion
-from app.export.report.charts import over_time, score_chart
-from app.export.report.markup import VOID, Html, element, joined
-from app.export.report.plots import MOST_COLUMNS, Scale, area, curve, nice_ticks, runs, steps
-from app.export.report.report import report_html, segments_table, subject_of, thumbnail
-from app.export.report.tables import keyframes_table
-from app.render.palette import PAPER
-from app.render.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
+from keypose.app.cli.main import main
+from keypose.app.editor.suggest import suggestion
+from keypose.app.export.report.charts import over_time, score_chart
+from keypose.app.export.report.markup import VOID, Html, element, joined
+from keypose.app.export.report.plots import (
+    MOST_COLUMNS,
+    Scale,
+    area,
+    curve,
+    nice_ticks,
+    runs,
+    steps,
+)
+from keypose.app.export.report.report import report_html, segments_table, subject_of, thumbnail
+from keypose.app.export.report.tables import keyframes_table
+from keypose.app.render.palette import PAPER
+from keypose.app.render.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
+from keypose.tracker.session.notes import Note
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.fingerprints import setup_hash
+from keypose.tracker.storage.tracks import save_result
 from tests.app import surface_cases
 from tests.app.cli_cases import refused
 from tests.app.results_cases import judged
 from tests.tracker import session_cases as cases
-from tracker.session.notes import Note
-from tracker.session.verdict import Verdict
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.fingerprints import setup_hash
-from tracker.storage.tracks import save_result
 
 EVIL = "</title><script>alert(1)</script>\"'&<img src=x onerror=alert(2)>"
 

@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.export.report import report as reporting
-from app.export.report.charts import over_time
-from app.export.report.derivatives import Derivatives, derivatives, derivatives_section
-from app.export.report.markup import Html
-from app.export.report.report import head_section, pictures_section, subject_of
-from app.export.report.subject import Subject
+from keypose.app.export.report import report as reporting
+from keypose.app.export.report.charts import over_time
+from keypose.app.export.report.derivatives import Derivatives, derivatives, derivatives_section
+from keypose.app.export.report.markup import Html
+from keypose.app.export.report.report import head_section, pictures_section, subject_of
+from keypose.app.export.report.subject import Subject
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import low_passed
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import Span
+from keypose.tracker.storage.tracks import Tracks, save_result
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import MissingFrame
 from tests.app import surface_cases
 from tests.tracker import session_cases as cases
-from tracker.formats.recording import Recording
-from tracker.formats.sampling import low_passed
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import Span
-from tracker.storage.tracks import Tracks, save_result
-from tracker.tracking.result import SegmentResult
-from tracker.video import MissingFrame
 
 
 def measured(found: SegmentResult, **arrays: Any) -> SegmentResult:

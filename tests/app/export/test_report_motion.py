@@ -11,23 +11,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from app.cli.main import main
-from app.editor.state import EditorState
-from app.export.motion_files import motion_archive
-from app.export.report.clinical import clinical_charts
-from app.export.report.gait import gait_section
-from app.export.report.motion import recording_of
-from app.export.report.report import report_html, subject_of
-from app.export.report.subject import Subject
-from app.posing import opening_pose
+from keypose.app.cli.main import main
+from keypose.app.editor.state import EditorState
+from keypose.app.export.motion_files import motion_archive
+from keypose.app.export.report.clinical import clinical_charts
+from keypose.app.export.report.gait import gait_section
+from keypose.app.export.report.motion import recording_of
+from keypose.app.export.report.report import report_html, subject_of
+from keypose.app.export.report.subject import Subject
+from keypose.app.posing import opening_pose
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.tracks import save_result
 from tests.app.export.test_report import read
 from tests.app.walking_cases import FRAMES, SKELETON, write_walk
 from tests.tracker import session_cases as cases
-from tracker.formats.recording import Recording
-from tracker.session.pins import Pin
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import Results
-from tracker.storage.tracks import save_result
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,14 @@ from threading import Event
 
 import pytest
 
-from app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
-from app.jobs.fits import Fit
-from app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
+from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.session import Session
+from keypose.tracker.session.ahead import Direction
+from keypose.tracker.storage.files import load_session
 from tests.app import surface_cases
 from tests.app.serving import ROOT
-from tracker.session import Session
-from tracker.session.ahead import Direction
-from tracker.storage.files import load_session
 
 BOX = ROOT / "sample_videos" / "box" / "session.json"
 

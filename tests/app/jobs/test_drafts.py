@@ -7,12 +7,12 @@ from threading import Event
 
 import pytest
 
-from app.document.new import new_session
-from app.jobs.fits import Fit
-from app.jobs.messages import Drafted, Drafting, DraftOrder, JobFailed, JobFinished, Report
-from app.jobs.worker_cache import WorkerCache
+from keypose.app.document.new import new_session
+from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.messages import Drafted, Drafting, DraftOrder, JobFailed, JobFinished, Report
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.video import Video
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
-from tracker.video import Video
 
 VIDEO = BALANCE / "balance.mp4"
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs.fits import Fit
-from app.jobs.messages import (
+from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.messages import (
     FitOrder,
     JobFailed,
     JobFinished,
@@ -24,10 +24,10 @@ from app.jobs.messages import (
     SizesFitted,
     SizesOrder,
 )
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import VideoError
+from keypose.tracker.session import Session
 from tests.tracker import session_cases as cases
-from tracker.body.pose import Pose
-from tracker.errors import VideoError
-from tracker.session import Session
 
 SESSION = cases.session()
 CONTENT = SESSION.model_dump_json().encode()
@@ -62,7 +62,7 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
         for place, name in (("pose", "fit_pose_to_picture"), ("sizes", "fit_sizes")):
             module = ModuleType(name)
             setattr(module, name, fit)
-            monkeypatch.setitem(sys.modules, f"tracker.fitting.{place}", module)
+            monkeypatch.setitem(sys.modules, f"keypose.tracker.fitting.{place}", module)
 
     return replaced
 
@@ -150,7 +150,7 @@ def test_a_fault_is_one_sentence_too(
 def test_poses_are_read_only_on_the_other_side() -> None:
     from multiprocessing import Pipe
 
-    from app.jobs.wire import receive, send
+    from keypose.app.jobs.wire import receive, send
 
     ours, theirs = Pipe()
     send(ours, PoseOrder(CONTENT, str(Path("v")), 4, POSE, {3: POSE}))

@@ -6,9 +6,9 @@ from threading import Thread
 
 import pytest
 
-from app.jobs import PassFinished, Ready, worker
-from app.jobs.messages import Cancel, Pause, Report
-from app.jobs.worker import Worker
+from keypose.app.jobs import PassFinished, Ready, worker
+from keypose.app.jobs.messages import Cancel, Pause, Report
+from keypose.app.jobs.worker import Worker
 
 
 @pytest.fixture

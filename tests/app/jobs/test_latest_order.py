@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.jobs.latest_order import LatestOrder
-from app.jobs.messages import Order
+from keypose.app.jobs.latest_order import LatestOrder
+from keypose.app.jobs.messages import Order
 
 
 def order(job: int) -> Order:

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from app.jobs import PassFinished, Progress, SegmentFinished, Started
-from app.jobs.messages import JobFinished
+from keypose.app.jobs import PassFinished, Progress, SegmentFinished, Started
+from keypose.app.jobs.messages import JobFinished
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.results_cases import session, track
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Pass
-from tracker.session.settings import Quality
-from tracker.tracking.result import SegmentResult
 
 WANTED = ((0, 4, "a"), (4, 8, "b"))
 

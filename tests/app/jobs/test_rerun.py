@@ -12,22 +12,22 @@ from typing import Any
 
 import pytest
 
-import sample_videos
-from app.cli.main import main
-from app.jobs import JobFailed, SegmentFinished
-from app.jobs.batch.run_one import run_task
-from app.jobs.batch.task import Task
-from app.jobs.rerun import all_segments, rerun, save_found, with_settings
-from app.jobs.work import Job
+from keypose import sample_videos
+from keypose.app.cli.main import main
+from keypose.app.jobs import JobFailed, SegmentFinished
+from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.task import Task
+from keypose.app.jobs.rerun import all_segments, rerun, save_found, with_settings
+from keypose.app.jobs.work import Job
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Keyframe
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.tracking.tracker import Tracker
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases as cases
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
-from tracker.errors import SessionError
-from tracker.session import Keyframe
-from tracker.session.pins import Pin
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.tracking.tracker import Tracker
 
 SAMPLE = Path(sample_videos.__file__).parent / "box"
 BETWEEN = 25
@@ -146,7 +146,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
         given = (session, path, video, all_segments(session))
         reports = list(rerun(*given, workers=1, stop=Event()))
     found = [one.result for one in reports if isinstance(one, SegmentFinished)]
-    monkeypatch.setattr("app.jobs.rerun.solved", fail)
+    monkeypatch.setattr("keypose.app.jobs.rerun.solved", fail)
     with pytest.raises(ZeroDivisionError):
         save_found(session, path, found)
     results = load_session(path).results

@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved, rerun
-from app.jobs.rerun import save_found, save_tracks_beside
-from app.jobs.space import solve_order
+from keypose.app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved, rerun
+from keypose.app.jobs.rerun import save_found, save_tracks_beside
+from keypose.app.jobs.space import solve_order
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.storage import space
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.space import solved
+from keypose.tracker.storage.tracks import load_tracks
 from tests.app.jobs.test_tracking import Office, in_office
 from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
-from tracker.errors import SessionError
-from tracker.session import Session
-from tracker.storage import space
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import load_results
-from tracker.storage.space import solved
-from tracker.storage.tracks import load_tracks
 
 
 def order(of: Session, job: int = 7) -> SpaceOrder:

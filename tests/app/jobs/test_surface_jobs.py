@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs import (
+from keypose.app.jobs import (
     JobFailed,
     JobFinished,
     PassFinished,
@@ -22,32 +22,32 @@ from app.jobs import (
     SegmentFinished,
     SizesOrder,
 )
-from app.jobs.fits import Fit
-from app.jobs.messages import Order
-from app.jobs.rerun import save_found
-from app.jobs.tracking import _only_needed
-from app.jobs.work import Job
-from app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.messages import Order
+from keypose.app.jobs.rerun import save_found
+from keypose.app.jobs.tracking import _only_needed
+from keypose.app.jobs.work import Job
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.settings import Weights
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import Results, load_results, save_results, segment_keys
+from keypose.tracker.storage.results import pose_at as pose_of
+from keypose.tracker.storage.tracking import track_session
+from keypose.tracker.storage.tracks import load_trajectory
+from keypose.tracker.surface.fit import segment
+from keypose.tracker.surface.fit.fitter import SurfaceFitter, options_of
+from keypose.tracker.tracking.pool import SegmentStarted, TrackFinished
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
 from tests.app import surface_cases as cases
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SessionError
-from tracker.geometry.rotations import exp_rotation
-from tracker.session import Keyframe, Session
-from tracker.session.settings import Weights
-from tracker.session.verdict import Verdict
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import Results, load_results, save_results, segment_keys
-from tracker.storage.results import pose_at as pose_of
-from tracker.storage.tracking import track_session
-from tracker.storage.tracks import load_trajectory
-from tracker.surface.fit import segment
-from tracker.surface.fit.fitter import SurfaceFitter, options_of
-from tracker.tracking.pool import SegmentStarted, TrackFinished
-from tracker.tracking.result import SegmentResult
-from tracker.video import Video
 
 
 @pytest.fixture

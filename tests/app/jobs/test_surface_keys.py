@@ -7,18 +7,18 @@ from typing import Any
 
 import pytest
 
-from app.document.library.recents import Recent, spans_of
+from keypose.app.document.library.recents import Recent, spans_of
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe, SegmentSummary, Session
+from keypose.tracker.session import schema as saved
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.chronicle import Moment, base_record, mark_of
+from keypose.tracker.storage.files import session_json
+from keypose.tracker.storage.fingerprints import setup_hash
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.results import segment_key, segment_keys
 from tests.app import surface_cases as cases
 from tests.tracker import session_cases
-from tracker.body.skeleton import Skeleton
-from tracker.session import Keyframe, SegmentSummary, Session
-from tracker.session import schema as saved
-from tracker.session.verdict import GOOD
-from tracker.storage.chronicle import Moment, base_record, mark_of
-from tracker.storage.files import session_json
-from tracker.storage.fingerprints import setup_hash
-from tracker.storage.outdated import outdated_words
-from tracker.storage.results import segment_key, segment_keys
 
 TWO = cases.session(keyframes=(1, 3))
 
@@ -120,15 +120,15 @@ def test_which_end_is_keyed_decides() -> None:
 def test_other_meshes_are_not_taken_for_another_film(tmp_path: Any) -> None:
     """Their fingerprint is of another kind, so the start screen does not compare it."""
     path = cases.write_session(tmp_path / "job")
-    from tracker.storage.files import load_session
+    from keypose.tracker.storage.files import load_session
 
     assert Recent.of(path, load_session(path), [], 0.0).fingerprint == ""
 
 
 def test_a_motion_without_keyframes_at_its_ends_is_not_out_of_date(tmp_path: Any) -> None:
-    from app.cli.main import main
-    from tracker.storage.files import load_session
-    from tracker.storage.tracks import load_tracks
+    from keypose.app.cli.main import main
+    from keypose.tracker.storage.files import load_session
+    from keypose.tracker.storage.tracks import load_tracks
 
     path = cases.write_session(tmp_path / "job", keyframes=(2,))
     assert main(["fit", "--session", str(path), "--quality", "preview"]) in (0, 1)
@@ -144,9 +144,9 @@ def test_a_motion_without_keyframes_at_its_ends_is_not_out_of_date(tmp_path: Any
 def test_a_keyframe_taken_away_or_set_at_an_end_puts_the_motion_out_of_date(
     tmp_path: Any, frame: int
 ) -> None:
-    from app.cli.main import main
-    from tracker.storage.files import load_session
-    from tracker.storage.tracks import load_tracks
+    from keypose.app.cli.main import main
+    from keypose.tracker.storage.files import load_session
+    from keypose.tracker.storage.tracks import load_tracks
 
     path = cases.write_session(tmp_path / "job", keyframes=(2, 4))
     assert main(["fit", "--session", str(path), "--quality", "preview"]) in (0, 1)

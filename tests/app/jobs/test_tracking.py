@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from app.jobs import (
+from keypose.app.jobs import (
     LIVE,
     JobFailed,
     JobFinished,
@@ -24,12 +24,12 @@ from app.jobs import (
     Tracking,
     Warming,
 )
+from keypose.tracker.session import Session
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.storage.tracking import track_session
+from keypose.tracker.tracking.pool import TrackFinished
+from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
-from tracker.session import Session
-from tracker.storage.results import Results, segment_keys
-from tracker.storage.tracking import track_session
-from tracker.tracking.pool import TrackFinished
-from tracker.video import Video
 
 PATIENCE_S = 300.0
 """The loops may have to be compiled first."""

@@ -7,11 +7,11 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
-from app.jobs.messages import JobFailed, PassFinished, SegmentFinished
-from app.jobs.wire import receive, send
+from keypose.app.jobs.messages import JobFailed, PassFinished, SegmentFinished
+from keypose.app.jobs.wire import receive, send
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.results_cases import session, track
-from tracker.body.trajectory import Pass
-from tracker.tracking.result import SegmentResult
 
 
 def test_results_arrive_as_they_were_sent_and_cannot_be_written_to() -> None:

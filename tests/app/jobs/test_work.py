@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs.messages import (
+from keypose.app.jobs.messages import (
     JobFailed,
     JobFinished,
     Order,
@@ -20,14 +20,14 @@ from app.jobs.messages import (
     SegmentFinished,
     Started,
 )
-from app.jobs.work import Job
+from keypose.app.jobs.work import Job
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.errors import SessionError, VideoError
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Quality, TrackSettings
+from keypose.tracker.storage.results import Span, segment_keys
+from keypose.tracker.tracking.tracker import expected_steps
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Pass
-from tracker.errors import SessionError, VideoError
-from tracker.session import Session
-from tracker.session.settings import Quality, TrackSettings
-from tracker.storage.results import Span, segment_keys
-from tracker.tracking.tracker import expected_steps
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
 

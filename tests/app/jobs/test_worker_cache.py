@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.errors import SessionError, VideoError
+from keypose.tracker.session import IgnoreMask, Session, TrackSettings
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError, VideoError
-from tracker.session import IgnoreMask, Session, TrackSettings
 
 Place = tuple[Session, str]
 

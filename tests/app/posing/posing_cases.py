@@ -10,14 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.posing import BodyHandle, Gesture, PointerView, Posed, drag, opening_pose, view_rotations
-from app.posing.vectors import unit
-from tracker.body.body import Body, load_body, preset
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.storage.files import load_session
+from keypose.app.posing import (
+    BodyHandle,
+    Gesture,
+    PointerView,
+    Posed,
+    drag,
+    opening_pose,
+    view_rotations,
+)
+from keypose.app.posing.vectors import unit
+from keypose.tracker.body.body import Body, load_body, preset
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.storage.files import load_session
 
 Floats = NDArray[np.float64]
 

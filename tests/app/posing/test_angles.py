@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import (
+from keypose.app.posing import (
     angles_deg,
     at_limit,
     axis_labels,
@@ -19,13 +19,13 @@ from app.posing import (
     with_angles,
     with_reset,
 )
-from app.posing.angles import rotation_of
-from app.posing.limits import box_of, is_within, nearest_within, of_angles
+from keypose.app.posing.angles import rotation_of
+from keypose.app.posing.limits import box_of, is_within, nearest_within, of_angles
+from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
+from keypose.tracker.storage.fingerprints import setup_hash
 from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
-from tracker.body.body import PEOPLE, preset
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
-from tracker.storage.fingerprints import setup_hash
 
 SKELETON = Skeleton.of(PERSON)
 angle = st.floats(-180, 180)
@@ -150,8 +150,8 @@ def test_words_fit_parts_axes_and_sides() -> None:
 
 
 def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
+    from keypose.tracker.storage.files import load_session
     from tests.app.posing.posing_cases import SAMPLES
-    from tracker.storage.files import load_session
 
     session = load_session(SAMPLES / "person" / "session.json")
     bare = [part.model_copy(update={"limits_deg": {}}) for part in session.body.parts]

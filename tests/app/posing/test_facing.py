@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import Way, facing, opening_pose, view_rotations, with_angles
+from keypose.app.posing import Way, facing, opening_pose, view_rotations, with_angles
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation, frozen
 from tests.app.posing.posing_cases import CAMERA, PERSON
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation, frozen
 
 SKELETON = Skeleton.of(PERSON)
 UPS = {"level": (0.0, -1.0, 0.0), "from above": (0.0, -0.8, -0.6), "rolled": (0.28, -0.96, 0.0)}

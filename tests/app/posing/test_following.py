@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import BodyHandle, angles_deg, drag, handle_named, handles
+from keypose.app.posing import BodyHandle, angles_deg, drag, handle_named, handles
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from tests.app.posing.posing_cases import (
     PERSON,
     VIEWS,
@@ -22,8 +24,6 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.tracker.tracking_cases import deep_chain
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
 
 CHAIN = deep_chain(6).body
 SKELETON = Skeleton.of(PERSON)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.editor.pointer_views import pointer_views
-from app.posing import (
+from keypose.app.editor.pointer_views import pointer_views
+from keypose.app.posing import (
     Eye,
     Gesture,
     PointerView,
@@ -19,9 +19,9 @@ from app.posing import (
     parts_at,
     view_rotations,
 )
+from keypose.tracker.body.skeleton import Skeleton
 from tests.app.editor.desk import desk
 from tests.app.posing.posing_cases import CAMERA, PERSON, points, sights, walking
-from tracker.body.skeleton import Skeleton
 
 TARGET = np.array([0.1, 0.0, 5.0])
 

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from app.posing import Gesture, angles_deg, at_limit, drag, handles, parts_at
+from keypose.app.posing import Gesture, angles_deg, at_limit, drag, handles, parts_at
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
 from tests.app.posing.posing_cases import (
     PERSON,
     as_sent,
@@ -20,8 +22,6 @@ from tests.app.posing.posing_cases import (
     sights,
     walking,
 )
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
 
 MOST_CALLS, MOST_CALLS_OF_TRUNK = 5000, 8000
 """Of one move of the pointer; the trunk is found in a few steps of least squares."""

@@ -11,8 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import Held, Posed, drag, ends_to_hold, handles, keep_pinned, placed_ends
-from app.posing.angles import with_angles
+from keypose.app.posing import Held, Posed, drag, ends_to_hold, handles, keep_pinned, placed_ends
+from keypose.app.posing.angles import with_angles
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from tests.app.posing.posing_cases import (
     ARMS,
     BOX,
@@ -32,9 +35,6 @@ from tests.app.posing.posing_cases import (
 )
 from tests.app.posing.test_steadiness import JUMP, largest_jump
 from tests.tracker.tracking_cases import deep_chain
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
 
 CHAIN = deep_chain(6).body
 SKELETON = Skeleton.of(PERSON)

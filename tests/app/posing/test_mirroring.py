@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import mirror_pose, with_other_side
+from keypose.app.posing import mirror_pose, with_other_side
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.skeleton import Skeleton
 from tests.app.posing.posing_cases import DOG, PERSON, bent, difference, points, rotations, tumbling
-from tracker.body.body import Body
-from tracker.body.skeleton import Skeleton
 
 
 @pytest.mark.parametrize("body", [PERSON, DOG], ids=["person", "dog"])

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import drag, handle_named
+from keypose.app.posing import drag, handle_named
+from keypose.tracker.geometry.camera import Camera
 from tests.app.posing.posing_cases import (
     CAMERA,
     PERSON,
@@ -19,7 +20,6 @@ from tests.app.posing.posing_cases import (
     sights,
     walking,
 )
-from tracker.geometry.camera import Camera
 
 ROOT = handle_named(PERSON, "root")
 ways = st.tuples(st.floats(-1, 1), st.floats(-1, 1))

@@ -6,7 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from app.posing import outline, parts_at
+from keypose.app.posing import outline, parts_at
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.view import ViewCamera
 from tests.app.posing.posing_cases import (
     CAMERA,
     DOG,
@@ -18,11 +23,6 @@ from tests.app.posing.posing_cases import (
     tumbling,
     walking,
 )
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.view import ViewCamera
 
 SKELETON = Skeleton.of(PERSON)
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import handle_named, handles, lanes, opening_pose, up_from_vertical
-from app.posing.handles import handle_at_far_end
+from keypose.app.posing import handle_named, handles, lanes, opening_pose, up_from_vertical
+from keypose.app.posing.handles import handle_at_far_end
+from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.pose import joint_names, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import apply_transform
 from tests.app.posing.posing_cases import ARMS, BOX, CAMERA, DOG, PERSON, TELEPHOTO, points, sights
 from tests.tracker.tracking_cases import deep_chain, random_body
-from tracker.body.body import PEOPLE, Body, preset
-from tracker.body.clavicles import with_clavicles
-from tracker.body.pose import joint_names, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import apply_transform
 
 TALL = Camera(width=540, height=960, fx=840.0, fy=840.0, cx=256.0, cy=473.0)
 

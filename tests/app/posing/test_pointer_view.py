@@ -9,13 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import CAMERA_UP, PointerView, tilt_and_roll, up_from_vertical, view_rotations
-from app.posing.vectors import unit
+from keypose.app.posing import (
+    CAMERA_UP,
+    PointerView,
+    tilt_and_roll,
+    up_from_vertical,
+    view_rotations,
+)
+from keypose.app.posing.vectors import unit
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.view import ViewCamera
 from tests.app.posing.posing_cases import CAMERA, TELEPHOTO, VIEWS, off_axis, sights
-from tracker.errors import CameraError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.geometry.view import ViewCamera
 
 numbers = st.floats(-1, 1)
 cameras = pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO], ids=["perspective", "telephoto"])

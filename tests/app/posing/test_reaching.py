@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import BodyHandle, angles_deg, drag, handle_named, handles
+from keypose.app.posing import BodyHandle, angles_deg, drag, handle_named, handles
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
 from tests.app.posing.posing_cases import (
     ARMS,
     CAMERA,
@@ -27,12 +33,6 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.tracker.tracking_cases import deep_chain, random_body
-from tracker.body.body import Body
-from tracker.body.clavicles import with_clavicles
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
 
 CHAIN = deep_chain(6).body
 MOVING = with_clavicles(PERSON)

@@ -9,7 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import drag, part_sizes, with_height, with_joint, with_size
+from keypose.app.posing import drag, part_sizes, with_height, with_joint, with_size
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.scaling import height
+from keypose.tracker.errors import BodyError
 from tests.app.posing.posing_cases import (
     ARMS,
     BOX,
@@ -23,10 +27,6 @@ from tests.app.posing.posing_cases import (
     standing,
     walking,
 )
-from tracker.body.body import Body
-from tracker.body.clavicles import with_clavicles
-from tracker.body.scaling import height
-from tracker.errors import BodyError
 
 BODIES = (PERSON, DOG, ARMS, BOX)
 

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import Held, PointerView, Posed, drag, ends_to_hold, handle_named, handles
-from app.posing.gesture_context import GestureContext
-from app.posing.seen_limbs import SeenLimb
-from app.posing.two_bones import TwoBones
+from keypose.app.posing import Held, PointerView, Posed, drag, ends_to_hold, handle_named, handles
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.seen_limbs import SeenLimb
+from keypose.app.posing.two_bones import TwoBones
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import exp_rotation
 from tests.app.posing.posing_cases import (
     PERSON,
     TELEPHOTO,
@@ -23,10 +27,6 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.app.posing.test_holding import ALL, ENDS, off_m, off_px, pulled
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import exp_rotation
 
 SEEN_PX = 0.5
 MIDDLE_OF = {

@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
-from app.posing import drag, outline, part_sizes, parts_at, with_shape, with_size
+from keypose.app.posing import drag, outline, part_sizes, parts_at, with_shape, with_size
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import KINDS, Solid
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
 from tests.app.posing.posing_cases import ARMS, BOX, DOG, PERSON, gesture, points, sights
 from tests.tracker.shape_cases import SHAPES, every_shape, pair_of
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.shapes import KINDS, Solid
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
 
 STEP_M = 0.02
 

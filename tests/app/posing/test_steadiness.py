@@ -8,7 +8,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from app.posing import BodyHandle, drag, handles
+from keypose.app.posing import BodyHandle, drag, handles
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import log_rotation, transpose
 from tests.app.posing.posing_cases import (
     DOG,
     PERSON,
@@ -22,10 +26,6 @@ from tests.app.posing.posing_cases import (
     tumbling,
     walking,
 )
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import log_rotation, transpose
 
 STEP_M, FAR_M = 0.03, 0.6
 CLOSE_M = 2e-5

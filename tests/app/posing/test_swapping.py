@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.editor import actions as do
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.editor.update import update
-from app.posing import opening_pose, swap_left_right
+from keypose.app.editor import actions as do
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.update import update
+from keypose.app.posing import opening_pose, swap_left_right
+from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Session
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.storage.results import Results
 from tests.tracker.formats import recordings
-from tracker.body.pose import Pose, joint_names, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.session import Session
-from tracker.solver.body_points import BodyPoints
-from tracker.storage.results import Results
 
 Floats = NDArray[np.float64]
 

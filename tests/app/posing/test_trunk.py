@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import Held, Posed, angles_deg, handle_named, handles
-from app.posing.limits import box_of
+from keypose.app.posing import Held, Posed, angles_deg, handle_named, handles
+from keypose.app.posing.limits import box_of
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from tests.app.posing.posing_cases import (
     DOG,
     PERSON,
@@ -21,9 +24,6 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.app.posing.test_holding import ALL, ENDS, off_m, off_px, pulled
-from tracker.body.clavicles import with_clavicles
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
 
 CORNERS = ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
 POSES = {"standing": standing(PERSON), "walking": walking(), "tumbling": tumbling()}

@@ -10,9 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import Posed, angles_deg, drag
-from app.posing.turning import furthest
-from app.posing.vectors import any_across
+from keypose.app.posing import Posed, angles_deg, drag
+from keypose.app.posing.turning import furthest
+from keypose.app.posing.vectors import any_across
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
 from tests.app.posing.posing_cases import (
     CAMERA,
     PERSON,
@@ -28,10 +32,6 @@ from tests.app.posing.posing_cases import (
     standing,
     walking,
 )
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, log_rotation
 
 SKELETON = Skeleton.of(PERSON)
 PARTS = ("waist", "chest", "left_upper_arm", "right_forearm", "left_foot")

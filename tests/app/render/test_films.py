@@ -13,22 +13,22 @@ import cv2
 import numpy as np
 import pytest
 
-from app.cli.main import main
-from app.render import films
-from app.render.films import Film, film_pictures, film_size
-from app.render.palette import Picture
-from app.render.pictures import FourViewLayout
-from app.render.poses import KnownPoses
-from app.render.snapshots import Look, snapshot
-from app.render.studio import Studio
-from app.render.viewpoints import Viewpoint
+from keypose.app.cli.main import main
+from keypose.app.render import films
+from keypose.app.render.films import Film, film_pictures, film_size
+from keypose.app.render.palette import Picture
+from keypose.app.render.pictures import FourViewLayout
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import Look, snapshot
+from keypose.app.render.studio import Studio
+from keypose.app.render.viewpoints import Viewpoint
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.tracks import save_result
+from keypose.tracker.video import Video
+from keypose.tracker.video.encode import FilmWriter
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker import session_cases as cases
-from tracker.body.pose import Pose
-from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.tracks import save_result
-from tracker.video import Video
-from tracker.video.encode import FilmWriter
 
 LARGE = (160, 120)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.render.lettering import plate, write, written_width
+from keypose.app.render.lettering import plate, write, written_width
 
 WORDS = "Frames 31-47 are damaged in the file"
 

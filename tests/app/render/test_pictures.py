@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.render import pictures
-from app.render.lettering import axes, length_name, round_length, scale_bar, write_name
-from app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
-from app.render.pictures import Style, contact_sheet, four_views, orthographic, overlay
-from tracker.body.body import Body, Part, load_body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh
-from tracker.body.shapes import Box, Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import rotation_from_euler
-from tracker.geometry.view import ViewName
+from keypose.app.render import pictures
+from keypose.app.render.lettering import axes, length_name, round_length, scale_bar, write_name
+from keypose.app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
+from keypose.app.render.pictures import Style, contact_sheet, four_views, orthographic, overlay
+from keypose.tracker.body.body import Body, Part, load_body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.body.shapes import Box, Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.geometry.view import ViewName
 
 CAMERA = Camera(width=320, height=180, fx=300.0, fy=300.0, cx=163.2, cy=88.7)
 GREY = np.full((180, 320, 3), 90, dtype=np.uint8)

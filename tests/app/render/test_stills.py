@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.cli.main import main
-from app.render.poses import KnownPoses
-from app.render.snapshots import Look, snapshot
-from app.render.stills import Still, still
-from app.render.studio import Paint, Size, Studio
-from app.render.viewpoints import Ground, Viewpoint, calm, least_distance, view_from
+from keypose.app.cli.main import main
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import Look, snapshot
+from keypose.app.render.stills import Still, still
+from keypose.app.render.studio import Paint, Size, Studio
+from keypose.app.render.viewpoints import Ground, Viewpoint, calm, least_distance, view_from
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.geometry.rotations import apply_transform
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.storage.files import load_session, open_video_of
 from tests.app.cli_cases import refused
 from tests.tracker import session_cases as cases
-from tracker.body.pose import pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.geometry.rotations import apply_transform
-from tracker.geometry.view import ViewCamera
-from tracker.storage.files import load_session, open_video_of
 
 FRAME = 3
 POSES = KnownPoses(cases.SKELETON, {FRAME: cases.pose(FRAME / cases.FRAMES)}, None)

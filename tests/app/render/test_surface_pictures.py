@@ -15,31 +15,31 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.cli.main import main
-from app.render.films import Film, film_pictures
-from app.render.form import form_of
-from app.render.palette import Picture
-from app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
-from app.render.poses import KnownPoses
-from app.render.snapshots import Look, snapshot
-from app.render.stills import Still, still
-from app.render.studio import Studio
-from app.render.surface_layer import SurfaceLayer, draw_surface
-from app.render.viewpoints import Viewpoint, least_distance, view_from
+from keypose.app.cli.main import main
+from keypose.app.render.films import Film, film_pictures
+from keypose.app.render.form import form_of
+from keypose.app.render.palette import Picture
+from keypose.app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.snapshots import Look, snapshot
+from keypose.app.render.stills import Still, still
+from keypose.app.render.studio import Studio
+from keypose.app.render.surface_layer import SurfaceLayer, draw_surface
+from keypose.app.render.viewpoints import Viewpoint, least_distance, view_from
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import raster
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.view import ViewCamera, ViewName
+from keypose.tracker.session import Session
+from keypose.tracker.storage.evidence import surfaces_of
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.painting import CLAY
+from keypose.tracker.video import Video
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import refused
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import raster
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import ViewCamera, ViewName
-from tracker.session import Session
-from tracker.storage.evidence import surfaces_of
-from tracker.storage.files import load_session, open_video_of
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.painting import CLAY
-from tracker.video import Video
 
 Mask = NDArray[np.bool_]
 SMALL: tuple[ViewName, ...] = ("top", "side", "front")

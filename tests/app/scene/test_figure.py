@@ -9,17 +9,25 @@ import numpy as np
 import pytest
 import trimesh
 
-from app.scene.figure import LIFT_M, WIRES, Outline, hull_mesh, part_mesh, rim_lines, wire_lines
-from app.scene.scene import Scenery, Stage
+from keypose.app.scene.figure import (
+    LIFT_M,
+    WIRES,
+    Outline,
+    hull_mesh,
+    part_mesh,
+    rim_lines,
+    wire_lines,
+)
+from keypose.app.scene.scene import Scenery, Stage
+from keypose.tracker.body.body import Body, Part, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.shapes import SIDES, Capsule, Solid
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation, transform
+from keypose.tracker.geometry.view import ViewCamera
 from tests.tracker.shape_cases import SHAPES, every_shape, pair_of
-from tracker.body.body import Body, Part, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.shapes import SIDES, Capsule, Solid
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, transform
-from tracker.geometry.view import ViewCamera
 
 EYE = ViewCamera.of(Camera(width=320, height=240, fx=500.0, fy=500.0, cx=159.5, cy=119.5))
 TURNS = [(0.0, 0.0, 0.0), (0.4, 0.3, 0.9), (1.2, 0.0, 0.4), (np.pi / 2, 0.0, 0.0)]

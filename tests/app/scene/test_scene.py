@@ -11,24 +11,24 @@ import numpy as np
 import pytest
 import viser._messages as messages
 
-from app.render.palette import SIDE_COLOURS, WHITE
-from app.scene.figure import Outline, trail_lines
-from app.scene.nodes import ROOT, SELECTED
-from app.scene.scene import Scenery, Stage, Trail
-from app.scene.viser_compat import ROLES
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.scaling import with_height
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import (
+from keypose.app.render.palette import SIDE_COLOURS, WHITE
+from keypose.app.scene.figure import Outline, trail_lines
+from keypose.app.scene.nodes import ROOT, SELECTED
+from keypose.app.scene.scene import Scenery, Stage, Trail
+from keypose.app.scene.viser_compat import ROLES
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.scaling import with_height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import (
     Array,
     exp_rotation,
     frozen,
     rotation_from_quaternion,
     transform,
 )
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.geometry.view import ViewCamera
 
 BODY = preset("adult_male")
 OUTLINED = tuple(role for role in ROLES if role != "free")

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.shown import shown_pose
-from app.editor.state import EditorState
-from app.scene.scene import Trail
-from app.scene.scenery import SceneryMaker
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.scene.scene import Trail
+from keypose.app.scene.scenery import SceneryMaker
+from keypose.tracker.body.pose import pose_transforms
 from tests.app.editor.desk import after, desk
-from tracker.body.pose import pose_transforms
 
 POINTS = [[frame, 0.1 * frame, 0.0, 4.0] for frame in range(10, 21)]
 TRAIL = {"part": "head", "points": POINTS, "keys": [10, 20]}

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import viser._messages as messages
 
-from app.render.tints import FAR_M, LEGENDS, clay, ramp, tinted
-from app.scene.decimation import decimate
-from app.scene.nodes import ROOT
-from app.scene.scene import Stage
-from app.scene.skin import MOST_FACES, skin
-from tracker.geometry.rotations import Array
-from tracker.surface.mesh import SurfaceMesh
+from keypose.app.render.tints import FAR_M, LEGENDS, clay, ramp, tinted
+from keypose.app.scene.decimation import decimate
+from keypose.app.scene.nodes import ROOT
+from keypose.app.scene.scene import Stage
+from keypose.app.scene.skin import MOST_FACES, skin
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def ball(rings: int) -> SurfaceMesh:

@@ -9,25 +9,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.editor.suggest_surfaces import surface_suggestion
-from app.editor.trail import end_trail
-from app.posing import opening_pose
-from app.store.sections import Sections, image_version
-from app.store.state import AppState, Running, SurfaceSeen
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.suggest_surfaces import surface_suggestion
+from keypose.app.editor.trail import end_trail
+from keypose.app.posing import opening_pose
+from keypose.app.store.sections import Sections, image_version
+from keypose.app.store.state import AppState, Running, SurfaceSeen
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.surface.placing import Placement
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import after
 from tests.app.editor.desk import desk as film
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, interpolate
-from tracker.geometry.rotations import Array
-from tracker.session.schema import Surface
-from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.files import load_session
-from tracker.storage.results import Results, segment_keys
-from tracker.surface.placing import Placement
-from tracker.tracking.result import SegmentResult
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "arms" / "session.json"
 CORNERS = np.array([[x, y, z] for x in (-60, 90) for y in (-40, 50) for z in (0, 130)], float)

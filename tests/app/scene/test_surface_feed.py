@@ -14,18 +14,18 @@ import cv2
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.document.open import OpenSession, edit_state, open_for_editing
-from app.editor.state import EditorState
-from app.render.surface_layer import SurfaceLayer
-from app.scene.observed import Observed, Outdated
-from app.scene.skin import skin
-from app.server.surfaces import Surfaces
-from app.store.state import AppState, SurfaceSeen
+from keypose.app.document.library import Library
+from keypose.app.document.open import OpenSession, edit_state, open_for_editing
+from keypose.app.editor.state import EditorState
+from keypose.app.render.surface_layer import SurfaceLayer
+from keypose.app.scene.observed import Observed, Outdated
+from keypose.app.scene.skin import skin
+from keypose.app.server.surfaces import Surfaces
+from keypose.app.store.state import AppState, SurfaceSeen
+from keypose.tracker.errors import VideoError
+from keypose.tracker.session.schema import Session
+from keypose.tracker.surface.picture import SurfaceVideo
 from tests.app.editor.desk import after
-from tracker.errors import VideoError
-from tracker.session.schema import Session
-from tracker.surface.picture import SurfaceVideo
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "arms"
 LAST = 18

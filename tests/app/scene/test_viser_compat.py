@@ -17,7 +17,15 @@ import websockets.asyncio.server
 import zstandard
 from starlette.websockets import WebSocket
 
-from app.scene.viser_compat import KNOWN, PAGE, ROLES, SUBPROTOCOL, Portless, Role, hide_from
+from keypose.app.scene.viser_compat import (
+    KNOWN,
+    PAGE,
+    ROLES,
+    SUBPROTOCOL,
+    Portless,
+    Role,
+    hide_from,
+)
 
 
 @pytest.fixture

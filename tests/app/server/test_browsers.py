@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.server.browsers import LONGEST_S, MOST, NAME, Browsers
+from keypose.app.server.browsers import LONGEST_S, MOST, NAME, Browsers
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from urllib.request import ProxyHandler, Request, build_opener
 
 import pytest
 
-from app.server import exports
+from keypose.app.server import exports
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 
 SIZE = [160, 90]
@@ -72,7 +72,7 @@ class Desk:
         return content
 
     def commanded(self, *arguments: str, out: Path) -> bytes:
-        command = [sys.executable, "-m", "app", *arguments, "--out", str(out)]
+        command = [sys.executable, "-m", "keypose.app", *arguments, "--out", str(out)]
         subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=LONGEST_S)
         return out.read_bytes()
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from app.server.browsers import Browsers
-from app.server.guard import Guard, headers_for
+from keypose.app.server.browsers import Browsers
+from keypose.app.server.guard import Guard, headers_for
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"

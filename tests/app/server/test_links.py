@@ -17,11 +17,11 @@ from urllib.request import ProxyHandler, Request, build_opener
 
 import pytest
 
-from app.cli import open as open_command
-from app.server.addresses import reachable
-from app.server.listening import bind
+from keypose.app.cli import open as open_command
+from keypose.app.server.addresses import reachable
+from keypose.app.server.listening import bind
+from keypose.tracker.errors import KeyposeError
 from tests.app.serving import LONGEST_S, ROOT, Entered, Keypose, Visitor, enter
-from tracker.errors import KeyposeError
 
 
 @pytest.fixture
@@ -193,7 +193,7 @@ def test_a_second_address_of_this_computer_can_be_served_alone(tmp_path: Path) -
 def test_a_public_name_needs_an_explicit_word_and_is_a_host_name(
     arguments: list[str], words: str
 ) -> None:
-    command = [sys.executable, "-m", "app", "open", "--no-browser", *arguments]
+    command = [sys.executable, "-m", "keypose.app", "open", "--no-browser", *arguments]
     ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert ended.returncode == 2
     assert words in " ".join(ended.stderr.split())

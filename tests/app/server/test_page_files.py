@@ -7,7 +7,7 @@ from pathlib import Path
 
 from starlette.responses import Response
 
-from app.server.page_files import PageFiles
+from keypose.app.server.page_files import PageFiles
 
 
 def asked(files: PageFiles, **headers: str) -> Response:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.server.tokens import LONGEST_S, NAME, OneTimeTokens
+from keypose.app.server.tokens import LONGEST_S, NAME, OneTimeTokens
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.jobs import (
+from keypose.app.document.library import Library
+from keypose.app.jobs import (
     AheadOrder,
     FitOrder,
     FollowedAhead,
@@ -22,14 +22,14 @@ from app.jobs import (
     JobFinished,
     Report,
 )
-from app.store import runner
-from app.store.store import Store
+from keypose.app.store import runner
+from keypose.app.store.store import Store
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session import Session
+from keypose.tracker.session.ahead import Stop
+from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.serving import ROOT
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.session import Session
-from tracker.session.ahead import Stop
-from tracker.tracking.ahead.follow import FoundAhead
 
 AHEAD = {"do": "track_ahead", "direction": "forward"}
 HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")

@@ -7,9 +7,9 @@ import threading
 
 import pytest
 
-from app.store.autosave import Saver
-from app.store.state import Saved
-from tracker.errors import SessionError
+from keypose.app.store.autosave import Saver
+from keypose.app.store.state import Saved
+from keypose.tracker.errors import SessionError
 
 
 def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
@@ -62,7 +62,7 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
 def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
     told: list[Saved] = []
     tries: list[int] = []
 

@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
-from app.store import runner, store
-from app.store.sections import Sections
-from app.store.store import Store
+from keypose.app.document.library import Library
+from keypose.app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
+from keypose.app.store import runner, store
+from keypose.app.store.sections import Sections
+from keypose.app.store.store import Store
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.draft import Proposal
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.keypoints import load_keypoints
 from tests.app.serving import ROOT
 from tests.app.store.test_fitter import Worker
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.draft import Proposal
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session import Session
-from tracker.storage.files import load_session, save_session
-from tracker.storage.keypoints import load_keypoints
 
 BOX = [100.0, 100.0, 300.0, 400.0]
 DRAFT = {"do": "draft", "frame": 10, "box": BOX}

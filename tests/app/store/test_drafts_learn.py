@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.jobs import Learned, LearnOrder
-from app.store import runner
+from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.store import runner
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Session
 from tests.app.store.test_drafting import BODY, DRAFT, Desk, path, try_at
 from tests.app.store.test_fitter import Worker
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session import Session
 
 __all__ = ["path"]
 FRAMES = (3, 4, 5, 6)

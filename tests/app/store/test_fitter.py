@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.editor.state import EditorState
-from app.jobs import (
+from keypose.app.document.library import Library
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import (
     FitOrder,
     JobFailed,
     PoseFitted,
@@ -25,22 +25,22 @@ from app.jobs import (
     SizesOrder,
     Wanted,
 )
-from app.posing import with_height
-from app.store import runner
-from app.store.sections import Sections
-from app.store.store import Store
-from app.store.tabs import Tab
+from keypose.app.posing import with_height
+from keypose.app.store import runner
+from keypose.app.store.sections import Sections
+from keypose.app.store.store import Store
+from keypose.app.store.tabs import Tab
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.fitting.sizes import Proposal
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.serving import ROOT
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, interpolate
-from tracker.fitting.sizes import Proposal
-from tracker.geometry.rotations import exp_rotation
-from tracker.session import Session
-from tracker.session.verdict import GOOD
-from tracker.storage.files import load_session
-from tracker.storage.results import Results, segment_keys
-from tracker.tracking.result import SegmentResult
 
 FIT = {"do": "fit_here"}
 SIZES = {"do": "fit_sizes"}

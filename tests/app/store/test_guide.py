@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from app.editor.actions import ACTIONS
-from app.store.guide import guide_after
-from app.store.state import Guide
-from tracker.body.body import preset
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.store.guide import guide_after
+from keypose.app.store.state import Guide
+from keypose.tracker.body.body import preset
 
 BODY = preset("adult_male")
 

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.store import keypoint_finder, runner
-from app.store.sections import Sections
-from app.store.store import Store
+from keypose.app.document.library import Library
+from keypose.app.store import keypoint_finder, runner
+from keypose.app.store.sections import Sections
+from keypose.app.store.store import Store
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT
 from tests.app.store.test_fitter import Worker
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session import Session
-from tracker.storage.files import load_session, save_session
-from tracker.storage.keypoints import save_keypoints
 
 NAMES = (*JOINTS, "nose", "left_pinky")
 WRIST = JOINTS.index("left_wrist")

@@ -8,17 +8,17 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from app.editor.judged import Judged
-from app.editor.state import EditorState
-from app.posing import part_label
-from app.store.sections import error_values, motion_values, review_values
-from app.store.state import AppState
+from keypose.app.editor.judged import Judged
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.app.store.sections import error_values, motion_values, review_values
+from keypose.app.store.state import AppState
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.verdict import GOOD, Cause, Verdict
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import desk
-from tracker.body.trajectory import Pass, interpolate
-from tracker.session.reviewed import Reviewed
-from tracker.session.verdict import GOOD, Cause, Verdict
-from tracker.storage.results import Results, segment_keys
-from tracker.tracking.result import SegmentResult
 
 STATES = 400
 LEAST_PX = 3.0

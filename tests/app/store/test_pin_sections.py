@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.state import EditorState
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import PinResult
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.editor.desk import after, desk
 from tests.app.editor.test_pins import stepping
-from tracker.body.pose import joint_names, joint_positions, pose_transforms
-from tracker.session.pins import Pin
-from tracker.session.results import PinResult
-from tracker.storage.results import Results
-from tracker.storage.stretches import stretches
-from tracker.tracking.space.result import SpaceResult
 
 FOOT = {"do": "set_pin", "part": "left_foot", "frame": 24, "first": 20, "last": 28}
 

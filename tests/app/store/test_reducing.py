@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
-from app.jobs.fits import Fit
-from app.jobs.messages import Report
-from app.jobs.worker_cache import WorkerCache
-from app.store import runner
+from keypose.app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
+from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.messages import Report
+from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.store import runner
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
 from tests.app.serving import ROOT
 from tests.app.store.test_fitter import Desk, Worker, at_a_desk
 from tests.page.test_page_shapes import declared, differences
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.session import Keyframe
-from tracker.storage.files import load_session, save_session
 
 REDUCE = {"do": "reduce", "cm": 6.0}
 

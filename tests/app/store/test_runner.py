@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from app.editor.refusal import Refused
-from app.editor.state import EditorState
-from app.jobs import (
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import (
     JobFailed,
     JobFinished,
     PassFinished,
@@ -26,18 +26,18 @@ from app.jobs import (
     Wanted,
     Warming,
 )
-from app.store import runner as running
-from app.store.runner import Runner
+from keypose.app.store import runner as running
+from keypose.app.store.runner import Runner
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.session import Session
+from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.results_cases import judged
 from tests.tracker.session_cases import VERDICTS
 from tests.tracker.storage.space_cases import both, pinned, smooth, solution
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass
-from tracker.session import Session
-from tracker.storage.stretches import Stretch
-from tracker.tracking.result import SegmentResult
 
 PIECE: Any = SimpleNamespace(
     session_path=Path("job/session.json"),

@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import SAMPLE, desk
-from tracker.body.pose import pose_transforms
-from tracker.body.trajectory import Pass, interpolate
-from tracker.geometry.rotations import Array
-from tracker.session.verdict import GOOD
-from tracker.storage.files import load_session
-from tracker.storage.results import Results, segment_keys
-from tracker.tracking.result import SegmentResult
 
 
 def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:

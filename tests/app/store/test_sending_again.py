@@ -10,18 +10,18 @@ from typing import Any
 
 import pytest
 
-from app.document import edit_log
-from app.document.library import Library
-from app.store import runner
-from app.store.clients import MOST, Clients
-from app.store.store import Store
-from app.store.tabs import Tab
+from keypose.app.document import edit_log
+from keypose.app.document.library import Library
+from keypose.app.store import runner
+from keypose.app.store.clients import MOST, Clients
+from keypose.app.store.store import Store
+from keypose.app.store.tabs import Tab
+from keypose.tracker.session import Session
+from keypose.tracker.storage.chronicle import mark_of, without_results
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.journal import Journal
 from tests.app.document.test_edit_log import NoWorker
 from tests.app.serving import ROOT, Keypose, Visitor
-from tracker.session import Session
-from tracker.storage.chronicle import mark_of, without_results
-from tracker.storage.files import load_session
-from tracker.storage.journal import Journal
 
 TAB = "tab-of-a-test"
 

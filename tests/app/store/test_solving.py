@@ -9,17 +9,17 @@ from typing import Any
 
 import pytest
 
-from app.document.library import Library
-from app.jobs import JobFailed, JobFinished, Report, SegmentFinished, SpaceSolved, Wanted
-from app.store import runner
-from app.store.store import Store
+from keypose.app.document.library import Library
+from keypose.app.jobs import JobFailed, JobFinished, Report, SegmentFinished, SpaceSolved, Wanted
+from keypose.app.store import runner
+from keypose.app.store.store import Store
+from keypose.tracker.session import Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.tracks import load_tracks
 from tests.app.store.test_store import _copy, _track
 from tests.tracker.storage.space_cases import solution
-from tracker.session import Session
-from tracker.session.pins import Pin
-from tracker.storage.files import load_session, save_session
-from tracker.storage.stretches import Stretch
-from tracker.storage.tracks import load_tracks
 
 PIN = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=2, last_frame=9)
 TRACK = {"do": "track", "what": "all"}

@@ -7,16 +7,16 @@ from typing import Any
 
 import pytest
 
-from app.editor.space_words import space_sentence
-from app.editor.state import EditorState
-from app.store.sections import Sections
-from app.store.state import AppState
+from keypose.app.editor.space_words import space_sentence
+from keypose.app.editor.state import EditorState
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.session.results import PinResult, SpaceFinding
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.editor.desk import after
 from tests.app.editor.test_pins import stepping
-from tracker.session.results import PinResult, SpaceFinding
-from tracker.storage.results import Results
-from tracker.storage.stretches import stretches
-from tracker.tracking.space.result import SpaceResult
 
 
 def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:

@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.library import Library
-from app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
-from app.store import runner, saving
-from app.store.autosave import Saver
-from app.store.state import Saved
-from app.store.store import Store
+from keypose.app.document.library import Library
+from keypose.app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
+from keypose.app.store import runner, saving
+from keypose.app.store.autosave import Saver
+from keypose.app.store.state import Saved
+from keypose.app.store.store import Store
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app import surface_cases
 from tests.app.serving import ROOT
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
-from tracker.errors import SessionError
-from tracker.session import Session
-from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.files import load_session
-from tracker.tracking.result import Diagnostics, SegmentResult
 
 DRAG = {"do": "angles", "part": "left_forearm", "x": -30, "stroke": "drag"}
 EDIT = {"do": "angles", "part": "left_forearm", "x": -30}
@@ -268,7 +268,7 @@ def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
         await desk.open(path)
         desk.receive(desk.join(), EDIT)
 
-    monkeypatch.setattr("app.document.edit_log.save_session", full)
+    monkeypatch.setattr("keypose.app.document.edit_log.save_session", full)
     with pytest.raises(SessionError, match="The last changes are in its journal"):
         _with_store(path, work)
 
@@ -281,7 +281,7 @@ def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
 
     async def work(desk: Store) -> None:
         with monkeypatch.context() as patch:
-            patch.setattr("app.document.edit_log.save_session", odd)
+            patch.setattr("keypose.app.document.edit_log.save_session", odd)
             desk.receive(desk.join(), EDIT)
             await asyncio.sleep(0)
             while desk.app_state.saved.state == "saving":

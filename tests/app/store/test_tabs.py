@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from app.store.tabs import Tab
+from keypose.app.store.tabs import Tab
 
 
 def test_of_each_section_only_the_newest_value_is_sent() -> None:

@@ -16,15 +16,15 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Page
 
-from app.editor import actions as do
-from app.posing.gesture import End, Middle, Root
-from app.posing.handles import handle_named
+from keypose.app.editor import actions as do
+from keypose.app.posing.gesture import End, Middle, Root
+from keypose.app.posing.handles import handle_named
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.storage.files import save_session
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.desk import Desk, Did
 from tests.browser.hands import Spot, at_rest, section, spot, until_told
-from tracker.geometry.rotations import Array
-from tracker.session.settings import TrackSettings
-from tracker.storage.files import save_session
 
 LISTEN = """
 () => {

@@ -20,7 +20,19 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from sample_videos.make_samples import encode
+from keypose.sample_videos.make_samples import encode
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate, joined
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session import Session, VideoReference
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.video import Video
+from keypose.tracker.video.still_camera import still_camera
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.clips import clip as real_clip
 from tests.benchmarks.keeping import ROOT, Absent, digest, kept_folder
@@ -28,18 +40,6 @@ from tests.benchmarks.keyed import keyed
 from tests.benchmarks.posing import MARKS
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
-from tracker.body.body import Body
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate, joined
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session import Session, VideoReference
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.solver.body_points import BodyPoint
-from tracker.storage.files import load_session
-from tracker.video import Video
-from tracker.video.still_camera import still_camera
 
 SIZE = (640, 360)
 JOINTS = ("head_top", *(f"{side}_{part}" for side in ("left", "right") for part in (

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.editor import actions as do
+from keypose.app.editor import actions as do
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.solver.body_points import BodyPoint
 from tests.benchmarks.clips import place
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.counting import Effort
 from tests.benchmarks.human.desk import desk
 from tests.benchmarks.human.hand import Hand, px
 from tests.benchmarks.human.strategies import Outcome, draft, key
-from tracker.body.body import Body, preset
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.solver.body_points import BodyPoint
 
 
 @dataclass(frozen=True)

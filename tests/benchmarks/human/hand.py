@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.shown import shown_pose
-from app.posing import handles
-from app.posing.gesture import Axis, End, Middle, Ring, Root, Surface
-from app.posing.handles import BodyHandle, handle_named
-from app.posing.moving import RISE_TO_E
-from app.posing.pointer_view import PointerView
+from keypose.app.editor import actions as do
+from keypose.app.editor.shown import shown_pose
+from keypose.app.posing import handles
+from keypose.app.posing.gesture import Axis, End, Middle, Ring, Root, Surface
+from keypose.app.posing.handles import BodyHandle, handle_named
+from keypose.app.posing.moving import RISE_TO_E
+from keypose.app.posing.pointer_view import PointerView
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.geometry.rotations import Array, log_rotation
 from tests.benchmarks.human.desk import Desk
-from tracker.body.pose import Pose, pose_transforms
-from tracker.errors import KeyposeError
-from tracker.geometry.rotations import Array, log_rotation
 
 LOOKS_RIGHT_PX, PLACED_PX = 7.0, 5.0
 """A joint that is nearer looks right: with what it may be seen wrongly by it is within 10 px. The

@@ -13,14 +13,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from app.editor import actions as do
-from app.editor.shown import shown_pose
-from app.editor.suggest import NEXT_FRAMES
+from keypose.app.editor import actions as do
+from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.suggest import NEXT_FRAMES
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from tests.benchmarks.human.desk import Desk
 from tests.benchmarks.human.hand import TRUNK, Hand, px
 from tests.benchmarks.needed import MEDIAN_PX, WORST_PX
-from tracker.body.pose import Pose
-from tracker.session.settings import ALL_CUES, TrackSettings
 
 Choice: TypeAlias = Callable[[Desk, set[int]], int | None]
 """The frame to look at next, given those that were looked at; None where there is none."""

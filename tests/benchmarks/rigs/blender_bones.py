@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import Sampling, motion_files
 from tests.benchmarks.keeping import ROOT
 from tests.benchmarks.rigs.blender import TO_Y_UP, python_with_bpy
 from tests.benchmarks.rigs.material import FRAMES, RIGS, SECONDS, Written

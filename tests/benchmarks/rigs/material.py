@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from app.render.palette import SIDE_COLOURS, part_sides
+from keypose.app.render.palette import SIDE_COLOURS, part_sides
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.glb import glb
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from tests.benchmarks.keeping import Absent, kept_folder
 from tests.tracker.formats import recordings
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.glb import glb
-from tracker.formats.recording import Recording
-from tracker.formats.rigs.rig import Rig, rig_of
-from tracker.geometry.rotations import Array, apply_transform
 
 RIGS = ("keypose", "mixamo", "ue5", "vrm")
 FRAMES = (0, 17, 40, 72)

@@ -18,17 +18,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from app.export.motion_files import Sampling
-from app.export.opensim_files import files_for_model
+from keypose.app.export.motion_files import Sampling
+from keypose.app.export.opensim_files import files_for_model
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.formats.opensim.setups import IK_FILE
+from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.table import Expected, Report, Table
 from tests.rendering import mocap
 from tests.tracker.formats import recordings
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.formats.opensim.setups import IK_FILE
-from tracker.formats.recording import MARKER_SETS, MarkerSetName
 
 MOST_RMS_MM, MOST_HIP_DEG, MOST_KNEE_DEG = 10.0, 10.0, 5.0
 ERRORS = "keypose_ik_marker_errors.sto"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.body.assembling import with_new_part, with_renamed_part, without_part
-from tracker.body.body import OBJECTS, PRESETS, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
-from tracker.geometry.rotations import apply_transform
+from keypose.tracker.body.assembling import with_new_part, with_renamed_part, without_part
+from keypose.tracker.body.body import OBJECTS, PRESETS, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
+from keypose.tracker.geometry.rotations import apply_transform
 
 MAN = preset("adult_male")
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from tracker.body.body import PEOPLE, PRESETS, Body, Part, load_body, preset
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.presets.make_presets import as_json, make_body
-from tracker.body.scaling import height
-from tracker.body.shapes import Box, Cylinder, Frustum
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
+from keypose.tracker.body.body import PEOPLE, PRESETS, Body, Part, load_body, preset
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.presets.make_presets import as_json, make_body
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.shapes import Box, Cylinder, Frustum
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
 
 BODIES = Path(__file__).parents[3] / "tracker" / "body" / "presets"
 EXAMPLES = sorted((Path(__file__).parents[3] / "sample_videos" / "bodies").glob("*.json"))

@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.body.body import PEOPLE, Body, Part, preset
-from tracker.body.clavicles import (
+from keypose.tracker.body.body import PEOPLE, Body, Part, preset
+from keypose.tracker.body.clavicles import (
     can_have_clavicles,
     has_clavicles,
     with_clavicles,
     without_clavicles,
 )
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.scaling import height, resized, with_height
-from tracker.body.shapes import Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.on_body import points_on_body
-from tracker.tracking.cues.anchors import with_free_joints
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.scaling import height, resized, with_height
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.tracking.cues.anchors import with_free_joints
 
 SIDES = {"left": 1.0, "right": -1.0}
 

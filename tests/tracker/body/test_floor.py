@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.body.body import preset
-from tracker.body.floor import floor_height, lowest_heights
-from tracker.body.pose import Pose, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.pose import Pose, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 SKELETON = Skeleton.of(preset("adult_male"))
 CAMERA_UP = (0.0, -1.0, 0.0)

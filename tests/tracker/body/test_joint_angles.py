@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.rendering.mocap import jumping_jacks, needs_mocap, walk
-from tests.tracker import session_cases
-from tracker.body.body import PEOPLE, preset
-from tracker.body.clavicles import with_clavicles
-from tracker.body.joint_angles import (
+from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.joint_angles import (
     JOINTS,
     JointAngles,
     cardan_zxy,
     joint_angles,
     joints_of,
 )
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from tests.rendering.mocap import jumping_jacks, needs_mocap, walk
+from tests.tracker import session_cases
 
 BODY = preset("adult_female")
 FACING = np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])

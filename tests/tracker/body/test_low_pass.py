@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import butter, sosfiltfilt
 
-from tracker.body.low_pass import (
+from keypose.tracker.body.low_pass import (
     filtered_positions,
     filtered_rotations,
     least_frames,
     low_pass_kernel,
 )
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
 RATE, CUTOFF = 30.0, 6.0
 KERNEL = low_pass_kernel(CUTOFF, RATE)

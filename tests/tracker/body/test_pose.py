@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.tracker.tracking_cases import deep_chain, random_body, random_pose
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part, preset
-from tracker.body.pose import (
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part, preset
+from keypose.tracker.body.pose import (
     Pose,
     joint_names,
     joint_positions,
@@ -16,10 +15,11 @@ from tracker.body.pose import (
     pose_transforms,
     twists,
 )
-from tracker.body.shapes import Box
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.geometry.rotations import apply_transform, rotation_from_euler, transform
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.geometry.rotations import apply_transform, rotation_from_euler, transform
+from tests.tracker.tracking_cases import deep_chain, random_body, random_pose
 
 BLOCK = Box(low_m=(-0.1, -0.1, -0.1), high_m=(0.1, 0.1, 0.1))
 QUARTER = np.pi / 2

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.body.body import Body, Part
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, Raster, raster
-from tracker.body.shapes import Box, Cylinder, Shape
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import apply_transform, rotation_from_euler, transform
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, Raster, raster
+from keypose.tracker.body.shapes import Box, Cylinder, Shape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import apply_transform, rotation_from_euler, transform
+from keypose.tracker.geometry.view import ViewCamera
 
 CAMERA = Camera(width=200, height=160, fx=300.0, fy=310.0, cx=97.3, cy=81.6)
 TELEPHOTO = CAMERA.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 4.0})

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.body.resampling import resampled
-from tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.body.resampling import resampled
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
 
 AXIS = np.array([0.6, 0.64, 0.48])
 RNG = np.random.default_rng(1)

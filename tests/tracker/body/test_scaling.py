@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracker.body.body import PRESETS, Body, Part, Point, load_body, preset
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.scaling import height, joint_moved, resized, scaled, with_height
-from tracker.body.skeleton import Skeleton
-from tracker.errors import BodyError
+from keypose.tracker.body.body import PRESETS, Body, Part, Point, load_body, preset
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.scaling import height, joint_moved, resized, scaled, with_height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
 
 MALE = preset("adult_male")
 EXAMPLES = sorted((Path(__file__).parents[3] / "sample_videos" / "bodies").glob("*.json"))

@@ -14,30 +14,30 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.scaling import height, resized, scaled, with_height
+from keypose.tracker.body.shapes import KINDS, Capsule, Frustum, Shape, Solid
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.surface_points import sample_points
+from keypose.tracker.errors import BodyError
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import apply_transform, exp_rotation, transform
+from keypose.tracker.geometry.view import ViewCamera
 from tests.tracker.shape_cases import (
     SHAPES,
     every_shape,
     pair_of,
     solid_of,
 )
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.scaling import height, resized, scaled, with_height
-from tracker.body.shapes import KINDS, Capsule, Frustum, Shape, Solid
-from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import sample_points
-from tracker.errors import BodyError
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import apply_transform, exp_rotation, transform
-from tracker.geometry.view import ViewCamera
 
 Floats = NDArray[np.float64]
 
 CAMERA = Camera(width=320, height=240, fx=300.0, fy=300.0, cx=159.5, cy=119.5)
 ROOT = Path(__file__).parents[3]
-HOME = "tracker.body.shapes"
+HOME = "keypose.tracker.body.shapes"
 LISTED = set(get_args(get_args(Shape)[0]))
 """What a file may have."""
 

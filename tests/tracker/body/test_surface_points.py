@@ -10,19 +10,19 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from keypose.tracker.body.body import Body, Part, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Shape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.surface_points import SurfacePoints, sample_points, surface_area
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.kernels.chain import place_parts
+from keypose.tracker.kernels.seeing import see
+from keypose.tracker.tracking.scene import FEWEST_POINTS, MOST_POINTS, Scene
 from tests.rendering.scenes import scene
 from tests.tracker.tracking_cases import random_body
-from tracker.body.body import Body, Part, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Shape
-from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, sample_points, surface_area
-from tracker.geometry.camera import Camera
-from tracker.geometry.view import ViewCamera
-from tracker.kernels.chain import place_parts
-from tracker.kernels.seeing import see
-from tracker.tracking.scene import FEWEST_POINTS, MOST_POINTS, Scene
 
 Floats = NDArray[np.float64]
 

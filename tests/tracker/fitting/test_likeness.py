@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.texture import texture_of, without_parts
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker.tracking_cases import CAMERAS, random_body, random_pose, scene_of, smooth_picture
-from tracker.body.pose import Pose, moved
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.texture import texture_of, without_parts
-from tracker.solver.posed import Posed
-from tracker.tracking.scene import Scene
 
 
 def textured_case(seed: int, name: str = "perspective") -> tuple[Scene, Pose, Likeness]:

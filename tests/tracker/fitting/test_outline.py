@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
+from keypose.tracker.fitting.pose.outline import Edges, Outline, gain, separation
+from keypose.tracker.fitting.pose.refinement import PosedKeyframe, decided_share, refine
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.terms import Equations
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker.tracking_cases import Case, case, random_body, random_pose
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved
-from tracker.fitting.pose.edge_distances import EdgeDistances
-from tracker.fitting.pose.outline import Edges, Outline, gain, separation
-from tracker.fitting.pose.refinement import PosedKeyframe, decided_share, refine
-from tracker.solver.posed import Posed
-from tracker.solver.terms import Equations
-from tracker.tracking.scene import Scene
 
 
 @pytest.fixture(scope="module")

@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import ALL_DOFS, Body, Part
+from keypose.tracker.body.pose import Pose, joint_positions, moved, pose_transforms
+from keypose.tracker.body.shapes import Box, Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.pose import PictureFit, fit_pose_to_picture
+from keypose.tracker.fitting.pose.messages import Moves, describe_moves
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.session.settings import IgnoreMask
 from tests.rendering.render import render
 from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import CAMERA, SMALL, Case, MemoryVideo, case
-from tracker.body.body import ALL_DOFS, Body, Part
-from tracker.body.pose import Pose, joint_positions, moved, pose_transforms
-from tracker.body.shapes import Box, Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.pose import PictureFit, fit_pose_to_picture
-from tracker.fitting.pose.messages import Moves, describe_moves
-from tracker.geometry.rotations import exp_rotation
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.on_body import points_on_body
-from tracker.session.settings import IgnoreMask
 
 HERE, NEAR = 8, (0, 16)
 

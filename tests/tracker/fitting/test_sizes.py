@@ -10,30 +10,30 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.fitting.sizes import Proposal, SizesFitted, fit_sizes
+from keypose.tracker.fitting.sizes.colours import learn_colours
+from keypose.tracker.fitting.sizes.contours import contour_of, offsets
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.fitting.sizes.proposals import FLOATING_M, _floating
+from keypose.tracker.fitting.sizes.residuals import Pictures
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import log_rotation
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import WorkingSize
 from tests.benchmarks.sequences import video_of
 from tests.rendering.motions import stride, throw
 from tests.rendering.render import render
 from tests.rendering.scenes import camera
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, joint_positions, pose_transforms
-from tracker.body.raster import BodyMesh
-from tracker.body.scaling import resized
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SessionError
-from tracker.fitting.sizes import Proposal, SizesFitted, fit_sizes
-from tracker.fitting.sizes.colours import learn_colours
-from tracker.fitting.sizes.contours import contour_of, offsets
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.proposals import FLOATING_M, _floating
-from tracker.fitting.sizes.residuals import Pictures
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import log_rotation
-from tracker.session.settings import IgnoreMask
-from tracker.solver.body_points import BodyPoint
-from tracker.solver.fit_joints import fit_picture
-from tracker.video import Video
-from tracker.video.clip_loader import WorkingSize
 
 GIVEN = preset("adult_male")
 CAMERA = camera()
@@ -162,7 +162,7 @@ def test_keyframes_that_are_not_looked_at_are_posed_anew_as_well(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = _case("thick")
-    monkeypatch.setattr("tracker.fitting.sizes.sizes.MOST_LOOKED", 3)
+    monkeypatch.setattr("keypose.tracker.fitting.sizes.sizes.MOST_LOOKED", 3)
     found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes).with_poses
     assert found is not None
     assert _ratios(found.body)["thigh"][1] > 1.1

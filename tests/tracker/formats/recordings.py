@@ -8,19 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.formats.bvh import bvh
-from tracker.formats.recording import RecordedSegment, Recording
-from tracker.formats.rigs import OWN
-from tracker.formats.rigs.rig import rig_of
-from tracker.formats.units import FileUnit
-from tracker.geometry.rotations import exp_rotation, transform
-from tracker.session import Session
-from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.files import load_session
-from tracker.storage.tracks import Tracks
-from tracker.tracking.result import Diagnostics
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
+from keypose.tracker.formats.bvh import bvh
+from keypose.tracker.formats.recording import RecordedSegment, Recording
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.rigs.rig import rig_of
+from keypose.tracker.formats.units import FileUnit
+from keypose.tracker.geometry.rotations import exp_rotation, transform
+from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.tracks import Tracks
+from keypose.tracker.tracking.result import Diagnostics
 
 SAMPLES = Path(__file__).parents[3] / "sample_videos"
 NAMES = ("person", "box", "balance", "twirl")

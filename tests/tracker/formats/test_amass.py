@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.export.import_motion import fit_to_session
+from keypose.app.export.import_motion import fit_to_session
+from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.amass import amass
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.smpl import JOINTS, PARENTS, rest_joints, smpl_of
+from keypose.tracker.geometry.rotations import Array
 from tests.tracker.formats import recordings
-from tracker.body.body import PEOPLE, Body, preset
-from tracker.body.clavicles import with_clavicles
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.amass import amass
-from tracker.formats.joint_names import matched
-from tracker.formats.reading import load_motion
-from tracker.formats.recording import Recording
-from tracker.formats.smpl import JOINTS, PARENTS, rest_joints, smpl_of
-from tracker.geometry.rotations import Array
 
 SAMPLES = ("person", "balance", "twirl")
 OURS = {

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.euler_curves import smooth_euler
+from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler
 from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
-from tracker.errors import FormatError
-from tracker.formats.euler_curves import smooth_euler
-from tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it imports its own library by an old name

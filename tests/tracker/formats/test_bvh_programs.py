@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import Sampling, motion_files
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.rig import rig_of
+from keypose.tracker.formats.rigs.table import table_of
+from keypose.tracker.formats.units import PER_METRE, FileUnit
 from tests.tracker.formats import recordings
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.reading import load_motion
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.rigs.rig import rig_of
-from tracker.formats.rigs.table import table_of
-from tracker.formats.units import PER_METRE, FileUnit
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it imports its own library by an old name

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import apply_transform
+from keypose.tracker.video.timecode import Timecode
 from tests.tracker.formats import recordings
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.formats.test_glb import written
-from tracker.errors import FormatError
-from tracker.formats.camera_files import camera_json, chan
-from tracker.formats.recording import Recording
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import apply_transform
-from tracker.video.timecode import Timecode
 
 TILTED = np.array([0.08, -0.95, -0.3]) / np.linalg.norm([0.08, -0.95, -0.3])
 WIDE = Camera(

@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.csv import frames_csv, joints_csv
+from keypose.tracker.formats.npz import npz
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import at_rate
+from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.session.notes import Note
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.video.timecode import Timecode
 from tests.tracker.formats import recordings
-from tracker.errors import FormatError
-from tracker.formats.csv import frames_csv, joints_csv
-from tracker.formats.npz import npz
-from tracker.formats.recording import Recording
-from tracker.formats.sampling import at_rate
-from tracker.geometry.rotations import rotation_from_euler
-from tracker.session.notes import Note
-from tracker.session.verdict import GOOD
-from tracker.video.timecode import Timecode
 
 
 def rows(text: str) -> list[dict[str, str]]:

@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import PEOPLE, Body, Part, preset
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.csv import angles_csv, column_names, joints_csv
+from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.geometry.rotations import Array
 from tests.tracker import session_cases as cases
 from tests.tracker.formats.recordings import bvh_of
-from tracker.body.body import PEOPLE, Body, Part, preset
-from tracker.body.pose import joint_names
-from tracker.body.shapes import Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError
-from tracker.formats.csv import angles_csv, column_names, joints_csv
-from tracker.formats.end_sites import end_site
-from tracker.geometry.rotations import Array
 
 TO_BVH = np.diag([1.0, -1.0, -1.0])
 """Camera frame (y down, z forward) to the world of a BVH file (y up, z toward the viewer)."""

@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 import trimesh
 
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.body.shapes import Box, Cylinder
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.glb import glb
+from keypose.tracker.formats.glb_mesh import lit_mesh
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.rig import rig_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import apply_transform, rotation_between
 from tests.tracker.formats import recordings
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.session_cases import CAMERA
-from tracker.body.pose import part_transforms
-from tracker.body.shapes import Box, Cylinder
-from tracker.errors import FormatError
-from tracker.formats.floor_world import floor_from_camera
-from tracker.formats.glb import glb
-from tracker.formats.glb_mesh import lit_mesh
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.rigs.rig import rig_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import apply_transform, rotation_between
 
 COLOURS = {"left": (0, 0, 255), "middle": (188, 188, 188), "right": (255, 0, 0)}
 

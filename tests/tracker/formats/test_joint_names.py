@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.joint_names import load_names, matched
-from tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_names import load_names, matched
+from keypose.tracker.keypoints.layouts import LAYOUTS
 
 SKELETON = Skeleton.of(preset("adult_male"))
 LIMBS = {

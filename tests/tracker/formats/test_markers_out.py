@@ -11,17 +11,17 @@ import ezc3d
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.c3d import c3d
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import at_rate
+from keypose.tracker.formats.trc import trc
+from keypose.tracker.session.pins import Pin
 from tests.rendering.motions import crossing
 from tests.tracker.formats import recordings
-from tracker.body.body import preset
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.c3d import c3d
-from tracker.formats.recording import Recording
-from tracker.formats.sampling import at_rate
-from tracker.formats.trc import trc
-from tracker.session.pins import Pin
 
 WALKER = Skeleton.of(preset("adult_female"))
 

@@ -12,24 +12,24 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.c3d import c3d
+from keypose.tracker.formats.marker_sets import marked, markers_of
+from keypose.tracker.formats.opensim.coordinates import coordinates
+from keypose.tracker.formats.opensim.model import model_of, read_model
+from keypose.tracker.formats.opensim.mot import mot
+from keypose.tracker.formats.opensim.scaling import scaled
+from keypose.tracker.formats.opensim.setups import ik_xml, markers_xml, scale_xml
+from keypose.tracker.formats.recording import MARKER_SETS, Recording
+from keypose.tracker.formats.trc import trc
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.tracker.formats import recordings
 from tests.tracker.formats.opensim_model import both_sides, osim
 from tests.tracker.formats.test_markers_out import read_trc
-from tracker.body.body import PEOPLE, preset
-from tracker.body.clavicles import with_clavicles
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError
-from tracker.formats.c3d import c3d
-from tracker.formats.marker_sets import marked, markers_of
-from tracker.formats.opensim.coordinates import coordinates
-from tracker.formats.opensim.model import model_of, read_model
-from tracker.formats.opensim.mot import mot
-from tracker.formats.opensim.scaling import scaled
-from tracker.formats.opensim.setups import ik_xml, markers_xml, scale_xml
-from tracker.formats.recording import MARKER_SETS, Recording
-from tracker.formats.trc import trc
-from tracker.geometry.rotations import Array, exp_rotation
 
 HALPE = replace(recordings.recording("person"), marker_set="halpe26")
 MODEL = model_of("small.osim", osim())

@@ -12,10 +12,10 @@ import h5py
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats import hdf5_child, keypoint_files
+from keypose.tracker.formats.reading_keypoints import VideoFacts, load_keypoints
 from tests.tracker.formats import animals
-from tracker.errors import FormatError
-from tracker.formats import hdf5_child, keypoint_files
-from tracker.formats.reading_keypoints import VideoFacts, load_keypoints
 
 NAMES = ("nose", "Left ear", "tail_base")
 UV = np.random.default_rng(1).uniform(20, 300, (2, 6, 3, 2))

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from tests.tracker.formats.test_camera_files import TILTED, WIDE, tilted
 from tests.tracker.formats.test_glb import written
-from tracker.errors import FormatError
-from tracker.formats.camera_files import camera_json, chan
-from tracker.formats.reading_camera import CameraFile, load_camera
 
 SIZE = (WIDE.width, WIDE.height)
 HALF = math.tan(math.radians(20))
@@ -96,7 +96,7 @@ def test_a_camera_for_smaller_pictures_of_the_same_shape_is_scaled(tmp_path: Pat
 
 def animated(tmp_path: Path, values: list[list[float]]) -> bytes:
     """A GLB whose camera's arm is moved."""
-    from tracker.formats.glb_file import Numbers
+    from keypose.tracker.formats.glb_file import Numbers
 
     numbers = Numbers()
     clock = numbers.add(np.arange(len(values), dtype=np.float32), "SCALAR", "animation")

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats import reading_keypoints
+from keypose.tracker.formats.reading_keypoints import VideoFacts, load_keypoints
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.layouts import LAYOUTS
 from tests.tracker.keypoints.people import seen_person
-from tracker.errors import FormatError
-from tracker.formats import reading_keypoints
-from tracker.formats.reading_keypoints import VideoFacts, load_keypoints
-from tracker.geometry.rotations import Array
-from tracker.keypoints.layouts import LAYOUTS
 
 
 def _person(count: int, offset: float, sure: float) -> list[float]:
@@ -324,7 +324,7 @@ def test_the_same_video_is_told_by_its_size_and_rate(tmp_path: Path) -> None:
 
 def test_too_large_a_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = _write(tmp_path / "a.json", [{"keypoints": _person(17, 9, 1)}])
-    monkeypatch.setattr("tracker.formats.keypoint_files.LARGEST_KEYPOINT_BYTES", 9)
+    monkeypatch.setattr("keypose.tracker.formats.keypoint_files.LARGEST_KEYPOINT_BYTES", 9)
     with pytest.raises(FormatError, match="too large"):
         load_keypoints(path)
     monkeypatch.undo()

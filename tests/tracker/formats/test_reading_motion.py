@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats import reading_bvh
+from keypose.tracker.formats.csv import joints_csv
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.reading import load_motion
 from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats import reading_bvh
-from tracker.formats.csv import joints_csv
-from tracker.formats.joint_motion import JointMotion
-from tracker.formats.reading import load_motion
 
 with warnings.catch_warnings():  # it imports a library by a name that is going out of use
     warnings.simplefilter("ignore", PendingDeprecationWarning)

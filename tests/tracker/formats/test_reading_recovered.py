@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.export.import_motion import fit_to_session
+from keypose.app.export.import_motion import fit_to_session
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.floor_world import parts_in_world
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.smpl import JOINTS, smpl_of
+from keypose.tracker.geometry.rotations import Array, log_rotation
 from tests.tracker.formats import recordings
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.floor_world import parts_in_world
-from tracker.formats.reading import load_motion
-from tracker.formats.smpl import JOINTS, smpl_of
-from tracker.geometry.rotations import Array, log_rotation
 
 SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
 SKELETON = Skeleton.of(SESSION.body)

@@ -16,18 +16,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.cli.main import main
+from keypose.app.cli.main import main
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import FormatError
+from keypose.tracker.evaluate import JointReference
+from keypose.tracker.formats.reference import load_reference
+from keypose.tracker.storage.archive import archive_arrays
+from keypose.tracker.storage.files import save_session
+from keypose.tracker.storage.tracks import save_result
 from tests.tracker import session_cases as cases
-from tracker.body.body import preset
-from tracker.body.pose import joint_names
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import FormatError
-from tracker.evaluate import JointReference
-from tracker.formats.reference import load_reference
-from tracker.storage.archive import archive_arrays
-from tracker.storage.files import save_session
-from tracker.storage.tracks import save_result
 
 
 def poses(**changes: Any) -> dict[str, Any]:

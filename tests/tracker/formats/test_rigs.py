@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import PEOPLE, Part, preset
+from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.formats.rigs.table import table_of
+from keypose.tracker.geometry.rotations import transform
 from tests.tracker.formats import recordings
-from tracker.body.body import PEOPLE, Part, preset
-from tracker.body.clavicles import with_clavicles
-from tracker.body.shapes import Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.rigs.rig import Rig, rig_of
-from tracker.formats.rigs.table import table_of
-from tracker.geometry.rotations import transform
 
 NAMED = [name for name in RIGS if name != OWN]
 FIRST_NAMES = {

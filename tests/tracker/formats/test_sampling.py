@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.storage.tracks import Tracks
 from tests.tracker.formats import recordings
-from tracker.errors import FormatError
-from tracker.formats.recording import Recording
-from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.storage.tracks import Tracks
 
 RATE = 30.0
 

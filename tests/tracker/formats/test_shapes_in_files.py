@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.shapes import Capsule, Frustum, Solid
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.glb import glb
+from keypose.tracker.formats.glb_mesh import lit_mesh
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.storage.tracks import Tracks
+from keypose.tracker.tracking.result import Diagnostics
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.formats.recordings import bvh_of
 from tests.tracker.shape_cases import every_shape, pair_of, solid_of
 from tests.tracker.tracking_cases import CAMERA, random_trajectory
-from tracker.body.body import Body, Part
-from tracker.body.shapes import Capsule, Frustum, Solid
-from tracker.body.skeleton import Skeleton
-from tracker.formats.end_sites import end_site
-from tracker.formats.glb import glb
-from tracker.formats.glb_mesh import lit_mesh
-from tracker.formats.joint_names import matched
-from tracker.formats.marker_names import places_of
-from tracker.formats.recording import Recording
-from tracker.storage.tracks import Tracks
-from tracker.tracking.result import Diagnostics
 
 
 def recorded(skeleton: Skeleton, frames: int = 3) -> Recording:

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdShade, UsdSkel, UsdValidation
 
-from app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import Sampling, motion_files
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.rig import rig_of
+from keypose.tracker.geometry.rotations import Array
 from tests.tracker.formats import recordings
-from tracker.body.body import Body, Part
-from tracker.body.shapes import Cylinder
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
-from tracker.formats.floor_world import floor_from_camera, parts_in_world
-from tracker.formats.recording import Recording
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.rigs.rig import rig_of
-from tracker.geometry.rotations import Array
 
 FRAMES = (0, 17, 72)
 
@@ -186,6 +186,6 @@ def test_without_usd_core_it_says_what_to_install(monkeypatch: pytest.MonkeyPatc
     import sys
 
     monkeypatch.setitem(sys.modules, "pxr", None)
-    monkeypatch.delitem(sys.modules, "tracker.formats.usd", raising=False)
+    monkeypatch.delitem(sys.modules, "keypose.tracker.formats.usd", raising=False)
     with pytest.raises(FormatError, match="need usd-core: pip install 'keypose\\[usd\\]'"):
         motion_files("usd", recorded("person"))

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from tracker.errors import CameraError
-from tracker.geometry.camera import Camera
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
 
 Floats = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import (
+from keypose.tracker.geometry.rotations import (
     apply_transform,
     euler_from_rotation,
     exp_rotation,

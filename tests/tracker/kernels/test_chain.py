@@ -7,13 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from tests.tracker import reference_loops as plain
-from tests.tracker.tracking_cases import deep_chain, random_body, random_pose, scene_of
-from tracker.body.body import preset
-from tracker.body.pose import Pose, moved, pose_transforms, twists
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import transform
-from tracker.kernels.chain import (
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose, moved, pose_transforms, twists
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import transform
+from keypose.tracker.kernels.chain import (
     camera_twists,
     inverse_diagonal,
     move,
@@ -23,7 +21,9 @@ from tracker.kernels.chain import (
     solve_positive,
     sum_subtrees,
 )
-from tracker.kernels.layout import BodyArrays
+from keypose.tracker.kernels.layout import BodyArrays
+from tests.tracker import reference_loops as plain
+from tests.tracker.tracking_cases import deep_chain, random_body, random_pose, scene_of
 
 Floats = NDArray[np.float64]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.kernels.closing import blend, close_segment, find_correction, solve_three
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import random_body, random_trajectory
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation
-from tracker.kernels.closing import blend, close_segment, find_correction, solve_three
 
 Floats = NDArray[np.float64]
 

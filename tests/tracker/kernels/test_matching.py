@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.kernels.matching import UNUSABLE, find_exhaustively, find_sequentially
+from keypose.tracker.kernels.settling import settle
+from keypose.tracker.tracking.initial.templates.search import GreyPicture, cut, find_match, outwards
 from tests.tracker.tracking_cases import smooth_picture, waves_at
-from tracker.kernels.matching import UNUSABLE, find_exhaustively, find_sequentially
-from tracker.kernels.settling import settle
-from tracker.tracking.initial.templates.search import GreyPicture, cut, find_match, outwards
 
 Grey = NDArray[np.int16]
 Place = tuple[int, int, int]

@@ -6,6 +6,23 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.kernels.layout import Lens
+from keypose.tracker.kernels.pairs import (
+    FIRST_WIDTH,
+    doubts,
+    follow_pairs,
+    mean_capped_square,
+    observe_pairs,
+    predict_by_velocity,
+    scaled_lens,
+    shortened,
+    solve_pair,
+)
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERAS,
@@ -17,23 +34,6 @@ from tests.tracker.tracking_cases import (
     scene_of,
     smooth_picture,
 )
-from tracker.body.pose import Pose, moved
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.kernels.layout import Lens
-from tracker.kernels.pairs import (
-    FIRST_WIDTH,
-    doubts,
-    follow_pairs,
-    mean_capped_square,
-    observe_pairs,
-    predict_by_velocity,
-    scaled_lens,
-    shortened,
-    solve_pair,
-)
-from tracker.tracking.scene import Scene
 
 Floats = NDArray[np.float64]
 

@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from tests.tracker.geometry.test_rotations import angles, directions
-from tracker.geometry.rotations import exp_rotation, nearest_rotation
-from tracker.kernels.rigid import (
+from keypose.tracker.geometry.rotations import exp_rotation, nearest_rotation
+from keypose.tracker.kernels.rigid import (
     cleaned,
     compose,
     exponential,
@@ -20,6 +19,7 @@ from tracker.kernels.rigid import (
     product,
     turned_back,
 )
+from tests.tracker.geometry.test_rotations import angles, directions
 
 Floats = NDArray[np.float64]
 

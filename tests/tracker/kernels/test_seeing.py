@@ -8,6 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.seeing import brightness, pick, see
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERA,
@@ -19,13 +26,6 @@ from tests.tracker.tracking_cases import (
     scene_of,
     smooth_picture,
 )
-from tracker.body.body import Body, Part
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.kernels.seeing import brightness, pick, see
-from tracker.tracking.scene import Scene
 
 Floats = NDArray[np.float64]
 

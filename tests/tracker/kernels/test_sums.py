@@ -8,6 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.noise import BINS, capped_square, median_residual, robust_sigma
+from keypose.tracker.kernels.pairs import linearise
+from keypose.tracker.kernels.sums import BLOCK, HUBER, LEAST_SQUARES, TUKEY, sum_points
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERA,
@@ -19,13 +26,6 @@ from tests.tracker.tracking_cases import (
     smooth_picture,
     waves_at,
 )
-from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.kernels.noise import BINS, capped_square, median_residual, robust_sigma
-from tracker.kernels.pairs import linearise
-from tracker.kernels.sums import BLOCK, HUBER, LEAST_SQUARES, TUKEY, sum_points
-from tracker.tracking.scene import Scene
 
 Floats = NDArray[np.float64]
 

@@ -9,6 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.whole import add_smoothness, move_inner, see_all, whole_segment
+from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERAS,
@@ -19,10 +23,6 @@ from tests.tracker.tracking_cases import (
     scene_of,
     smooth_picture,
 )
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.kernels.whole import add_smoothness, move_inner, see_all, whole_segment
-from tracker.tracking.scene import Scene
 
 Floats = NDArray[np.float64]
 

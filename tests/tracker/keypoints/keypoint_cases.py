@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-import sample_videos
-from tracker.keypoints.network import NAMES, Seen
-from tracker.keypoints.region import Region
-from tracker.video.video import Video
+from keypose import sample_videos
+from keypose.tracker.keypoints.network import NAMES, Seen
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.video.video import Video
 
 BALANCE = Path(sample_videos.__file__).with_name("balance")
 BOX = (220.0, 200.0, 390.0, 680.0)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.formats.joint_names import matched
-from tracker.geometry.rotations import exp_rotation
-from tracker.keypoints.layouts import LAYOUTS
-from tracker.solver.body_points import BodyPoints
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.solver.body_points import BodyPoints
 
 SKELETON = Skeleton.of(preset("adult_female"))
 

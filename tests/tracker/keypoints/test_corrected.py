@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session.corrections import KeypointCorrection
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session.corrections import KeypointCorrection
 
 RNG = np.random.default_rng(3)
 FOUND = Keypoints(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, Stretch, detect
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.network import Network
 from tests.tracker.keypoints import keypoint_cases as cases
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
-from tracker.errors import KeypointError
-from tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, Stretch, detect
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.network import Network
 
 
 class Kept(dict[str, Stretch]):

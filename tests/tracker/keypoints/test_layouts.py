@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tracker.formats.joint_names import plain
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
+from keypose.tracker.formats.joint_names import plain
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -9,13 +9,13 @@ import cv2
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.model_files import FULL, HEAVY, Model, verified
+from keypose.tracker.keypoints.network import NAMES, Network, Seen, fast_is_here
+from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
-from tracker.errors import KeypointError
-from tracker.keypoints import model_files
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.model_files import FULL, HEAVY, Model, verified
-from tracker.keypoints.network import NAMES, Network, Seen, fast_is_here
-from tracker.keypoints.region import Region
 
 
 @pytest.fixture(scope="module")

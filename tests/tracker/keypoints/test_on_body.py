@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import points_on_body
 from tests.tracker.formats import recordings
-from tracker.body.body import PEOPLE, Body, preset
-from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import exp_rotation
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.on_body import points_on_body
 
 DISTAL = ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")
 PROXIMAL = {

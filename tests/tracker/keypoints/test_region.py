@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import rotation_from_euler
-from tracker.keypoints.region import MARGIN, Region
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.keypoints.region import MARGIN, Region
 
 CAMERA = Camera(width=640, height=360, fx=500.0, fy=500.0, cx=320.0, cy=180.0)
 SKELETON = Skeleton.of(preset("adult_male"))

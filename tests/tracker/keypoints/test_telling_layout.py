@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.telling_layout import told_layout
 from tests.tracker.keypoints.people import seen_person
-from tracker.keypoints.layouts import LAYOUTS
-from tracker.keypoints.telling_layout import told_layout
 
 BOTH = ("BODY_25", "BODY_25B")
 

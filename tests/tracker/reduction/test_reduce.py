@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.errors import ReductionError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.reduction.compare import _compared_body
+from keypose.tracker.reduction.reduce import reduce_motion
+from keypose.tracker.reduction.result import Reduction, Tolerance, require_range
 from tests.rendering import mocap
 from tests.rendering.mocap import needs_mocap
 from tests.tracker.tracking_cases import CAMERA, CAMERAS, deep_chain, random_body
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.errors import ReductionError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.reduction.compare import _compared_body
-from tracker.reduction.reduce import reduce_motion
-from tracker.reduction.result import Reduction, Tolerance, require_range
 
 Floats = NDArray[np.float64]
 

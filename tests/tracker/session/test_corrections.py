@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from keypose.tracker.session import Session
+from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.storage.files import session_json
 from tests.tracker import session_cases as cases
-from tracker.session import Session
-from tracker.session.corrections import KeypointCorrection
-from tracker.session.drafted import Drafted
-from tracker.storage.files import session_json
 
 WRIST: dict[str, Any] = {"frame": 2, "joint": "left_wrist", "uv": (20.0, 30.5)}
 

@@ -7,17 +7,17 @@ from typing import Any
 
 import pytest
 
-from tests.app import surface_cases
-from tests.film_or_surfaces import questions
-from tests.tracker import session_cases
-from tracker.session import Session
-from tracker.session.evidence import (
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import (
     ByEvidence,
     Evidence,
     FilmEvidence,
     SurfaceEvidence,
     surface_of,
 )
+from tests.app import surface_cases
+from tests.film_or_surfaces import questions
+from tests.tracker import session_cases
 
 FILM = session_cases.session()
 SURFACES = surface_cases.session(keyframes=(1, 3))
@@ -120,7 +120,7 @@ def test_what_a_room_has_for_evidence_also_serves_what_is_derived_from_it(
         """A film that somebody has mended."""
 
     known = ByEvidence({FilmEvidence: "pictures"})
-    monkeypatch.setattr("tracker.session.evidence.KINDS", (Restored,))
+    monkeypatch.setattr("keypose.tracker.session.evidence.KINDS", (Restored,))
     assert known.of(FILM) == "pictures"
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app.document.folder_lock import SessionLock
-from tracker.storage.leftovers import OLD_SECONDS, sweep
+from keypose.app.document.folder_lock import SessionLock
+from keypose.tracker.storage.leftovers import OLD_SECONDS, sweep
 
 PART = "0123456789ab.part"
 OF_SESSION = [
@@ -89,7 +89,7 @@ def test_a_folder_that_is_not_there_is_nothing_to_sweep(tmp_path: Path) -> None:
 def test_names_are_those_that_files_are_written_by(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from tracker.storage import atomic
+    from keypose.tracker.storage import atomic
 
     monkeypatch.setattr(Path, "unlink", lambda *_, **__: None)  # a writer killed before it tidied
     atomic.write_file(tmp_path / name, b"one")

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session import Keyframe, PartKeyframe, Session
 from tests.tracker import session_cases as cases
-from tracker.errors import one_sentence
-from tracker.session import Keyframe, PartKeyframe, Session
 
 POSED = Keyframe.of(cases.SKELETON, cases.pose(0.2), 2, 0.08).model_dump(mode="json")
 HAND = {**POSED, "parts": ["left_hand"]}

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session import Session
+from keypose.tracker.session.pins import Pin
 from tests.tracker import session_cases as cases
-from tracker.errors import one_sentence
-from tracker.session import Session
-from tracker.session.pins import Pin
 
 TIP = {"part": "left_hand", "landmarks": ["tip"], "first_frame": 1, "last_frame": 5}
 

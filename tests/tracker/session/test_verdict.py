@@ -7,8 +7,8 @@ from typing import Any, get_args
 import pytest
 from pydantic import ValidationError
 
-from tracker.formats.verdict_words import verdict_words
-from tracker.session.verdict import CAUSES, Cause, Verdict
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.session.verdict import CAUSES, Cause, Verdict
 
 INCOMPLETE: dict[str, dict[str, Any]] = {
     "needs a part": {"cause": "not_seen", "frames": (3, 4), "go": 3},

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from keypose.tracker.errors import SessionError
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.session.verdict import GOOD, Cause, Kind, Verdict
+from keypose.tracker.session.version_2 import verdict_of
+from keypose.tracker.storage.chronicle import Moment, base_record, edit_record, without_results
+from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
+from keypose.tracker.storage.journal import lines
+from keypose.tracker.storage.tracks import save_result
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.formats.verdict_words import verdict_words
-from tracker.session.verdict import GOOD, Cause, Kind, Verdict
-from tracker.session.version_2 import verdict_of
-from tracker.storage.chronicle import Moment, base_record, edit_record, without_results
-from tracker.storage.files import journal_path, load_session, open_session, save_session
-from tracker.storage.journal import lines
-from tracker.storage.tracks import save_result
 
 NAMES = ("chest", "right_hand", "left foot")
 SPAN = (24, 48)

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.versions import PRESENT, STEPS
+from keypose.tracker.storage.files import load_session, save_session
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.session.versions import PRESENT, STEPS
-from tracker.storage.files import load_session, save_session
 
 
 def _write(path: Path, **changes: Any) -> bytes:

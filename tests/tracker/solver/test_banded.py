@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.solver.banded import (
+from keypose.tracker.solver.banded import (
     added,
     banded_diagonals,
     banded_step,

@@ -8,16 +8,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.body.body import preset
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler, transpose
-from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
-from tracker.solver.fit_joints import fit_motion, fit_picture, rigid
-from tracker.solver.posed import Posed
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, moved, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import (
+    exp_rotation,
+    log_rotation,
+    rotation_from_euler,
+    transpose,
+)
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
+from keypose.tracker.solver.fit_joints import fit_motion, fit_picture, rigid
+from keypose.tracker.solver.posed import Posed
 
 Floats = NDArray[np.float64]
 

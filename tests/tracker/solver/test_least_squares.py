@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.solver.least_squares import (
+from keypose.tracker.solver.least_squares import (
     UNDAMPED,
     Criteria,
     Damping,

@@ -9,18 +9,24 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
+from keypose.tracker.solver.jerk import Jerk
+from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber
+from keypose.tracker.solver.smoothness import (
+    Increments,
+    Link,
+    Smoothness,
+    increments,
+    second_differences,
+)
+from keypose.tracker.solver.stretch_poses import SharedTerm, moved_poses
 from tests.tracker.solver.test_banded import dense
-from tracker.body.body import preset
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation
-from tracker.solver.body_points import BodyPoints, free_skeleton
-from tracker.solver.jerk import Jerk
-from tracker.solver.places import AtOnePlace, Near, OnFloor
-from tracker.solver.posed import Posed
-from tracker.solver.robust import SQUARED, Cauchy, Huber
-from tracker.solver.smoothness import Increments, Link, Smoothness, increments, second_differences
-from tracker.solver.stretch_poses import SharedTerm, moved_poses
 
 Floats = NDArray[np.float64]
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.jerk import Jerk
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
+from keypose.tracker.solver.posed import Posed, image_points
+from keypose.tracker.solver.robust import SQUARED
+from keypose.tracker.solver.smoothness import Smoothness
+from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses, moved_poses
+from keypose.tracker.solver.terms import PointsInPicture, PointsInSpace, PosePrior
 from tests.tracker.solver.test_links import DOFS, FOOT, SKELETON, motion
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.jerk import Jerk
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.places import AtOnePlace, Near, OnFloor
-from tracker.solver.posed import Posed, image_points
-from tracker.solver.robust import SQUARED
-from tracker.solver.smoothness import Smoothness
-from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses, moved_poses
-from tracker.solver.terms import PointsInPicture, PointsInSpace, PosePrior
 
 CRITERIA = Criteria(
     most_steps=40, longest_step=0.3, settled=1e-9, damping=Damping(least=1e-9, most=1e8)

@@ -10,21 +10,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.tracker.surface.surfaces import surface_of
-from tests.tracker.tracking_cases import smooth_picture
-from tracker.body.body import preset
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.pose.edge_distances import EdgeDistances
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.texture import texture_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
-from tracker.solver.posed import Posed
-from tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
-from tracker.solver.terms import (
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.texture import texture_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
+from keypose.tracker.solver.terms import (
     DepthFromRoot,
     JointLimits,
     PointsInPicture,
@@ -36,12 +34,14 @@ from tracker.solver.terms import (
     total_cost,
     total_equations,
 )
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.paired import PairDistances
-from tracker.surface.fit.pairing import Observed, pairs_of
-from tracker.surface.mesh import SurfaceMesh
-from tracker.tracking.scene import Scene
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.paired import PairDistances
+from keypose.tracker.surface.fit.pairing import Observed, pairs_of
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.tracking.scene import Scene
+from tests.tracker.surface.surfaces import surface_of
+from tests.tracker.tracking_cases import smooth_picture
 
 Floats = NDArray[np.float64]
 

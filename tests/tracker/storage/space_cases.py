@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.session import Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import PinResult, SpaceFinding
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.results_cases import both, session
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Trajectory, joined
-from tracker.session import Session
-from tracker.session.pins import Pin
-from tracker.session.results import PinResult, SpaceFinding
-from tracker.storage.results import Results
-from tracker.storage.stretches import Stretch
-from tracker.tracking.space.result import SpaceResult
 
 PIN = Pin(part="left_hand", landmarks=("tip",), first_frame=1, last_frame=6)
 

@@ -13,18 +13,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.tracker import session_cases as cases
-from tracker.errors import FormatError, SessionError
-from tracker.session import Session
-from tracker.storage.atomic import require_absent, require_folder, write_file
-from tracker.storage.changes import apply_changes
-from tracker.storage.files import (
+from keypose.tracker.errors import FormatError, SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import require_absent, require_folder, write_file
+from keypose.tracker.storage.changes import apply_changes
+from keypose.tracker.storage.files import (
     load_session,
     open_video_of,
     save_session,
     session_json,
     video_path,
 )
+from tests.tracker import session_cases as cases
 
 Change = Callable[[dict[str, Any]], None]
 

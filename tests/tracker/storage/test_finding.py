@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from keypose.tracker.errors import SessionError
+from keypose.tracker.storage import finding
+from keypose.tracker.storage.files import load_session, open_video_of
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.storage import finding
-from tracker.storage.files import load_session, open_video_of
 
 SAMPLES = Path(__file__).resolve().parents[3] / "sample_videos"
 

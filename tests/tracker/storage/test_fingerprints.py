@@ -10,15 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.app.results_cases import PARTS, both, passing, session, track
-from tests.tracker import session_cases as cases
-from tracker.body.body import preset
-from tracker.body.shapes import Cylinder
-from tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
-from tracker.session.corrections import KeypointCorrection
-from tracker.session.schema import KeypointFile
-from tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
-from tracker.storage.results import (
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
+from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.schema import KeypointFile
+from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
+from keypose.tracker.storage.results import (
     Results,
     collection,
     listed,
@@ -28,6 +26,8 @@ from tracker.storage.results import (
     rotations,
     tidy_tracks,
 )
+from tests.app.results_cases import PARTS, both, passing, session, track
+from tests.tracker import session_cases as cases
 
 KEYPOINTS = "keypoints-0123456789ab.npz"
 SQUARE = ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))

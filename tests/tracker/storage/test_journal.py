@@ -13,12 +13,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.session import IgnoreMask, Keyframe, Session
-from tracker.session.history import MOST_STEPS, History, Step
-from tracker.storage.changes import apply_changes, changes
-from tracker.storage.chronicle import (
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import IgnoreMask, Keyframe, Session
+from keypose.tracker.session.history import MOST_STEPS, History, Step
+from keypose.tracker.storage.changes import apply_changes, changes
+from keypose.tracker.storage.chronicle import (
     OUTSIDE,
     Moment,
     Received,
@@ -28,8 +27,9 @@ from tracker.storage.chronicle import (
     saved_record,
     whole_record,
 )
-from tracker.storage.files import journal_path, load_session, open_session, save_session
-from tracker.storage.journal import Journal, Read, lines, read_journal
+from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
+from keypose.tracker.storage.journal import Journal, Read, lines, read_journal
+from tests.tracker import session_cases as cases
 
 RECORDS: list[dict[str, Any]] = [{"n": 0}, {"n": 1, "text": "ä\n"}, {"n": 2, "list": [1.5, None]}]
 
@@ -372,7 +372,7 @@ def test_a_session_saved_anew_while_it_is_read_is_read_anew(
         saves.clear()
         return read_journal(journal_file)
 
-    monkeypatch.setattr("tracker.storage.files.read_journal", read_after_saving)
+    monkeypatch.setattr("keypose.tracker.storage.files.read_journal", read_after_saving)
     found = open_session(path)
     assert found.session == after
     assert found.recovered.follows

@@ -12,13 +12,13 @@ from typing import Any
 
 import pytest
 
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.history import History, Step
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.chronicle import Moment, edit_record, whole_record
+from keypose.tracker.storage.files import journal_path, load_session, open_session, session_json
+from keypose.tracker.storage.journal import lines
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.session.history import History, Step
-from tracker.session.schema import Session
-from tracker.storage.chronicle import Moment, edit_record, whole_record
-from tracker.storage.files import journal_path, load_session, open_session, session_json
-from tracker.storage.journal import lines
 
 MUTANTS = 2000
 ODD: tuple[Any, ...] = (

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.document.open import copy_session
+from keypose.app.document.open import copy_session
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session import Session
+from keypose.tracker.storage.archive import archive_bytes
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.keypoints import load_keypoints, of_session, save_keypoints
 from tests.tracker import session_cases as cases
-from tracker.errors import KeypointError
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session import Session
-from tracker.storage.archive import archive_bytes
-from tracker.storage.files import load_session, save_session
-from tracker.storage.keypoints import load_keypoints, of_session, save_keypoints
 
 FRAMES = 6
 
@@ -112,7 +112,7 @@ GOOD = {
 def test_an_archive_of_something_else_is_refused(
     tmp_path: Path, wrong: dict[str, np.ndarray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tracker.storage.keypoints._name", lambda content: "given.npz")
+    monkeypatch.setattr("keypose.tracker.storage.keypoints._name", lambda content: "given.npz")
     place = tmp_path / "given.npz"
     place.write_bytes(archive_bytes(GOOD))
     assert len(load_keypoints(place)) == 3

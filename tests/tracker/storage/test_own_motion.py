@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, displaced, interpolate, joined
-from tracker.errors import SessionError
-from tracker.session import Session
-from tracker.storage.files import load_session, open_video_of
-from tracker.storage.first_motion import kept_beside, of_session, save_own_motion
-from tracker.storage.tracking import require_first_motion, track_session
-from tracker.tracking.pool import PassFinished
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, joined
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.storage.first_motion import kept_beside, of_session, save_own_motion
+from keypose.tracker.storage.tracking import require_first_motion, track_session
+from keypose.tracker.tracking.pool import PassFinished
 
 PERSON = Path(__file__).parents[3] / "sample_videos" / "person" / "session.json"
 

@@ -7,6 +7,12 @@ from typing import Any
 
 import pytest
 
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage import stretches as of_stretches
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.stretches import Stretch, stretches
 from tests.app.results_cases import track
 from tests.tracker.storage.space_cases import (
     PIN,
@@ -17,12 +23,6 @@ from tests.tracker.storage.space_cases import (
     smooth,
     softened,
 )
-from tracker.session import Keyframe, Session
-from tracker.session.pins import Pin
-from tracker.session.verdict import GOOD
-from tracker.storage import stretches as of_stretches
-from tracker.storage.results import Results
-from tracker.storage.stretches import Stretch, stretches
 
 
 def wanted(of: Session, results: Results | None = None) -> list[Stretch]:

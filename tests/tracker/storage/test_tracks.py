@@ -10,17 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import IgnoreMask, Keyframe, Session
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.verdict import GOOD
+from keypose.tracker.storage.archive import archive_arrays, archive_bytes
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.fingerprints import segment_key, setup_hash
+from keypose.tracker.storage.outdated import outdated_keyframes, outdated_words, tracked_keyframes
+from keypose.tracker.storage.tracks import (
+    Tracks,
+    load_tracks,
+    load_trajectory,
+    save_result,
+    tracks_name,
+)
+from keypose.tracker.tracking.result import Diagnostics
 from tests.tracker import session_cases as cases
-from tracker.errors import SessionError
-from tracker.session import IgnoreMask, Keyframe, Session
-from tracker.session.schema import Surface
-from tracker.session.verdict import GOOD
-from tracker.storage.archive import archive_arrays, archive_bytes
-from tracker.storage.files import load_session, save_session
-from tracker.storage.fingerprints import segment_key, setup_hash
-from tracker.storage.outdated import outdated_keyframes, outdated_words, tracked_keyframes
-from tracker.storage.tracks import Tracks, load_tracks, load_trajectory, save_result, tracks_name
-from tracker.tracking.result import Diagnostics
 
 
 def saved(folder: Path) -> tuple[Session, Path]:

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.shapes import Mesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.cameras.hull import Silhouette
+from keypose.tracker.surface.cameras.nets import Field, surface_of
+from keypose.tracker.surface.cameras.views import View
 from tests.rendering.ring import Carvings, Shot, ring_of
-from tracker.body.shapes import Mesh
-from tracker.geometry.rotations import Array
-from tracker.surface.cameras.hull import Silhouette
-from tracker.surface.cameras.nets import Field, surface_of
-from tracker.surface.cameras.views import View
 
 P_BALL = np.array([0.0, 0.0, 3.8])
 RADIUS_M = 0.3

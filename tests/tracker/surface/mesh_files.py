@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 CORNERS = np.array(
     [[x, y, z] for z in (0.0, 1.7) for y in (0.0, 0.3) for x in (0.0, 0.5)], dtype=np.float64

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.body import Body, Part
-from tracker.body.pose import Pose, joint_positions, pose_transforms
-from tracker.body.shapes import Box, Capsule, Cylinder, Shape
-from tracker.body.skeleton import Skeleton
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import Array, apply_transform, exp_rotation
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
+from keypose.tracker.body.shapes import Box, Capsule, Cylinder, Shape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import Array, apply_transform, exp_rotation
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 BOXES = (
     Box(low_m=(-0.06, -0.05, -0.09), high_m=(0.06, 0.5, 0.09)),

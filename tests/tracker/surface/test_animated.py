@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.surface.files.animated import FPS, AnimatedScene
+from keypose.tracker.surface.files.parsing.channels import slerp
+from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.sequence import MeshSequence
 from tests.tracker.surface.mesh_files import BOX, CORNERS, GlbFile
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import Array, exp_rotation
-from tracker.surface.files.animated import FPS, AnimatedScene
-from tracker.surface.files.parsing.channels import slerp
-from tracker.surface.files.parsing.raw import Refused
-from tracker.surface.files.sequence import MeshSequence
 
 WALK = Path(__file__).parents[4] / "shared/data/mesh_walk"
 

@@ -6,17 +6,22 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.cameras import carve
+from keypose.tracker.surface.cameras.carve import (
+    STRIDE,
+    carve_field,
+    carve_seen_through,
+    depth_maps,
+)
+from keypose.tracker.surface.cameras.hull import hull_field, hull_mesh
 from tests.rendering.arm_bodies import arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.arms import shots_of
 from tests.rendering.ring import ring_of
 from tests.tracker.surface.ball_cases import pictures, silhouettes, studio
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.surface.cameras import carve
-from tracker.surface.cameras.carve import STRIDE, carve_field, carve_seen_through, depth_maps
-from tracker.surface.cameras.hull import hull_field, hull_mesh
 
 VOXEL_M = 0.02
 STEP = 5

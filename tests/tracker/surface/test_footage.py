@@ -9,14 +9,14 @@ import cv2
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.surface.cameras.footage import Footage
+from keypose.tracker.surface.cameras.nets import surface_of
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.placing import Placement
 from tests.rendering.ring import ring_of
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, ball_field, studio
-from tracker.errors import SurfaceError
-from tracker.surface.cameras.footage import Footage
-from tracker.surface.cameras.nets import surface_of
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.placing import Placement
 
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 
@@ -101,7 +101,7 @@ def test_at_least_two_cameras_must_name_their_pictures(cameras: Path) -> None:
 
 
 def test_a_video_will_do_as_well_as_a_folder(cameras: Path) -> None:
-    from sample_videos.make_samples import encode
+    from keypose.sample_videos.make_samples import encode
 
     _, shots = studio(4)
     colour = np.stack([cv2.cvtColor(shots[0].picture, cv2.COLOR_GRAY2RGB)] * 2)

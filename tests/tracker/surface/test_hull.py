@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, silhouettes, studio
-from tests.tracker.surface.test_nets import edge_counts, volume
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import Array
-from tracker.surface.cameras.hull import (
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.cameras.hull import (
     LIMIT_VOXELS,
     Silhouette,
     focus_of,
@@ -20,7 +18,9 @@ from tracker.surface.cameras.hull import (
     outline_distances,
     touching,
 )
-from tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.views import View
+from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, silhouettes, studio
+from tests.tracker.surface.test_nets import edge_counts, volume
 
 VOXEL_M = 0.02
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.surface.cameras.nets import surface_of
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
-from tracker.surface.cameras.nets import surface_of
-from tracker.surface.mesh import SurfaceMesh
 
 
 def volume(mesh: SurfaceMesh) -> float:

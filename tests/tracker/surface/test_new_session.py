@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.tracker.surface.mesh_files import BOX
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import Array
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.new_session import (
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.new_session import (
     FILLED_HEIGHT,
     FILLED_WIDTH,
     FPS,
@@ -29,7 +28,8 @@ from tracker.surface.new_session import (
     choose_reading,
     first_mesh,
 )
-from tracker.surface.placing import Placement
+from keypose.tracker.surface.placing import Placement
+from tests.tracker.surface.mesh_files import BOX
 
 PERSON = (0.5, 1.7, 0.4)
 AS_IT_IS = Reading("m", "-y")

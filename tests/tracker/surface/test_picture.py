@@ -10,16 +10,16 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from tracker.errors import SurfaceError, VideoError
-from tracker.geometry.camera import Camera
-from tracker.kernels.painting import colour
-from tracker.kernels.raster import PERSPECTIVE, fill
-from tracker.session.schema import Surface
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.painting import CLAY, GROUND, paint
-from tracker.surface.picture import SurfaceVideo, surface_video
-from tracker.surface.source import MOST_KEPT, SurfaceSteps
-from tracker.video import MissingFrame
+from keypose.tracker.errors import SurfaceError, VideoError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.painting import colour
+from keypose.tracker.kernels.raster import PERSPECTIVE, fill
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.painting import CLAY, GROUND, paint
+from keypose.tracker.surface.picture import SurfaceVideo, surface_video
+from keypose.tracker.surface.source import MOST_KEPT, SurfaceSteps
+from keypose.tracker.video import MissingFrame
 
 CAMERA = Camera(width=160, height=120, fx=200.0, fy=200.0, cx=79.5, cy=59.5)
 AWAY = np.array([0.0, 0.0, 3.0])

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.session.schema import Surface
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.source import SurfaceSteps
 from tests.tracker.surface.test_picture import Meshes
-from tracker.errors import SurfaceError
-from tracker.session.schema import Surface
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.source import SurfaceSteps
 
 WIDTH, HEIGHT, STEPS = 96, 72, 2
 

@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.surface.files import reading, wire
+from keypose.tracker.surface.files.parsing import opening
+from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.reading import MeshReader
 from tests.tracker.surface.mesh_files import BOX, CORNERS, obj, ply, standing_box
-from tracker.surface.files import reading, wire
-from tracker.surface.files.parsing import opening
-from tracker.surface.files.parsing.raw import Refused
-from tracker.surface.files.reading import MeshReader
 
 GOOD = ply()
 
@@ -254,7 +254,8 @@ def test_no_child_outlives_its_reader(tmp_path: Path) -> None:
 def test_no_child_outlives_a_program_that_is_killed(tmp_path: Path) -> None:
     (tmp_path / "good.ply").write_bytes(GOOD)
     code = (
-        "import sys, time; from pathlib import Path; from tracker.surface.files.reading import *\n"
+        "import sys, time; from pathlib import Path; from keypose.tracker.surface.files.reading "
+        "import *\n"
         "reader = MeshReader(); reader.mesh(Path(sys.argv[1]))\n"
         "print(reader._child.pid, flush=True); time.sleep(60)"
     )
@@ -290,7 +291,7 @@ def test_a_module_in_the_present_folder_is_not_taken_for_a_part_of_the_program(
 
 def test_a_child_may_write_no_file(tmp_path: Path) -> None:
     code = (
-        "from tracker.surface.files.child import limit_memory; limit_memory(10**9)\n"
+        "from keypose.tracker.surface.files.child import limit_memory; limit_memory(10**9)\n"
         f"open({str(tmp_path / 'written')!r}, 'wb', buffering=0).write(b'something')"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)

@@ -18,6 +18,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.animated import read_resting
+from keypose.tracker.surface.files.parsing.obj import read_obj
+from keypose.tracker.surface.files.parsing.off import read_off
+from keypose.tracker.surface.files.parsing.ply import read_ply
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.tidying import tidy
 from tests.tracker.surface.mesh_files import (
     BOX,
     CORNERS,
@@ -28,13 +35,6 @@ from tests.tracker.surface.mesh_files import (
     ply,
     standing_box,
 )
-from tracker.geometry.rotations import Array
-from tracker.surface.files.animated import read_resting
-from tracker.surface.files.parsing.obj import read_obj
-from tracker.surface.files.parsing.off import read_off
-from tracker.surface.files.parsing.ply import read_ply
-from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import tidy
 
 READERS = {"ply": read_ply, "obj": read_obj, "off": read_off, "glb": read_resting}
 
@@ -389,7 +389,7 @@ def test_no_other_file_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
 
 _READ_UNDER_WATCH = """
 import io, json, sys
-from tracker.surface.files.child import READERS
+from keypose.tracker.surface.files.child import READERS
 kind, content, opened = sys.argv[1], sys.stdin.buffer.read(), []
 READERS[kind](io.BytesIO(content))  # so that nothing is imported while it is watched
 def note(event, facts):

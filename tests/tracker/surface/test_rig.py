@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import quaternion_wxyz
+from keypose.tracker.session.settings import UpAxis
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import Placement
 from tests.rendering.ring import ring_of
 from tests.rendering.studio import cameras_json
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import quaternion_wxyz
-from tracker.session.settings import UpAxis
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import Placement
 
 P_CENTRE = np.array([0.1, 0.0, 3.8])
 P_SURFACE = np.array([0.0, 0.5, 3.8])

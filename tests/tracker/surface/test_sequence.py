@@ -12,6 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.surface.files.guessing import guess_units, guess_up
+from keypose.tracker.surface.files.reading import MeshReader
+from keypose.tracker.surface.files.sequence import Glance, MeshSequence
+from keypose.tracker.surface.files.sources import FolderSource
+from keypose.tracker.surface.files.unusable import describe_unusable
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.mesh_files import (
     BOX,
     CORNERS,
@@ -22,13 +29,6 @@ from tests.tracker.surface.mesh_files import (
     ply,
     standing_box,
 )
-from tracker.errors import SurfaceError
-from tracker.surface.files.guessing import guess_units, guess_up
-from tracker.surface.files.reading import MeshReader
-from tracker.surface.files.sequence import Glance, MeshSequence
-from tracker.surface.files.sources import FolderSource
-from tracker.surface.files.unusable import describe_unusable
-from tracker.surface.mesh import SurfaceMesh
 
 
 def place_x(meshes: MeshSequence, frame: int) -> float:

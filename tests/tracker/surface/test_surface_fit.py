@@ -8,6 +8,21 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box, Frustum
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
+from keypose.tracker.surface.fit.measuring import measure
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.point_reliability import PointReliability
+from keypose.tracker.surface.fit.pose_fit import fit_solids_to_surface
+from keypose.tracker.surface.fit.rotation_observability import UNSEEN
+from keypose.tracker.surface.fit.solving import fit_pose
+from keypose.tracker.surface.fit.vertex_scalars import vertex_scalars
+from keypose.tracker.surface.fit.weights import photo_weights
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.surfaces import (
     BOXES,
     CAPSULES,
@@ -17,21 +32,6 @@ from tests.tracker.surface.surfaces import (
     surface_of,
     two_bars,
 )
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box, Frustum
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation
-from tracker.surface.fit.measuring import measure
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import Observed
-from tracker.surface.fit.point_reliability import PointReliability
-from tracker.surface.fit.pose_fit import fit_solids_to_surface
-from tracker.surface.fit.rotation_observability import UNSEEN
-from tracker.surface.fit.solving import fit_pose
-from tracker.surface.fit.vertex_scalars import vertex_scalars
-from tracker.surface.fit.weights import photo_weights
-from tracker.surface.mesh import SurfaceMesh
 
 BODY = two_bars()
 TAPERING = (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.kernels.cells import grid_of, nearest
-from tracker.kernels.surface import distance_to_others, pose_surface, pull
+from keypose.tracker.kernels.cells import grid_of, nearest
+from keypose.tracker.kernels.surface import distance_to_others, pose_surface, pull
 
 
 def _cloud(seed: int, count: int = 300):

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.surface.fit.judging import OFF_SHARE, lies_off
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import DATA
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.tracker.surface.surfaces import BOXES, CAPSULES, ROUND, bent, surface_of, two_bars
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import exp_rotation
-from tracker.surface.fit.judging import OFF_SHARE, lies_off
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.mesh import SurfaceMesh
 
 POSE = bent(two_bars(), 0.4, (0.2, 0.3, -0.1))
 ASIDE = np.array([1.0, 0.0, 0.0])

@@ -7,21 +7,26 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.shapes import Box, Frustum
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.kernels.cells import grid_of
+from keypose.tracker.session.settings import UpAxis
+from keypose.tracker.surface.fit.binding import distances_to_parts, shares_of
+from keypose.tracker.surface.fit.model import SurfaceModel, with_all_rotations
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import clearance
+from keypose.tracker.surface.fit.points import SurfaceSamples
+from keypose.tracker.surface.fit.weights import (
+    LEAST_SHARE,
+    contact_weights,
+    photo_weights,
+    raise_to_floor,
+)
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import METRES, Placement
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.shapes import Box, Frustum
-from tracker.body.skeleton import Skeleton
-from tracker.kernels.cells import grid_of
-from tracker.session.settings import UpAxis
-from tracker.surface.fit.binding import distances_to_parts, shares_of
-from tracker.surface.fit.model import SurfaceModel, with_all_rotations
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import clearance
-from tracker.surface.fit.points import SurfaceSamples
-from tracker.surface.fit.weights import LEAST_SHARE, contact_weights, photo_weights, raise_to_floor
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import METRES, Placement
 
 
 def _ball() -> SurfaceMesh:

@@ -7,19 +7,19 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.errors import SessionError, SurfaceError
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.segment import SurfaceTracker
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.result import SegmentResult
 from tests.tracker.surface.surfaces import Given, bent, joints, surface_of, two_bars
-from tracker.body.body import Part
-from tracker.body.pose import Pose
-from tracker.body.shapes import Box
-from tracker.body.trajectory import Pass
-from tracker.errors import SessionError, SurfaceError
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.verdict import Verdict
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.segment import SurfaceTracker
-from tracker.surface.mesh import SurfaceMesh
-from tracker.tracking.pool import Cancelled
-from tracker.tracking.result import SegmentResult
 
 BODY = two_bars()
 OPTIONS = Options(points=700)
@@ -123,7 +123,7 @@ def test_many_unusable_steps_are_told_in_a_few_words() -> None:
 @pytest.fixture
 def report_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every step is told, however quick it was."""
-    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
+    monkeypatch.setattr("keypose.tracker.surface.fit.segment.REPORT_S", 0.0)
 
 
 def _stop_at(step: int) -> Callable[[Pass, int], None]:
@@ -296,7 +296,7 @@ def test_the_model_needs_the_surface_of_its_own_step() -> None:
 
 
 def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
+    monkeypatch.setattr("keypose.tracker.surface.fit.segment.REPORT_S", 0.0)
     done = []
 
     def stop_at_three(step: Pass, number: int) -> None:
@@ -310,7 +310,7 @@ def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
+    monkeypatch.setattr("keypose.tracker.surface.fit.segment.REPORT_S", 0.0)
     told: list[tuple[Pass, int]] = []
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     tracker.run_segment((0, 8), lambda step, number: told.append((step, number)))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import moved
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.rotations import exp_rotation, transpose
+from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.method import Refinement
+from keypose.tracker.video.pyramid import IGNORED
 from tests.tracker.tracking_cases import Case, case, clip_of
-from tracker.body.pose import moved
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.rotations import exp_rotation, transpose
-from tracker.tracking.bundle import refine
-from tracker.tracking.method import Refinement
-from tracker.video.pyramid import IGNORED
 
 HOW = Refinement(solves=4, stride=2)
 

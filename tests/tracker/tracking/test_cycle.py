@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import Clip
 from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import Case, case, clip_of, plain, segment_of, worked
-from tracker.body.trajectory import Trajectory
-from tracker.session.settings import TrackSettings
-from tracker.tracking.method import FAST, FULL, PREVIEW, Keypose, Method, Paper, method_of
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import Clip
 
 NAMES = ("box", "person")
 every_case = pytest.mark.parametrize("name", NAMES)

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.kernels.closing import find_correction
+from keypose.tracker.tracking.drift import Motions, closing_error, correct_drift
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import random_body, random_pose, random_trajectory
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from tracker.kernels.closing import find_correction
-from tracker.tracking.drift import Motions, closing_error, correct_drift
 
 Floats = NDArray[np.float64]
 

@@ -8,20 +8,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.rendering.settings import RenderSettings
-from tests.tracker import reference_loops as plain
-from tests.tracker.tracking_cases import Case, case, clip_of, random_body, scene_of
-from tracker.body.body import ALL_DOFS, Body, Part
-from tracker.body.pose import Pose, moved
-from tracker.body.shapes import Box
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from tracker.kernels.pairs import observe_pairs
-from tracker.tracking.diagnostics.observability import observe
-from tracker.tracking.drift import Doubt
-from tracker.tracking.frame_pair import (
+from keypose.tracker.body.body import ALL_DOFS, Body, Part
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.kernels.pairs import observe_pairs
+from keypose.tracker.tracking.diagnostics.observability import observe
+from keypose.tracker.tracking.drift import Doubt
+from keypose.tracker.tracking.frame_pair import (
     SINGULAR_CUT,
     MotionStep,
     least_squares_pass,
@@ -30,9 +27,12 @@ from tracker.tracking.frame_pair import (
     robust_pass,
     solve_with_cut,
 )
-from tracker.tracking.initial.chains import Chain, blend_chains, follow
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import IGNORED, Clip, Picture
+from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import IGNORED, Clip, Picture
+from tests.rendering.settings import RenderSettings
+from tests.tracker import reference_loops as plain
+from tests.tracker.tracking_cases import Case, case, clip_of, random_body, scene_of
 
 Floats = NDArray[np.float64]
 

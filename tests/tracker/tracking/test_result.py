@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.tracking.result import COLUMNS, Diagnostics, SegmentResult, side_by_side
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Pass
-from tracker.tracking.result import COLUMNS, Diagnostics, SegmentResult, side_by_side
 
 PARTS, DOFS = 3, 5
 

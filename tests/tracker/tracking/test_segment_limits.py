@@ -5,23 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.tracking import cycle as segment_module
+from keypose.tracker.tracking.drift import Motions
+from keypose.tracker.tracking.frame_pair import printed_score, robust_pass
+from keypose.tracker.tracking.initial import chains as chains_module
+from keypose.tracker.tracking.initial.chains import Chain
+from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Method, Paper
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip
 from tests.rendering.settings import Occluder, RenderSettings
 from tests.tracker.tracking_cases import Case, case, plain, segment_of, tracked, worked
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.settings import IgnoreMask
-from tracker.tracking import cycle as segment_module
-from tracker.tracking.drift import Motions
-from tracker.tracking.frame_pair import printed_score, robust_pass
-from tracker.tracking.initial import chains as chains_module
-from tracker.tracking.initial.chains import Chain
-from tracker.tracking.method import FAST, FULL, PREVIEW, Method, Paper
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Clip
 
 METHODS: dict[str, Method] = {"full": FULL, "fast": FAST, "preview": PREVIEW, "paper": Paper()}
 every_method = pytest.mark.parametrize("method", METHODS)

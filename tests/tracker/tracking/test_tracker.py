@@ -10,17 +10,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.tracker import session_cases
-from tests.tracker.tracking_cases import Case, MemoryVideo, case, tracked
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, Trajectory, interpolate
-from tracker.errors import SessionError, VideoError
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.settings import TrackSettings
-from tracker.storage import tracking
-from tracker.storage.files import load_session, open_video_of
-from tracker.tracking.pool import (
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
+from keypose.tracker.errors import SessionError, VideoError
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.storage import tracking
+from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.tracking.pool import (
     PassFinished,
     Progress,
     SegmentFinished,
@@ -28,8 +26,10 @@ from tracker.tracking.pool import (
     TrackFinished,
     run,
 )
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.tracker import Tracker
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.tracker import Tracker
+from tests.tracker import session_cases
+from tests.tracker.tracking_cases import Case, MemoryVideo, case, tracked
 
 KEYS = (0, 6, 12, 18)
 

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.video.pyramid import LEVELS
 from tests.tracker.tracking_cases import Case, case, tracked
-from tracker.body.body import Body, Part
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
-from tracker.geometry.camera import Camera
-from tracker.session.verdict import Verdict
-from tracker.video.pyramid import LEVELS
 
 KEYS = (0, 6, 12, 18)
 

@@ -9,12 +9,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.errors import SessionError, VideoError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.video.clip_loader import (
+    LONGEST_SEGMENT,
+    WORKING_PIXELS,
+    ClipLoader,
+    WorkingSize,
+)
+from keypose.tracker.video.pyramid import IGNORED, LEVELS, TARGET_ONLY, USABLE
 from tests.tracker.tracking_cases import MemoryVideo
-from tracker.errors import SessionError, VideoError
-from tracker.geometry.camera import Camera
-from tracker.session.settings import IgnoreMask
-from tracker.video.clip_loader import LONGEST_SEGMENT, WORKING_PIXELS, ClipLoader, WorkingSize
-from tracker.video.pyramid import IGNORED, LEVELS, TARGET_ONLY, USABLE
 
 WIDTH, HEIGHT = 80, 60
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=70.0, fy=72.0, cx=40.5, cy=29.25)

@@ -6,6 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from keypose.tracker.errors import VideoError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
+from keypose.tracker.video.pyramid import IGNORED
 from tests.tracker.damage_cases import (
     FILMS,
     HEIGHT,
@@ -18,11 +23,6 @@ from tests.tracker.damage_cases import (
     write_film,
 )
 from tests.tracker.video_cases import flip_bit, numbered_picture, write_image, write_numbered
-from tracker.errors import VideoError
-from tracker.geometry.camera import Camera
-from tracker.video import Video
-from tracker.video.clip_loader import ClipLoader, WorkingSize
-from tracker.video.pyramid import IGNORED
 
 SAMPLES = sorted((Path(__file__).parents[3] / "sample_videos").glob("*/*.mp4"))
 MUTANTS = 20

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.errors import VideoError
-from tracker.video import Video
-from tracker.video.encode import FilmWriter, film_file
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video import Video
+from keypose.tracker.video.encode import FilmWriter, film_file
 
 SIZE = (96, 64)
 

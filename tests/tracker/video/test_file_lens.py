@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from tracker.video import Video
-from tracker.video.file_lens import FileLens, lens_in
+from keypose.tracker.video import Video
+from keypose.tracker.video.file_lens import FileLens, lens_in
 
 QUICKTIME = "com.apple.quicktime."
 FOCAL = f"{QUICKTIME}camera.focal_length.35mm_equivalent"

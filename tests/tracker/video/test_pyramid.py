@@ -7,11 +7,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.kernels.noise import BINS
+from keypose.tracker.kernels.sums import BLOCK, HUBER, sum_points
+from keypose.tracker.video.pyramid import (
+    IGNORED,
+    LEVELS,
+    TARGET_ONLY,
+    USABLE,
+    Clip,
+    level_sizes,
+    prepare,
+)
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import WIDTH, random_body, random_pose, scene_of
-from tracker.kernels.noise import BINS
-from tracker.kernels.sums import BLOCK, HUBER, sum_points
-from tracker.video.pyramid import IGNORED, LEVELS, TARGET_ONLY, USABLE, Clip, level_sizes, prepare
 
 Grey = NDArray[np.uint8]
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.video import Video
+from keypose.tracker.video.still_camera import SAMPLES, sampled_frames, still_camera, still_pictures
 from tests.tracker.tracking_cases import MemoryVideo
-from tracker.video import Video
-from tracker.video.still_camera import SAMPLES, sampled_frames, still_camera, still_pictures
 
 ROOT = Path(__file__).parents[3]
 SAMPLE_VIDEOS = ROOT / "sample_videos"

@@ -8,8 +8,8 @@ import av
 import numpy as np
 import pytest
 
-from tracker.video import Video
-from tracker.video.timecode import Timecode, timecode_in
+from keypose.tracker.video import Video
+from keypose.tracker.video.timecode import Timecode, timecode_in
 
 
 def code(text: str, fps: float) -> Timecode:

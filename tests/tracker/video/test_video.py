@@ -18,6 +18,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from keypose.tracker.errors import VideoError
+from keypose.tracker.video import MissingFrame, Video
+from keypose.tracker.video import decode as decode_module
+from keypose.tracker.video.cache import PictureCache
+from keypose.tracker.video.index import index_from_packets
 from tests.tracker.video_cases import (
     ask_for_turn,
     damage_packet,
@@ -30,11 +35,6 @@ from tests.tracker.video_cases import (
     write_sound,
     write_with_foreign_tags,
 )
-from tracker.errors import VideoError
-from tracker.video import MissingFrame, Video
-from tracker.video import decode as decode_module
-from tracker.video.cache import PictureCache
-from tracker.video.index import index_from_packets
 
 SHARED = Path(__file__).parents[4] / "shared/data"
 LONG_GOP = {"bf": "3", "g": "250"}
@@ -307,7 +307,7 @@ def test_whatever_pyav_raises_on_opening_is_one_sentence(
     def fails(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr("tracker.video.container.av.open", fails)
+    monkeypatch.setattr("keypose.tracker.video.container.av.open", fails)
     for place in (path, folder):
         with pytest.raises(VideoError, match=r"^[^\n]+\.$"):
             Video.open(place)
@@ -324,7 +324,7 @@ def test_a_picture_that_pyav_cannot_convert_is_missing(
 
     for place in (path, folder):
         with Video.open(place) as video, monkeypatch.context() as broken:
-            broken.setattr("tracker.video.picture.PictureMaker.picture", fails)
+            broken.setattr("keypose.tracker.video.picture.PictureMaker.picture", fails)
             with pytest.raises(MissingFrame):
                 video.frame(1)
 
@@ -360,7 +360,7 @@ def test_an_index_that_left_out_a_frame_is_made_again(
         assert index is not None
         return replace(index, pts=np.delete(index.pts, 7))
 
-    monkeypatch.setattr("tracker.video.decode.index_from_packets", one_short)
+    monkeypatch.setattr("keypose.tracker.video.decode.index_from_packets", one_short)
     with Video.open(path) as video:
         assert video.info.frame_count == 19
         assert [number_in(p) for _, p in video.frames(0, 19) if p is not None] == [*range(19)]

@@ -1,4 +1,4 @@
-"""Write the preset bodies: `python -m tracker.body.presets.make_presets`.
+"""Write the preset bodies: `python -m keypose.tracker.body.presets.make_presets`.
 
 Everything measured stands in the tables at the top, with its source; everything estimated is a
 named constant or a method of `Person` that says so. Tables in millimetres or as ratios, the bodies
@@ -23,8 +23,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point
-from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from keypose.tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point
+from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
 

@@ -10,14 +10,14 @@ from typing import Annotated, TypeAlias, get_args
 
 from pydantic import Field
 
-from tracker.body.shapes.box import Box
-from tracker.body.shapes.capsule import Capsule
-from tracker.body.shapes.cylinder import Cylinder
-from tracker.body.shapes.frustum import Frustum
-from tracker.body.shapes.mesh import Mesh
-from tracker.body.shapes.numbers import Length, Point, Size
-from tracker.body.shapes.solid import ShapeSize, Solid
-from tracker.body.shapes.wireframe import SIDES, Wireframe
+from keypose.tracker.body.shapes.box import Box
+from keypose.tracker.body.shapes.capsule import Capsule
+from keypose.tracker.body.shapes.cylinder import Cylinder
+from keypose.tracker.body.shapes.frustum import Frustum
+from keypose.tracker.body.shapes.mesh import Mesh
+from keypose.tracker.body.shapes.numbers import Length, Point, Size
+from keypose.tracker.body.shapes.solid import ShapeSize, Solid
+from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe
 
 Shape: TypeAlias = Annotated[Cylinder | Capsule | Frustum | Box, Field(discriminator="kind")]
 

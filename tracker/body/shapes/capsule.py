@@ -6,12 +6,12 @@ from typing import Literal, Self
 
 import numpy as np
 
-from tracker.body.shapes.mesh import Mesh
-from tracker.body.shapes.numbers import Point, Size
-from tracker.body.shapes.round import UprightSolid
-from tracker.body.shapes.solid import ShapeSize, Solid
-from tracker.body.shapes.wireframe import SIDES, Wireframe, ring
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.shapes.mesh import Mesh
+from keypose.tracker.body.shapes.numbers import Point, Size
+from keypose.tracker.body.shapes.round import UprightSolid
+from keypose.tracker.body.shapes.solid import ShapeSize, Solid
+from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
+from keypose.tracker.geometry.rotations import Array, frozen
 
 _RISE = np.deg2rad([89, 75, 60, 45, 30, 15, 0])
 """Angles above an end's widest ring at which the end has rings, from the tip on."""

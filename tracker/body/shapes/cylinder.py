@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from tracker.body.shapes.numbers import Size
-from tracker.body.shapes.round import Radii, RoundSolid
-from tracker.body.shapes.solid import ShapeSize, Solid
+from keypose.tracker.body.shapes.numbers import Size
+from keypose.tracker.body.shapes.round import Radii, RoundSolid
+from keypose.tracker.body.shapes.solid import ShapeSize, Solid
 
 
 class Cylinder(RoundSolid):

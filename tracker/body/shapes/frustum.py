@@ -6,9 +6,9 @@ from typing import Literal, Self
 
 import numpy as np
 
-from tracker.body.shapes.numbers import Point, Size
-from tracker.body.shapes.round import Radii, RoundSolid
-from tracker.body.shapes.solid import ShapeSize, Solid
+from keypose.tracker.body.shapes.numbers import Point, Size
+from keypose.tracker.body.shapes.round import Radii, RoundSolid
+from keypose.tracker.body.shapes.solid import ShapeSize, Solid
 
 
 class Frustum(RoundSolid):

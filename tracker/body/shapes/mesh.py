@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ from typing import Self, TypeAlias
 import numpy as np
 from pydantic import model_validator
 
-from tracker.body.shapes.mesh import Mesh
-from tracker.body.shapes.numbers import Length, Point
-from tracker.body.shapes.solid import Solid, distance_from_excess
-from tracker.body.shapes.wireframe import SIDES, Wireframe, ring
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.body.shapes.mesh import Mesh
+from keypose.tracker.body.shapes.numbers import Length, Point
+from keypose.tracker.body.shapes.solid import Solid, distance_from_excess
+from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
+from keypose.tracker.geometry.rotations import Array, frozen
 
 Radii: TypeAlias = tuple[float, float]
 """Half-axes of a cross-section along x and z."""

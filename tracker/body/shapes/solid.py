@@ -9,10 +9,10 @@ from typing import Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from tracker.body.shapes.mesh import Mesh
-from tracker.body.shapes.numbers import Point
-from tracker.body.shapes.wireframe import Wireframe
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.shapes.mesh import Mesh
+from keypose.tracker.body.shapes.numbers import Point
+from keypose.tracker.body.shapes.wireframe import Wireframe
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.rotations import Array, frozen
 
 SIDES = 24
 """Sides of the polygon that stands for a round cross-section."""

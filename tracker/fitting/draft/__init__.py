@@ -1,8 +1,13 @@
 """Draft poses for a whole clip from keypoints with depth: nobody has posed anything yet."""
 
-from tracker.fitting.draft.clip import ClipDraft, DraftProgress, draft_clip, draft_from_keypoints
-from tracker.fitting.draft.proposals import Proposal
-from tracker.fitting.draft.refit import refit_drafts
+from keypose.tracker.fitting.draft.clip import (
+    ClipDraft,
+    DraftProgress,
+    draft_clip,
+    draft_from_keypoints,
+)
+from keypose.tracker.fitting.draft.proposals import Proposal
+from keypose.tracker.fitting.draft.refit import refit_drafts
 
 __all__ = [
     "ClipDraft",

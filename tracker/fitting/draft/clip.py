@@ -15,28 +15,28 @@ from typing import Literal
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.body.clavicles import has_clavicles, with_clavicles, without_clavicles
-from tracker.body.pose import Pose
-from tracker.body.scaling import height
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.errors import KeypointError
-from tracker.fitting.draft.depth_signs import pointing, turned
-from tracker.fitting.draft.first_poses import first_pose
-from tracker.fitting.draft.judged import Judged, Piece, judged
-from tracker.fitting.draft.limbs import Joints, turning_ends
-from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.proposals import Proposal
-from tracker.fitting.draft.sides import consistent_sides
-from tracker.fitting.draft.sizes import with_proportions
-from tracker.fitting.draft.whole import Whole
-from tracker.geometry.camera import Camera
-from tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.region import Box
-from tracker.tracking.cues.anchors import height_px, with_free_joints
-from tracker.tracking.scene import Scene
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.clavicles import has_clavicles, with_clavicles, without_clavicles
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft.depth_signs import pointing, turned
+from keypose.tracker.fitting.draft.first_poses import first_pose
+from keypose.tracker.fitting.draft.judged import Judged, Piece, judged
+from keypose.tracker.fitting.draft.limbs import Joints, turning_ends
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.proposals import Proposal
+from keypose.tracker.fitting.draft.sides import consistent_sides
+from keypose.tracker.fitting.draft.sizes import with_proportions
+from keypose.tracker.fitting.draft.whole import Whole
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.scene import Scene
 
 WORSE = 1.1
 """Limbs stay as drafted where turning them in depth costs so many times more: what limits and the

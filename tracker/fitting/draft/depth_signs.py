@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.limbs import SIDES, Bone, Joints, place_of
-from tracker.fitting.draft.observed import Observed
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.limbs import SIDES, Bone, Joints, place_of
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.fitting.draft.limbs import SIDES, Joints, Limb, place_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, nearest_rotation
-from tracker.solver.fit_joints import aim_parts, rigid
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.fitting.draft.limbs import SIDES, Joints, Limb, place_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, nearest_rotation
+from keypose.tracker.solver.fit_joints import aim_parts, rigid
 
 NEAREST_M = 0.3
 """A body is not put nearer to the camera."""

@@ -12,11 +12,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit
 
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.depth_signs import PLANE, tilt
-from tracker.fitting.draft.limbs import Bone, Joints
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
+from keypose.tracker.fitting.draft.limbs import Bone, Joints
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 
 NEAR_FRAMES = 10
 """Before and after a frame, in which a bone that points the same way is asked as well."""

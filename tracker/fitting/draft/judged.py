@@ -8,18 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.flips import flip_doubts
-from tracker.fitting.draft.limbs import Joints
-from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.proposals import Proposal, Stretch, proposed
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
-from tracker.session.drafted import Reason
-from tracker.solver.posed import image_points
-from tracker.tracking.cues.anchors import height_px
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.flips import flip_doubts
+from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.proposals import Proposal, Stretch, proposed
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.session.drafted import Reason
+from keypose.tracker.solver.posed import image_points
+from keypose.tracker.tracking.cues.anchors import height_px
 
 POOR = 0.06
 """A pose whose joints miss their keypoints by this share of the body's height in the median is no

@@ -8,14 +8,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ROTATIONS, Body, Point
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.on_body import points_on_body
-from tracker.solver.body_points import BodyPoints
+from keypose.tracker.body.body import ROTATIONS, Body, Point
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.solver.body_points import BodyPoints
 
 SIDES: Final = ("left", "right")
 LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))

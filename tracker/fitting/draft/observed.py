@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import KeypointError
-from tracker.fitting.draft.limbs import POINTS
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft.limbs import POINTS
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 
 SEEN = 0.3
 """Visibility from which a joint counts as seen."""

@@ -19,7 +19,7 @@ from typing import Final
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True)

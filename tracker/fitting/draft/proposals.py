@@ -8,8 +8,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.session.drafted import Reason
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.drafted import Reason
 
 EVERY: Final = 60
 """About so many frames come to one proposal."""

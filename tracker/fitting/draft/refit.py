@@ -8,26 +8,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.scaling import height
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.clip import FEW_POINTS, filled, middle
-from tracker.fitting.draft.judged import NEAREST_M
-from tracker.fitting.draft.limbs import Joints, turning_ends
-from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.offsets import learned_depths, learned_places
-from tracker.fitting.draft.sides import consistent_sides
-from tracker.fitting.draft.whole import Whole
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session.drafted import LEARN_FRAMES
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.posed import image_jacobian, image_points
-from tracker.tracking.cues.anchors import height_px, with_free_joints
-from tracker.tracking.scene import Scene
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.scaling import height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.clip import FEW_POINTS, filled, middle
+from keypose.tracker.fitting.draft.judged import NEAREST_M
+from keypose.tracker.fitting.draft.limbs import Joints, turning_ends
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.offsets import learned_depths, learned_places
+from keypose.tracker.fitting.draft.sides import consistent_sides
+from keypose.tracker.fitting.draft.whole import Whole
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session.drafted import LEARN_FRAMES
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import image_jacobian, image_points
+from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.scene import Scene
 
 TELLS = 0.2
 """Visibility from which a keypoint of a posed frame tells anything."""

@@ -16,9 +16,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.fitting.draft.limbs import LIMBS, POINTS, SIDES, place_of
-from tracker.fitting.draft.observed import Observed
-from tracker.geometry.rotations import Array
+from keypose.tracker.fitting.draft.limbs import LIMBS, POINTS, SIDES, place_of
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.geometry.rotations import Array
 
 CHANGE: Final = 0.05
 """What an exchange costs on the way, as a share of the body's height."""

@@ -13,12 +13,12 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.body.scaling import height, joint_moved, resized, with_height
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.draft.limbs import SIDES, Joints, place_of
-from tracker.fitting.draft.observed import Observed
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.scaling import height, joint_moved, resized, with_height
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.draft.limbs import SIDES, Joints, place_of
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.geometry.rotations import Array
 
 SURE = 0.7
 """Visibility of both ends of a bone that is measured."""

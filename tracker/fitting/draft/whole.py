@@ -15,21 +15,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.joint_limits import Limits
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.limbs import Joints
-from tracker.fitting.draft.observed import Observed
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
-from tracker.solver.segment_poses import SegmentPoses
-from tracker.solver.smoothness import Smoothness
-from tracker.solver.terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior, Term
-from tracker.tracking.cues.anchors import height_px
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import NEAREST_M
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
+from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.smoothness import Smoothness
+from keypose.tracker.solver.terms import (
+    DepthFromRoot,
+    JointLimits,
+    PointsInPicture,
+    PosePrior,
+    Term,
+)
+from keypose.tracker.tracking.cues.anchors import height_px
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import NEAREST_M
 
 WINDOW, OVERLAP = 120, 24
 """Frames of a window, and of those that the next one solves again."""

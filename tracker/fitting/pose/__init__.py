@@ -1,5 +1,5 @@
 """A roughly posed keyframe improved from the picture: a suggestion, which can be undone."""
 
-from tracker.fitting.pose.keyframe import PictureFit, fit_pose_to_picture
+from keypose.tracker.fitting.pose.keyframe import PictureFit, fit_pose_to_picture
 
 __all__ = ["PictureFit", "fit_pose_to_picture"]

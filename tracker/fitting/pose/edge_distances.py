@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.fitting.pose.outline import Edges, Outline
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.solver.posed import Posed, image_jacobian, image_points
-from tracker.solver.terms import Equations
+from keypose.tracker.fitting.pose.outline import Edges, Outline
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.terms import Equations
 
 EDGE_SIGMA_PX, MOST_SPREAD_PX, STRAY_PX = 1.0, 4.0, 3.0
 """Sigma of an edge at best, and at most for a body that fits: shapes are not exact. Beyond the

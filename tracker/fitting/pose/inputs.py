@@ -13,19 +13,19 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.outline import Outline, separation
-from tracker.fitting.pose.refinement import PosedKeyframe, refine
-from tracker.fitting.pose.texture import Texture, texture_of, without_parts
-from tracker.geometry.camera import Camera
-from tracker.session.settings import IgnoreMask
-from tracker.tracking.scene import Scene
-from tracker.video import Video
-from tracker.video.clip_loader import ClipLoader, WorkingSize
-from tracker.video.pyramid import IGNORED, Picture
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.outline import Outline, separation
+from keypose.tracker.fitting.pose.refinement import PosedKeyframe, refine
+from keypose.tracker.fitting.pose.texture import Texture, texture_of, without_parts
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
+from keypose.tracker.video.pyramid import IGNORED, Picture
 
 REACH = 40
 """Frames beyond which another keyframe shows too little of the same."""

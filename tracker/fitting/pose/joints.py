@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tracker.body.pose import Pose
-from tracker.fitting.pose.inputs import FitInputs
-from tracker.fitting.pose.refinement import PosedKeyframe
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.posed import Posed
-from tracker.solver.robust import Cauchy
-from tracker.solver.terms import PointsInPicture, Term
-from tracker.tracking.cues.anchors import frame_anchors
-from tracker.tracking.cues.sources import FrameSource
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.fitting.pose.inputs import FitInputs
+from keypose.tracker.fitting.pose.refinement import PosedKeyframe
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.solver.terms import PointsInPicture, Term
+from keypose.tracker.tracking.cues.anchors import frame_anchors
+from keypose.tracker.tracking.cues.sources import FrameSource
 
 CRITERIA = Criteria(most_steps=20, settled=1e-4, damping=Damping(most=1e6))
 CLEARLY = 10.0

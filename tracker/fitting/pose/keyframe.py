@@ -14,29 +14,29 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.fitting.pose.inputs import (
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.pose.inputs import (
     FitInputs,
     align_textures,
     fit_to_outlines,
     keyframes_near,
     textures_near,
 )
-from tracker.fitting.pose.joints import Joints
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.messages import Moves, describe_moves
-from tracker.fitting.pose.outline import Outline, gain
-from tracker.fitting.pose.refinement import RefinedPose, decided_share, refine
-from tracker.fitting.pose.texture import Texture, visible_points
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.session.settings import IgnoreMask
-from tracker.tracking.cues.sources import FrameSource
-from tracker.tracking.pool import never
-from tracker.video import Video
-from tracker.video.pyramid import IGNORED
+from keypose.tracker.fitting.pose.joints import Joints
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.messages import Moves, describe_moves
+from keypose.tracker.fitting.pose.outline import Outline, gain
+from keypose.tracker.fitting.pose.refinement import RefinedPose, decided_share, refine
+from keypose.tracker.fitting.pose.texture import Texture, visible_points
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.tracking.cues.sources import FrameSource
+from keypose.tracker.tracking.pool import never
+from keypose.tracker.video import Video
+from keypose.tracker.video.pyramid import IGNORED
 
 Way = Literal["joints", "neighbours", "outline", "nothing"]
 CANCELLED = "Cancelled. Pose unchanged."

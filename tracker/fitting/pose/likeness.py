@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.fitting.pose.texture import Texture, visible_points
-from tracker.fitting.pose.texture_differences import PlacedTextures, TextureDifferences
-from tracker.kernels.noise import capped_square, robust_sigma
-from tracker.kernels.pairs import CAP
-from tracker.kernels.sums import HUBER, HUBER_WIDTH, LEAST_SQUARES, TUKEY, TUKEY_WIDTH
-from tracker.solver.posed import Posed
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Picture
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.fitting.pose.texture import Texture, visible_points
+from keypose.tracker.fitting.pose.texture_differences import PlacedTextures, TextureDifferences
+from keypose.tracker.kernels.noise import capped_square, robust_sigma
+from keypose.tracker.kernels.pairs import CAP
+from keypose.tracker.kernels.sums import HUBER, HUBER_WIDTH, LEAST_SQUARES, TUKEY, TUKEY_WIDTH
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Picture
 
 FIRST_SIGMA = (6.0, 12.0, 20.0)
 """Noise of the residuals, grey levels, before it is known, by level of the pyramid."""

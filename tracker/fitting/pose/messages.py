@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import listed, spoken
-from tracker.geometry.rotations import Array
+from keypose.tracker.errors import listed, spoken
+from keypose.tracker.geometry.rotations import Array
 
 WORTH_A_WORD_PX = 1.0
 MOST = 3

@@ -14,12 +14,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, Raster, raster
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, Raster, raster
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
 
 SIDE = 16
 """Colour steps along each axis of a histogram."""

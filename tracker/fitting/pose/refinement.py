@@ -13,23 +13,23 @@ from functools import cached_property
 
 import numpy as np
 
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved
-from tracker.fitting.pose.edge_distances import EdgeDistances
-from tracker.fitting.pose.likeness import Likeness
-from tracker.fitting.pose.outline import Colours, Outline
-from tracker.geometry.rotations import Array
-from tracker.solver.least_squares import (
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
+from keypose.tracker.fitting.pose.likeness import Likeness
+from keypose.tracker.fitting.pose.outline import Colours, Outline
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.least_squares import (
     UNDAMPED,
     Criteria,
     Problem,
     damped_step,
     least_squares,
 )
-from tracker.solver.posed import Posed
-from tracker.solver.terms import Equations, JointLimits, PosePrior, Term, total_equations
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import LEVELS
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.terms import Equations, JointLimits, PosePrior, Term, total_equations
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import LEVELS
 
 POSED_TURN_RAD, POSED_SHIFT_M = np.radians(3.0), 0.015
 """How well a person poses: sigmas of a joint angle and of the hips."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.kernels.chain import place_parts
-from tracker.kernels.seeing import pick, room, see
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Picture
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.kernels.chain import place_parts
+from keypose.tracker.kernels.seeing import pick, room, see
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Picture
 
 STRIDE = 2
 """One surface point of so many is followed, the one with the strongest gradient."""

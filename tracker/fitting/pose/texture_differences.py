@@ -12,13 +12,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.fitting.pose.texture import STRIDE, Texture
-from tracker.geometry.rotations import Array
-from tracker.kernels.chain import camera_twists, normal_equations, place_parts, sum_subtrees
-from tracker.kernels.noise import BINS
-from tracker.kernels.pairs import scaled_lens
-from tracker.kernels.sums import (
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.fitting.pose.texture import STRIDE, Texture
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.chain import camera_twists, normal_equations, place_parts, sum_subtrees
+from keypose.tracker.kernels.noise import BINS
+from keypose.tracker.kernels.pairs import scaled_lens
+from keypose.tracker.kernels.sums import (
     BLOCK,
     GAIN_CENTRE,
     GAIN_SCALE,
@@ -27,11 +27,11 @@ from tracker.kernels.sums import (
     gather,
     sum_points,
 )
-from tracker.solver.posed import Posed
-from tracker.solver.robust import Huber, Tukey
-from tracker.solver.terms import Equations
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Picture
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Huber, Tukey
+from keypose.tracker.solver.terms import Equations
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Picture
 
 STATED_INFORMATION = 0.25
 """A point's information as a share of that between neighbouring frames: an error of a frame's pose

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 BINS = (16, 32, 32)
 """Of lightness and of the two colour axes of CIE Lab."""

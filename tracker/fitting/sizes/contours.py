@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.raster import BodyMesh, raster
-from tracker.fitting.sizes.colours import ColourModels
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.fitting.sizes.colours import ColourModels
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
 
 FINE = 3
 """The contour is drawn so many times finer than the picture."""

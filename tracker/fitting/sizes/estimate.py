@@ -8,9 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.fitting.sizes.residuals import Pictures, contours, joint_rows, residuals_by_pose
-from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
-from tracker.geometry.rotations import Array
+from keypose.tracker.fitting.sizes.residuals import (
+    Pictures,
+    contours,
+    joint_rows,
+    residuals_by_pose,
+)
+from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
+from keypose.tracker.geometry.rotations import Array
 
 STEPS = 3
 FEW_SHARE = 0.015

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import listed, spoken
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.shared import Shared
+from keypose.tracker.errors import listed, spoken
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.fitting.sizes.shared import Shared
 
 WHAT = ("length", "width")
 MORE, LESS = ("longer", "wider"), ("shorter", "narrower")

@@ -11,11 +11,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.scaling import resized
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import free_skeleton
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import free_skeleton
 
 SIDES = ("left_", "right_")
 

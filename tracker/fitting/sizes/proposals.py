@@ -13,18 +13,18 @@ from functools import cached_property
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.sizes.colours import ColourModels
-from tracker.fitting.sizes.contours import offsets
-from tracker.fitting.sizes.estimate import estimate
-from tracker.fitting.sizes.messages import SizesFound, size_changes
-from tracker.fitting.sizes.residuals import Pictures, contours
-from tracker.fitting.sizes.shared import STIFF_RAD, Shared, SharedFit
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import log_rotation, rotation_between
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.sizes.colours import ColourModels
+from keypose.tracker.fitting.sizes.contours import offsets
+from keypose.tracker.fitting.sizes.estimate import estimate
+from keypose.tracker.fitting.sizes.messages import SizesFound, size_changes
+from keypose.tracker.fitting.sizes.residuals import Pictures, contours
+from keypose.tracker.fitting.sizes.shared import STIFF_RAD, Shared, SharedFit
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import log_rotation, rotation_between
 
 UP_CAMERA = (0.0, -1.0, 0.0)
 PROPOSED_RAD = tuple(np.radians([8.0, 4.0, 8.0]).tolist())

@@ -9,17 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh
-from tracker.fitting.sizes.colours import ColourModels, colour_cells, learn_colours, plate_odds
-from tracker.fitting.sizes.contours import Contour, contour_of, offsets
-from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
-from tracker.geometry.camera import Camera
-from tracker.session.settings import IgnoreMask
-from tracker.video.clip_loader import ClipLoader, WorkingSize
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh
+from keypose.tracker.fitting.sizes.colours import (
+    ColourModels,
+    colour_cells,
+    learn_colours,
+    plate_odds,
+)
+from keypose.tracker.fitting.sizes.contours import Contour, contour_of, offsets
+from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 CONTOUR_PX, JOINT_PX = 1.0, 3.0
 """Sigmas of a contour as seen, and of a joint as posed."""

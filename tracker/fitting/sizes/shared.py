@@ -13,15 +13,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved, part_transforms
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
-from tracker.solver.posed import Posed, image_jacobian
-from tracker.solver.robust import Cauchy
-from tracker.solver.terms import (
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, moved, part_transforms
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.posed import Posed, image_jacobian
+from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.solver.terms import (
     JointLimits,
     PosePrior,
     RootPosition,

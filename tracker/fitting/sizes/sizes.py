@@ -16,23 +16,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
-from tracker.errors import SessionError
-from tracker.fitting.sizes.estimate import Estimate, estimate
-from tracker.fitting.sizes.messages import NO_GAIN, SizesFound, describe_sizes, unseen_parts
-from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.proposals import UP_CAMERA, Look, Proposal
-from tracker.fitting.sizes.residuals import Pictures
-from tracker.fitting.sizes.shared import Shared, SharedFit
-from tracker.geometry.camera import Camera
-from tracker.session.settings import IgnoreMask
-from tracker.tracking.pool import never
-from tracker.video.clip_loader import WorkingSize
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import SessionError
+from keypose.tracker.fitting.sizes.estimate import Estimate, estimate
+from keypose.tracker.fitting.sizes.messages import NO_GAIN, SizesFound, describe_sizes, unseen_parts
+from keypose.tracker.fitting.sizes.proportions import Proportions
+from keypose.tracker.fitting.sizes.proposals import UP_CAMERA, Look, Proposal
+from keypose.tracker.fitting.sizes.residuals import Pictures
+from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.tracking.pool import never
+from keypose.tracker.video.clip_loader import WorkingSize
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 FIRST_PX, AGAIN_PX = (9.0, 9.0, 6.0, 5.0), (5.0, 5.0)
 """How far from the body its contour is looked for, round by round: with all sizes free, and then

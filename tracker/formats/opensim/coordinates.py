@@ -2,8 +2,8 @@
 
 Names and signs are those of Model_Pose2Sim (Pagnon et al. 2021), which is Rajagopal's model (2016)
 with a neck; of the lumbar joint a model's own names are taken where it has others. All rotations
-but those of ankle and foot are `tracker.body.joint_angles`, whose order is the models'. Where they
-differ:
+but those of ankle and foot are `keypose.tracker.body.joint_angles`, whose order is the models'.
+Where they differ:
 
     pelvis_tilt, pelvis_list    backward and to the right, the reverse of tilt and obliquity
     L5_S1_Flex_Ext, neck_flexion  backward, the reverse of flexion
@@ -12,8 +12,8 @@ differ:
     pelvis_tx, _ty, _tz         of the pelvis' origin between the spines of the hip bones, which
                                 the models have before and above the hips
 
-The ground is `tracker.body.ground`. Toes stay straight. The axes of elbow and knee, oblique and
-gliding in the models, are taken for straight ones.
+The ground is `keypose.tracker.body.ground`. Toes stay straight. The axes of elbow and knee,
+oblique and gliding in the models, are taken for straight ones.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried
-from tracker.errors import FormatError
-from tracker.formats.opensim.model import OpenSimModel
-from tracker.formats.opensim.scaling import mid_hips, scaled
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.opensim.model import OpenSimModel
+from keypose.tracker.formats.opensim.scaling import mid_hips, scaled
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
 HIPS_IN_PELVIS_M: Final = (-0.0707, -0.0661, 0.0)
 HIP_DISTANCE_M: Final = 0.167

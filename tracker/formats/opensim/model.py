@@ -11,9 +11,9 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from tracker.errors import FormatError
-from tracker.files import read_regular
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.errors import FormatError
+from keypose.tracker.files import read_regular
+from keypose.tracker.geometry.rotations import Array, frozen
 
 LARGEST_BYTES = 64 * 2**20
 OLDEST = 40000

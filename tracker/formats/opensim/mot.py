@@ -1,7 +1,7 @@
 """Joint coordinates as .mot, OpenSim's table of motions: degrees, metres, seconds.
 
-What the columns mean is in `tracker.formats.opensim.coordinates`. Frames must be tracked from the
-first to the last, for OpenSim reads no gaps.
+What the columns mean is in `keypose.tracker.formats.opensim.coordinates`. Frames must be tracked
+from the first to the last, for OpenSim reads no gaps.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tracker.formats.decimals import fixed_decimals
-from tracker.formats.opensim.coordinates import coordinates
-from tracker.formats.opensim.model import OpenSimModel
-from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array
+from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.opensim.coordinates import coordinates
+from keypose.tracker.formats.opensim.model import OpenSimModel
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.geometry.rotations import Array
 
 DECIMALS = 6
 """A microdegree, a micrometre, a microsecond."""

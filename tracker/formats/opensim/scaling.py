@@ -20,12 +20,12 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.body.joint_angles import R_ANATOMICAL_PART, R_PALM_FORWARD
-from tracker.errors import FormatError
-from tracker.formats.marker_sets import Marker
-from tracker.formats.opensim.model import OpenSimModel
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_angles import R_ANATOMICAL_PART, R_PALM_FORWARD
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.marker_sets import Marker
+from keypose.tracker.formats.opensim.model import OpenSimModel
+from keypose.tracker.geometry.rotations import Array
 
 BALL_SHARE: Final = 0.73
 """Of a foot's length, from the heel to where the toes bend (Gordon et al. 2014, ball of foot)."""

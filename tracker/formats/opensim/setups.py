@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from tracker.formats.opensim.scaling import Scaled
-from tracker.geometry.rotations import Array
+from keypose.tracker.formats.opensim.scaling import Scaled
+from keypose.tracker.geometry.rotations import Array
 
 VERSION = "40000"
 MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"

@@ -1,7 +1,7 @@
 """The rows of a rig's table on a body: which bones there are, where each begins and ends at rest,
 and how its axes lie.
 
-Worlds are y up, metres, as of `tracker.formats.rigs.rig`.
+Worlds are y up, metres, as of `keypose.tracker.formats.rigs.rig`.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError, spoken
-from tracker.formats.axes import flipped
-from tracker.formats.end_sites import end_site
-from tracker.formats.rigs import OWN
-from tracker.formats.rigs.table import SIDES, Axes, Place, Row
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError, spoken
+from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.rigs.table import SIDES, Axes, Place, Row
+from keypose.tracker.geometry.rotations import Array
 
 _LIMBS = ("upper_arm", "forearm", "thigh", "shin")
 PERSON = ("waist", "chest", "head", *(f"{side}_{part}" for part in _LIMBS for side in SIDES))

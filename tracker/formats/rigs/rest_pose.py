@@ -1,18 +1,18 @@
 """The body in a rig's rest pose: standing on the floor, facing +z, y up, its left toward +x.
 
-Part frames are those of files whose y points up (`tracker.formats.axes`): at the body's own rest
-parallel to the world.
+Part frames are those of files whose y points up (`keypose.tracker.formats.axes`): at the body's
+own rest parallel to the world.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.formats.axes import flipped
-from tracker.formats.end_sites import end_site
-from tracker.formats.rigs.table import SIDES
-from tracker.geometry.rotations import Array, exp_rotation, transform
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.rigs.table import SIDES
+from keypose.tracker.geometry.rotations import Array, exp_rotation, transform
 
 _ARM, _LEG = ("upper_arm", "forearm", "hand"), ("thigh", "shin")
 _DOWN = np.array([0.0, -1.0, 0.0])

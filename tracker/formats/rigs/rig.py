@@ -1,8 +1,8 @@
 """A body's rig: its bones at rest, and their motion from the body's.
 
 Worlds here are y up, metres. A bone's frame has its origin where the bone begins; how its axes lie
-at rest is the rig's to say (`tracker.formats.rigs.table`). Part frames are those of files whose y
-points up (`tracker.formats.axes`).
+at rest is the rig's to say (`keypose.tracker.formats.rigs.table`). Part frames are those of files
+whose y points up (`keypose.tracker.formats.axes`).
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError, listed
-from tracker.formats.axes import flipped
-from tracker.formats.names import column_names
-from tracker.formats.rigs import OWN, RIGS
-from tracker.formats.rigs.on_body import (
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.on_body import (
     STILL,
     bone_axes,
     ends_of,
@@ -30,9 +30,9 @@ from tracker.formats.rigs.on_body import (
     part_of,
     require_person,
 )
-from tracker.formats.rigs.rest_pose import rest_pose
-from tracker.formats.rigs.table import Axes, table_of
-from tracker.geometry.rotations import Array, frozen, transform, transpose
+from keypose.tracker.formats.rigs.rest_pose import rest_pose
+from keypose.tracker.formats.rigs.table import Axes, table_of
+from keypose.tracker.geometry.rotations import Array, frozen, transform, transpose
 
 OWN_AXES: Axes = ("y", "z", "forward")
 """As Blender's bones lie, whose y points along them."""

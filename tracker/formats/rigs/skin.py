@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
-from tracker.formats.axes import flipped
-from tracker.formats.glb_mesh import lit_mesh
-from tracker.formats.rigs.rig import Rig
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.body import Body
+from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.glb_mesh import lit_mesh
+from keypose.tracker.formats.rigs.rig import Rig
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)

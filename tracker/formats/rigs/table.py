@@ -107,6 +107,6 @@ class Table(BaseModel):
 @cache
 def table_of(rig: str) -> Table:
     """The table of a rig other than the body's own."""
-    folder = resources.files("tracker.formats.rigs") / "tables"
+    folder = resources.files("keypose.tracker.formats.rigs") / "tables"
     text = (folder / f"{_FILES.get(rig, rig)}.json").read_text("utf-8")
     return Table.model_validate(json.loads(text))

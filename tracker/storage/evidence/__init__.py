@@ -1,10 +1,14 @@
 """The files of a session's evidence: how they are opened, found and recognised."""
 
-from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from tracker.session.schema import Session
-from tracker.storage.evidence.files import EvidenceFiles
-from tracker.storage.evidence.film import FilmFiles
-from tracker.storage.evidence.surfaces import SurfaceFiles, surfaces_of, with_cameras_fingerprint
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.evidence.files import EvidenceFiles
+from keypose.tracker.storage.evidence.film import FilmFiles
+from keypose.tracker.storage.evidence.surfaces import (
+    SurfaceFiles,
+    surfaces_of,
+    with_cameras_fingerprint,
+)
 
 __all__ = ["EvidenceFiles", "files_of", "surfaces_of", "with_cameras_fingerprint"]
 

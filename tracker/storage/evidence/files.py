@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from tracker.session.schema import Session
+from keypose.tracker.session.schema import Session
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 
 class EvidenceFiles(Protocol):

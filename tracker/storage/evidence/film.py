@@ -5,23 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracker.session.schema import Session
-from tracker.storage.evidence.files import identity
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.evidence.files import identity
 
 if TYPE_CHECKING:
-    from tracker.video import Video
+    from keypose.tracker.video import Video
 
 
 class FilmFiles:
     """A film is recognised by its content: another one is never taken for it."""
 
     def open(self, session: Session, path: Path, folder: Path) -> Video:
-        from tracker.video import Video  # the decoder loads only when needed
+        from keypose.tracker.video import Video  # the decoder loads only when needed
 
         return Video.open(path)
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
-        from tracker.video.fingerprint import fingerprint_of_file
+        from keypose.tracker.video.fingerprint import fingerprint_of_file
 
         return fingerprint_of_file(path, session.video.frame_count) if path.is_file() else None
 

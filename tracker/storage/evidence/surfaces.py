@@ -6,15 +6,15 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracker.errors import SessionError, SurfaceError
-from tracker.files import read_head
-from tracker.session.evidence import surface_of
-from tracker.session.schema import Session, Surface
-from tracker.storage.evidence.files import identity
+from keypose.tracker.errors import SessionError, SurfaceError
+from keypose.tracker.files import read_head
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.storage.evidence.files import identity
 
 if TYPE_CHECKING:
-    from tracker.surface.picture import SurfaceVideo
-    from tracker.video import Video
+    from keypose.tracker.surface.picture import SurfaceVideo
+    from keypose.tracker.video import Video
 
 MOST_CAMERA_BYTES = 4 * 2**20
 """A longer file is no file of cameras, and the reader refuses it."""
@@ -24,12 +24,12 @@ class SurfaceFiles:
     """Meshes and cameras may have been exported again: their present fingerprints count."""
 
     def open(self, session: Session, path: Path, folder: Path) -> Video:
-        from tracker.surface.picture import open_surfaces  # loads only when needed
+        from keypose.tracker.surface.picture import open_surfaces  # loads only when needed
 
         return open_surfaces(session, path, folder)
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
-        from tracker.surface.files.sequence import MeshSequence
+        from keypose.tracker.surface.files.sequence import MeshSequence
 
         if not (path.is_dir() or path.suffix.lower() == ".glb"):
             return None
@@ -59,7 +59,7 @@ class SurfaceFiles:
 def surfaces_of(video: Video) -> SurfaceVideo:
     """The pictures of a session's surfaces, as `open_video_of` opens them, with the surfaces
     themselves; SessionError where it is a film."""
-    from tracker.surface.picture import SurfaceVideo  # a film does without
+    from keypose.tracker.surface.picture import SurfaceVideo  # a film does without
 
     if not isinstance(video, SurfaceVideo):
         raise SessionError("The session is about surfaces: open them with open_video_of.")
@@ -79,7 +79,7 @@ def with_cameras_fingerprint(surface: Surface, place: Path) -> Surface:
 
 def _identities(folder: Path) -> tuple[Any, ...]:
     """Equal as long as a folder has the same meshes: overwriting one does not change the folder."""
-    from tracker.surface.files.sources import SUFFIXES
+    from keypose.tracker.surface.files.sources import SUFFIXES
 
     try:
         files = [file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES]

@@ -6,10 +6,10 @@ while: undoing a change finds them again.
 
 from __future__ import annotations
 
-from tracker.storage.fingerprints import Span, segment_key, segment_keys
-from tracker.storage.results.collection import Results, State
-from tracker.storage.results.disk import load_results, save_results, tidy_tracks
-from tracker.storage.results.frames import (
+from keypose.tracker.storage.fingerprints import Span, segment_key, segment_keys
+from keypose.tracker.storage.results.collection import Results, State
+from keypose.tracker.storage.results.disk import load_results, save_results, tidy_tracks
+from keypose.tracker.storage.results.frames import (
     Fitting,
     expected_gain,
     listed,

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
-from tracker.session import Session
-from tracker.session.settings import Quality
-from tracker.storage.fingerprints import Span, segment_keys
-from tracker.storage.stretches import Stretch, stretches
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.space.result import SpaceResult
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.fingerprints import Span, segment_keys
+from keypose.tracker.storage.stretches import Stretch, stretches
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.space.result import SpaceResult
 
 CARE = {"preview": 0, "fast": 1, "full": 2}
 """Of two results with one key, the one found with more care stays."""

@@ -12,19 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.files import read_regular
-from tracker.session import Results as FileResults
-from tracker.session import SegmentSummary, Session
-from tracker.session.results import SpaceSummary
-from tracker.storage.files import LARGEST_SESSION_BYTES
-from tracker.storage.fingerprints import Span, present_keys, setup_hash
-from tracker.storage.outdated import KEYFRAME_TOLERANCE
-from tracker.storage.results.collection import CARE, Results
-from tracker.storage.tracks import Tracks, load_tracks, save_result
-from tracker.tracking.result import SegmentResult, TrackResult
-from tracker.tracking.space.result import SpaceResult
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.files import read_regular
+from keypose.tracker.session import Results as FileResults
+from keypose.tracker.session import SegmentSummary, Session
+from keypose.tracker.session.results import SpaceSummary
+from keypose.tracker.storage.files import LARGEST_SESSION_BYTES
+from keypose.tracker.storage.fingerprints import Span, present_keys, setup_hash
+from keypose.tracker.storage.outdated import KEYFRAME_TOLERANCE
+from keypose.tracker.storage.results.collection import CARE, Results
+from keypose.tracker.storage.tracks import Tracks, load_tracks, save_result
+from keypose.tracker.tracking.result import SegmentResult, TrackResult
+from keypose.tracker.tracking.space.result import SpaceResult
 
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")

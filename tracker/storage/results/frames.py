@@ -11,10 +11,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import Array
-from tracker.storage.fingerprints import Span
-from tracker.tracking.result import SegmentResult, side_by_side
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.result import SegmentResult, side_by_side
 
 Fitting: TypeAlias = Mapping[Span, SegmentResult]
 

@@ -16,10 +16,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.sweeping import sweep
-from tracker.surface.cameras.nets import CORNERS, Field
-from tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.sweeping import sweep
+from keypose.tracker.surface.cameras.nets import CORNERS, Field
+from keypose.tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
 
 Depths = NDArray[np.float32]
 

@@ -10,15 +10,15 @@ from typing import Literal, Self, TypeAlias
 import cv2
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.surface.cameras.hull import Silhouette
-from tracker.surface.cameras.photo import consistency
-from tracker.surface.cameras.rig import Rig, RigCamera
-from tracker.surface.cameras.views import Grey, View
-from tracker.surface.mesh import SurfaceMesh
-from tracker.video import MissingFrame, Video
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.cameras.hull import Silhouette
+from keypose.tracker.surface.cameras.photo import consistency
+from keypose.tracker.surface.cameras.rig import Rig, RigCamera
+from keypose.tracker.surface.cameras.views import Grey, View
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.video import MissingFrame, Video
 
 What: TypeAlias = Literal["images", "silhouettes"]
 

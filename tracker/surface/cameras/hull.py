@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import Array
-from tracker.kernels.carving import judge_cells, measure_cells
-from tracker.surface.cameras.nets import CORNERS, Field, surface_of
-from tracker.surface.cameras.views import Lenses, View, stack_pictures
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.carving import judge_cells, measure_cells
+from keypose.tracker.surface.cameras.nets import CORNERS, Field, surface_of
+from keypose.tracker.surface.cameras.views import Lenses, View, stack_pictures
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 MOST_POINTS = 30_000_000
 """Of a grid: half a gigabyte, with all that is made on the way."""

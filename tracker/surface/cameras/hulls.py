@@ -8,12 +8,12 @@ from typing import Self
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.surface.cameras.footage import Footage
-from tracker.surface.cameras.hull import hull_field, hull_mesh
-from tracker.surface.cameras.photo import consistency
-from tracker.surface.cameras.rig import Rig
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.surface.cameras.footage import Footage
+from keypose.tracker.surface.cameras.hull import hull_field, hull_mesh
+from keypose.tracker.surface.cameras.photo import consistency
+from keypose.tracker.surface.cameras.rig import Rig
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 _NOWHERE = np.zeros(3)
 """Hulls are made about the origin of the rig's own world."""
@@ -48,7 +48,7 @@ class Hulls:
             return self._rig.in_file(hull_mesh(field), _NOWHERE)
         views, pictures = self._images.pictures(step)
         if self._carve:
-            from tracker.surface.cameras.carve import carve_field
+            from keypose.tracker.surface.cameras.carve import carve_field
 
             field = carve_field(field, views, pictures)
         mesh = hull_mesh(field)

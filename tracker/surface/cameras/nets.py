@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 _EDGES = [

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.patches import correlate
-from tracker.kernels.raster import PERSPECTIVE, fill
-from tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.patches import correlate
+from keypose.tracker.kernels.raster import PERSPECTIVE, fill
+from keypose.tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 SPACING_PX = 1.0
 """Between the samples of a patch, which so is 7 pixels wide."""

@@ -20,14 +20,19 @@ import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 from pydantic_core import from_json
 
-from tracker.errors import SurfaceError, one_sentence
-from tracker.files import TooLarge, read_regular
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, nearest_rotation, rotation_from_quaternion, transform
-from tracker.session.settings import Plain, Units, UpAxis
-from tracker.surface.cameras.views import View
-from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.placing import METRES, Placement
+from keypose.tracker.errors import SurfaceError, one_sentence
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import (
+    Array,
+    nearest_rotation,
+    rotation_from_quaternion,
+    transform,
+)
+from keypose.tracker.session.settings import Plain, Units, UpAxis
+from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.placing import METRES, Placement
 
 LARGEST_BYTES = 4 * 2**20
 MOST_CAMERAS = 200

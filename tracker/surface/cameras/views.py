@@ -9,8 +9,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen
 
 Grey = NDArray[np.uint8]
 Pixel = TypeVar("Pixel", np.uint8, np.float32)

@@ -13,12 +13,12 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.channels import Channel, channels_of
-from tracker.surface.files.parsing.glb import Glb
-from tracker.surface.files.parsing.nodes import Nodes
-from tracker.surface.files.parsing.pieces import Piece, pieces_of
-from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import require_surface, same_rows, tidy
+from keypose.tracker.surface.files.parsing.channels import Channel, channels_of
+from keypose.tracker.surface.files.parsing.glb import Glb
+from keypose.tracker.surface.files.parsing.nodes import Nodes
+from keypose.tracker.surface.files.parsing.pieces import Piece, pieces_of
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.tidying import require_surface, same_rows, tidy
 
 FPS: Final = 30.0
 """Steps a second at which an animation is looked at."""

@@ -1,6 +1,6 @@
 """The child process that reads files of strangers, within limits of memory and time.
 
-    python -m tracker.surface.files.child MEMORY_BYTES SECONDS
+    python -m keypose.tracker.surface.files.child MEMORY_BYTES SECONDS
 
 It answers the questions of `reading` on its standard input until that ends: with a mesh, or with
 the end of a sentence that says why there is none. Its limits are
@@ -17,15 +17,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
-from tracker.surface.files.animated import AnimatedScene, read_resting
-from tracker.surface.files.parsing.beginning import require_good_beginning
-from tracker.surface.files.parsing.obj import read_obj
-from tracker.surface.files.parsing.off import read_off
-from tracker.surface.files.parsing.opening import open_mesh_file
-from tracker.surface.files.parsing.ply import read_ply
-from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import tidy
-from tracker.surface.files.wire import answer, question_of
+from keypose.tracker.surface.files.animated import AnimatedScene, read_resting
+from keypose.tracker.surface.files.parsing.beginning import require_good_beginning
+from keypose.tracker.surface.files.parsing.obj import read_obj
+from keypose.tracker.surface.files.parsing.off import read_off
+from keypose.tracker.surface.files.parsing.opening import open_mesh_file
+from keypose.tracker.surface.files.parsing.ply import read_ply
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.tidying import tidy
+from keypose.tracker.surface.files.wire import answer, question_of
 
 READERS: Final[dict[str, Callable[[BinaryIO], RawMesh]]] = {
     ".ply": read_ply,

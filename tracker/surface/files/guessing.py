@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from tracker.session.settings import Units, UpAxis
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.session.settings import Units, UpAxis
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 _PERSON: Final[tuple[tuple[float, float, Units], ...]] = (
     (0.3, 3.0, "m"),

@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.video.folder import natural
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.video.folder import natural
 
 _FEWEST_FOR_A_RHYTHM: Final = 4
 _MOST_GAPS: Final = 20

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def ply_bytes(mesh: SurfaceMesh) -> bytes:

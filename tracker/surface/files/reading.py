@@ -20,10 +20,10 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import SurfaceError
-from tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES, Refused
-from tracker.surface.files.wire import BrokenConnection, ask, receive
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES, Refused
+from keypose.tracker.surface.files.wire import BrokenConnection, ask, receive
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 MEMORY_BYTES: Final = 2 * 2**30
 """Memory of the child beyond what it starts with."""
@@ -31,7 +31,6 @@ SECONDS: Final = 30
 """For one file, of a processor as well as of the clock."""
 MOST_STEPS: Final = 1_000_000
 _LONGEST_REFUSAL: Final = 500
-_ROOT: Final = Path(__file__).parents[3]
 
 
 class MeshReader:
@@ -134,14 +133,13 @@ class MeshReader:
 
 
 def _start(memory_bytes: int, seconds: int) -> subprocess.Popen[bytes]:
-    paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     return subprocess.Popen(
         # -P: nothing that lies in the present folder may pass for a module.
         [
             sys.executable,
             "-P",
             "-m",
-            "tracker.surface.files.child",
+            "keypose.tracker.surface.files.child",
             str(memory_bytes),
             str(seconds),
         ],
@@ -149,7 +147,7 @@ def _start(memory_bytes: int, seconds: int) -> subprocess.Popen[bytes]:
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         # Threads of linear algebra take much address space, and there is none to do.
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"},
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         start_new_session=True,  # so that Ctrl+C reaches this program, which then ends it
     )
 

@@ -20,12 +20,12 @@ from typing import Final, Self
 
 import numpy as np
 
-from tracker.errors import SurfaceError
-from tracker.session.settings import Units, UpAxis
-from tracker.surface.files.parsing.raw import Refused
-from tracker.surface.files.reading import MeshReader
-from tracker.surface.files.sources import Source, source_at
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.session.settings import Units, UpAxis
+from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.reading import MeshReader
+from keypose.tracker.surface.files.sources import Source, source_at
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 OTHER_SIZE: Final = 5.0
 """A step so many times larger or smaller than the first ones is not the same thing."""

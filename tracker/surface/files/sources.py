@@ -8,14 +8,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Final, Protocol
 
-from tracker.errors import SurfaceError
-from tracker.session.settings import Units, UpAxis
-from tracker.surface.files.animated import FPS
-from tracker.surface.files.numbering import by_steps, printable
-from tracker.surface.files.parsing.opening import open_mesh_file
-from tracker.surface.files.parsing.raw import Refused
-from tracker.surface.files.reading import MeshReader
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.session.settings import Units, UpAxis
+from keypose.tracker.surface.files.animated import FPS
+from keypose.tracker.surface.files.numbering import by_steps, printable
+from keypose.tracker.surface.files.parsing.opening import open_mesh_file
+from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.reading import MeshReader
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 SUFFIXES: Final = (".ply", ".obj", ".glb", ".off")
 GLB: Final = ".glb"

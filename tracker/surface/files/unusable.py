@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 
-from tracker.errors import listed
+from keypose.tracker.errors import listed
 
 MOST_NAMED = 8
 """Steps, or runs of them, that are called by their numbers."""

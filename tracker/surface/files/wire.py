@@ -14,7 +14,7 @@ from typing import IO, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES
+from keypose.tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES
 
 _TYPES: Final[dict[str, np.dtype[Any]]] = {"float": np.dtype("<f8"), "index": np.dtype("<i4")}
 _LONGEST_HEADER: Final = 64 * 1024

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 SEEN_SHARE = 0.25
 """Of the body: so much is near the surface even where the mesh shows no more than half of it."""

@@ -11,11 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.body.pose import Pose, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
-from tracker.surface.fit.chain import Link
-from tracker.surface.fit.measuring import StepFit
+from keypose.tracker.body.pose import Pose, part_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.surface.fit.chain import Link
+from keypose.tracker.surface.fit.measuring import StepFit
 
 TRUST_POWER = 2
 """How sharply the chain is preferred whose surfaces lie nearer, in powers of squared distance."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from tracker.body.pose import Pose
-from tracker.errors import SurfaceError
-from tracker.geometry.rotations import transpose
-from tracker.surface.fit.measuring import StepFit, measure, misfit
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import Observed
-from tracker.surface.fit.point_reliability import PointReliability
-from tracker.surface.fit.solving import Fit, fit_pose
-from tracker.surface.steps import Steps
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import SurfaceError
+from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.surface.fit.measuring import StepFit, measure, misfit
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.point_reliability import PointReliability
+from keypose.tracker.surface.fit.solving import Fit, fit_pose
+from keypose.tracker.surface.steps import Steps
 
 TROUBLE = 0.05
 """Of the observed surface: where so much is not explained, another start is tried."""

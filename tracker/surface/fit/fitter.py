@@ -7,17 +7,17 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass
-from tracker.errors import SessionError, listed
-from tracker.session.schema import Session, Surface
-from tracker.session.settings import Quality, TrackSettings
-from tracker.surface.fit.judging import lies_off, off_its_surface
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.segment import SurfaceTracker
-from tracker.surface.steps import Steps
-from tracker.tracking.result import SegmentResult
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.errors import SessionError, listed
+from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.session.settings import Quality, TrackSettings
+from keypose.tracker.surface.fit.judging import lies_off, off_its_surface
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.segment import SurfaceTracker
+from keypose.tracker.surface.steps import Steps
+from keypose.tracker.tracking.result import SegmentResult
 
 Span: TypeAlias = tuple[int, int]
 

@@ -12,14 +12,14 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.errors import listed, spoken
-from tracker.geometry.rotations import Array
-from tracker.session.verdict import GOOD, Cause, Verdict
-from tracker.surface.fit.chain import Link
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.rotation_observability import UNSEEN
-from tracker.tracking.diagnostics.runs import runs
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import listed, spoken
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.verdict import GOOD, Cause, Verdict
+from keypose.tracker.surface.fit.chain import Link
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.rotation_observability import UNSEEN
+from keypose.tracker.tracking.diagnostics.runs import runs
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, frozen
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.pairing import Observed, Pairs
-from tracker.surface.fit.rotation_observability import turns_seen
-from tracker.surface.fit.solving import Fit
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.pairing import Observed, Pairs
+from keypose.tracker.surface.fit.rotation_observability import turns_seen
+from keypose.tracker.surface.fit.solving import Fit
 
 FAR_SHARE = 0.02
 """Of the surface's size: a point that has nothing within it is not explained."""

@@ -12,16 +12,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ALL_DOFS, ROTATIONS, Body
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array, apply_transform, frozen
-from tracker.kernels.surface import pose_surface
-from tracker.solver.terms import JointLimits
-from tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
-from tracker.surface.fit.points import SurfaceSamples
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, apply_transform, frozen
+from keypose.tracker.kernels.surface import pose_surface
+from keypose.tracker.solver.terms import JointLimits
+from keypose.tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
+from keypose.tracker.surface.fit.points import SurfaceSamples
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 SEAM_SHARE = 0.025
 """Of the surface's size: parts nearer than that at t_0 are joined there, and do not touch."""

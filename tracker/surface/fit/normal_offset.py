@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 OFFSET_TERMS = 6
 """Numbers that make up Q, first in the rows that pairs are summed to."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from tracker.session.settings import Quality
+from keypose.tracker.session.settings import Quality
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.surface import pull
-from tracker.solver.posed import Posed
-from tracker.solver.terms import Equations
-from tracker.surface.fit.model import PosedSurface, SurfaceModel
-from tracker.surface.fit.normal_offset import OFFSET_TERMS, normal_equations
-from tracker.surface.fit.pairing import Pairs
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.surface import pull
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.terms import Equations
+from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
+from keypose.tracker.surface.fit.normal_offset import OFFSET_TERMS, normal_equations
+from keypose.tracker.surface.fit.pairing import Pairs
 
 
 @dataclass(frozen=True, eq=False)

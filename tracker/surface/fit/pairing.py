@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.cells import grid_of, nearest
-from tracker.kernels.surface import distance_to_others
-from tracker.surface.fit.model import PosedSurface, SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.points import SurfaceSamples
-from tracker.surface.fit.weights import contact_weights, photo_weights, raise_to_floor
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.cells import grid_of, nearest
+from keypose.tracker.kernels.surface import distance_to_others
+from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.points import SurfaceSamples
+from keypose.tracker.surface.fit.weights import contact_weights, photo_weights, raise_to_floor
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 REACH_SHARE = 0.15
 """Of the surface's size: nothing is a pair that lies farther apart."""

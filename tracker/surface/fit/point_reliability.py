@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry.rotations import Array, frozen
-from tracker.surface.fit.measuring import point_weights
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.solving import Fit
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.surface.fit.measuring import point_weights
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.solving import Fit
 
 OFF_SHARE = 0.0025
 """Of the surface's size: a point that is off by as much, on the average, counts half."""

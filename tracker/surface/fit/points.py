@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array, frozen
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Multiples of these fill a square evenly, whatever their number."""

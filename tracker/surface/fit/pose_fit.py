@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import spoken
-from tracker.geometry.rotations import Array, apply_transform
-from tracker.surface.fit.fitter import SurfaceFitter
-from tracker.surface.fit.measuring import measure
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import Observed
-from tracker.surface.fit.solving import fit_pose
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import spoken
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.surface.fit.fitter import SurfaceFitter
+from keypose.tracker.surface.fit.measuring import measure
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.solving import fit_pose
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 WORTH_A_WORD_M = 0.005
 MOST = 3

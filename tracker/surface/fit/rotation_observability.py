@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.fit.model import SurfaceModel
 
 WANDER = 0.15
 """Radians by which normals of an observed surface are off, about."""

@@ -12,26 +12,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracker.body.body import Body
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.errors import SessionError
-from tracker.session.verdict import Verdict
-from tracker.surface.fit.blend_chains import JoinedChains, join_chains
-from tracker.surface.fit.chain import Link, follow, keyframe_link
-from tracker.surface.fit.judging import (
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.surface.fit.blend_chains import JoinedChains, join_chains
+from keypose.tracker.surface.fit.chain import Link, follow, keyframe_link
+from keypose.tracker.surface.fit.judging import (
     judge_links,
     not_reached,
     unseen_turns,
     unusable_steps,
 )
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import Observed
-from tracker.surface.fit.solving import fit_pose
-from tracker.surface.steps import Steps
-from tracker.tracking.pool import Cancelled
-from tracker.tracking.result import Diagnostics, SegmentResult
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.solving import fit_pose
+from keypose.tracker.surface.steps import Steps
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 
 REPORT_S = 0.25
 """Between two trajectories on the way."""

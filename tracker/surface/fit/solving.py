@@ -12,22 +12,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.body.pose import Pose, moved
-from tracker.geometry.rotations import Array
-from tracker.solver.least_squares import (
+from keypose.tracker.body.pose import Pose, moved
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.least_squares import (
     Criteria,
     Damping,
     Problem,
     damped_step,
     least_squares,
 )
-from tracker.solver.posed import Posed
-from tracker.solver.terms import total_equations
-from tracker.surface.fit.model import PosedSurface, SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.paired import PairDistances
-from tracker.surface.fit.pairing import Observed, Pairs, pairs_of
-from tracker.surface.fit.rotation_observability import turns_seen
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.terms import total_equations
+from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.paired import PairDistances
+from keypose.tracker.surface.fit.pairing import Observed, Pairs, pairs_of
+from keypose.tracker.surface.fit.rotation_observability import turns_seen
 
 STIFFNESS = 3e-6
 """Of the weak pull, per radian² and per (surface size)²: a step turns a part by a tenth of a radian

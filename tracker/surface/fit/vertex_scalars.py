@@ -6,13 +6,13 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.geometry.rotations import Array
-from tracker.kernels.cells import grid_of, nearest
-from tracker.surface.fit.model import SurfaceModel
-from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import REACH_SHARE, clearance
-from tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.cells import grid_of, nearest
+from keypose.tracker.surface.fit.model import SurfaceModel
+from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import REACH_SHARE, clearance
+from keypose.tracker.surface.mesh import SurfaceMesh
 
 Kind: TypeAlias = Literal["contact", "distance"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 PHOTO_SLOPE, PHOTO_MIDDLE = 12.0, 0.4
 """α_p and τ_p of SURFACE (3), for ZNCC of little noisy pictures."""

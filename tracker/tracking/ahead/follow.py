@@ -7,25 +7,25 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.errors import SessionError
-from tracker.session.ahead import Direction, Stop, StopCause
-from tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
-from tracker.tracking.ahead.line import Line
-from tracker.tracking.ahead.stops import Stopped, pictures_end, stopped
-from tracker.tracking.cues.anchors import Anchors, anchors_of
-from tracker.tracking.method import FULL, Keypose, method_of
-from tracker.tracking.pool import Cancelled
-from tracker.tracking.segment import Segment
-from tracker.tracking.tracker import LOOKS_UNTOLD, NO_KEYPOINTS, Tracker
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.ahead import Direction, Stop, StopCause
+from keypose.tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
+from keypose.tracker.tracking.ahead.line import Line
+from keypose.tracker.tracking.ahead.stops import Stopped, pictures_end, stopped
+from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of
+from keypose.tracker.tracking.method import FULL, Keypose, method_of
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.tracking.tracker import LOOKS_UNTOLD, NO_KEYPOINTS, Tracker
 
 if TYPE_CHECKING:
-    from tracker.body.pose import Pose
-    from tracker.keypoints.keypoints import Keypoints
-    from tracker.session.settings import TrackSettings
-    from tracker.tracking.cues.sources import KeypointSource
-    from tracker.tracking.scene import Scene
-    from tracker.video.pyramid import Clip
+    from keypose.tracker.body.pose import Pose
+    from keypose.tracker.keypoints.keypoints import Keypoints
+    from keypose.tracker.session.settings import TrackSettings
+    from keypose.tracker.tracking.cues.sources import KeypointSource
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.video.pyramid import Clip
 
 LONGEST: Final = 64
 """Steps that are followed at most: a keyframe is due then anyway."""

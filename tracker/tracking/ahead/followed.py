@@ -19,19 +19,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.tracking.anchored_cycle import Ended, cycle, joint_evidence, measured_by_keypoints
-from tracker.tracking.cues.from_keypoints import from_keypoints
-from tracker.tracking.cues.soft_correction import Correction
-from tracker.tracking.initial.chains import Chain, follow
-from tracker.tracking.segment import distance_px, extent_px, is_sound
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.tracking.anchored_cycle import (
+    Ended,
+    cycle,
+    joint_evidence,
+    measured_by_keypoints,
+)
+from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
+from keypose.tracker.tracking.cues.soft_correction import Correction
+from keypose.tracker.tracking.initial.chains import Chain, follow
+from keypose.tracker.tracking.segment import distance_px, extent_px, is_sound
 
 if TYPE_CHECKING:
-    from tracker.geometry.rotations import Array
-    from tracker.tracking.cues.anchors import Anchors
-    from tracker.tracking.method import Keypose
-    from tracker.tracking.scene import Scene
-    from tracker.tracking.segment import Segment
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.method import Keypose
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.tracking.segment import Segment
 
 CHECKED_EVERY = 4
 """Steps between two looks back."""

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.geometry.view import ViewCamera
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.geometry.view import ViewCamera
 
 if TYPE_CHECKING:
-    from tracker.tracking.scene import Scene
+    from keypose.tracker.tracking.scene import Scene
 
 
 def hidden_share(scene: Scene, pose: Pose, part: int) -> tuple[float, int | None]:

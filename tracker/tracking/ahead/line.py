@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.trajectory import Trajectory
-from tracker.video.pyramid import Clip
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.video.pyramid import Clip
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from tracker.keypoints.keypoints import Keypoints
-    from tracker.session.ahead import Direction
+    from keypose.tracker.keypoints.keypoints import Keypoints
+    from keypose.tracker.session.ahead import Direction
 
 
 @dataclass(frozen=True)

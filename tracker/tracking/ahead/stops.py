@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from tracker.session.ahead import Stop, StopCause
-from tracker.tracking.ahead.hidden import hidden_share
-from tracker.tracking.diagnostics.judge import SHORTEST_RUN
-from tracker.tracking.diagnostics.runs import runs
+from keypose.tracker.session.ahead import Stop, StopCause
+from keypose.tracker.tracking.ahead.hidden import hidden_share
+from keypose.tracker.tracking.diagnostics.judge import SHORTEST_RUN
+from keypose.tracker.tracking.diagnostics.runs import runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from tracker.tracking.ahead.followed import Followed
-    from tracker.tracking.scene import Scene
-    from tracker.video.pyramid import Clip
+    from keypose.tracker.tracking.ahead.followed import Followed
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.video.pyramid import Clip
 
 MOST_ERROR: Final = 0.03
 """Of the body's height in the picture: a part that is expected to be off by more is not trusted."""

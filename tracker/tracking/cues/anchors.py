@@ -14,21 +14,21 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ROTATIONS
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.on_body import FEWEST, points_on_body
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import damped_step
-from tracker.solver.posed import Posed, image_jacobian, image_points
-from tracker.solver.robust import SQUARED, Huber, Kernel
-from tracker.solver.terms import DepthFromRoot, PointsInPicture, Term
-from tracker.tracking.cues.sides import exchanged_sides
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import NEAREST_M, Segment
+from keypose.tracker.body.body import ROTATIONS
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import damped_step
+from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
+from keypose.tracker.solver.terms import DepthFromRoot, PointsInPicture, Term
+from keypose.tracker.tracking.cues.sides import exchanged_sides
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import NEAREST_M, Segment
 
 SIGMA = 0.010
 """Standard deviation of a sure keypoint, after its offset: a share of the body's height."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.robust import Cauchy, Huber
-from tracker.solver.terms import PosePrior
-from tracker.tracking.cues.soft_correction import Correction, even_increments
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.robust import Cauchy, Huber
+from keypose.tracker.solver.terms import PosePrior
+from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
 
 AHEAD_TURN_RAD, AHEAD_SHIFT_PX = np.radians(12.0), 25.0
 """Standard deviations of a pose about the one before it."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 WRONG = 0.025
 """Of the body's height in the picture: a joint farther off is wrong."""

@@ -16,8 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
 
 ARMS: Final = ("shoulder", "elbow", "wrist")
 LEGS: Final = ("hip", "knee", "ankle")

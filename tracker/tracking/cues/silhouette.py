@@ -13,15 +13,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, frozen
-from tracker.geometry.view import ViewCamera
-from tracker.solver.robust import Huber
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import extent_px
-from tracker.video.clip_loader import WorkingSize
-from tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.solver.robust import Huber
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import extent_px
+from keypose.tracker.video.clip_loader import WorkingSize
+from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
 
 REACH = 0.07
 """Share of the body's extent: how far from the body what moves is taken to be the body's."""

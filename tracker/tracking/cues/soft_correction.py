@@ -17,21 +17,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.body.joint_limits import Limits
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import log_rotation, transpose
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.posed import by_dof
-from tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
-from tracker.solver.segment_poses import SegmentPoses
-from tracker.solver.smoothness import Increments, Link, Smoothness, increments
-from tracker.solver.terms import JointLimits, Term
-from tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import log_rotation, transpose
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.posed import by_dof
+from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
+from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from keypose.tracker.solver.terms import JointLimits, Term
+from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
 
 if TYPE_CHECKING:
-    from tracker.tracking.cues.anchors import Anchors
-    from tracker.tracking.scene import Scene
-    from tracker.tracking.segment import Segment
+    from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.tracking.segment import Segment
 
 STEP_TURN_RAD, STEP_SHIFT_PX = np.radians(2.0), 1.4
 """Standard deviations of one step's motion about what the picture tells, where it tells nothing."""

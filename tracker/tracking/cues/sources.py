@@ -11,21 +11,21 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.errors import KeypointError
-from tracker.keypoints.detect import Kept, Progress, Seed, detect
-from tracker.keypoints.keypoints import Keypoints
-from tracker.keypoints.model_files import FULL, Model
-from tracker.keypoints.network import Network, Seen, fingerprint_of
-from tracker.keypoints.region import Region
-from tracker.video.info import MissingFrame
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.detect import Kept, Progress, Seed, detect
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.model_files import FULL, Model
+from keypose.tracker.keypoints.network import Network, Seen, fingerprint_of
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.video.info import MissingFrame
 
 if TYPE_CHECKING:
-    from tracker.body.pose import Pose
-    from tracker.body.skeleton import Skeleton
-    from tracker.geometry.camera import Camera
-    from tracker.session.corrections import KeypointCorrection
-    from tracker.tracking.segment import Segment
-    from tracker.video import Video
+    from keypose.tracker.body.pose import Pose
+    from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.geometry.camera import Camera
+    from keypose.tracker.session.corrections import KeypointCorrection
+    from keypose.tracker.tracking.segment import Segment
+    from keypose.tracker.video import Video
 
 ROUNDING = 16
 """Regions start at whole parts of their size: a keyframe that is moved a little is looked at from

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.tracking.segment import extent_px
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.segment import extent_px
 
 if TYPE_CHECKING:
-    from tracker.tracking.cycle import Outcome
-    from tracker.tracking.diagnostics.observability import Observation
-    from tracker.tracking.scene import Scene
+    from keypose.tracker.tracking.cycle import Outcome
+    from keypose.tracker.tracking.diagnostics.observability import Observation
+    from keypose.tracker.tracking.scene import Scene
 
 ERROR, DRIFT_POWER = 0.22, 2 / 3
 """Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""

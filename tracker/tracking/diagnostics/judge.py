@@ -14,15 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import median_filter
 
-from tracker.geometry.rotations import Array
-from tracker.session.verdict import GOOD, Verdict
-from tracker.tracking.cues.joint_evidence import JointEvidence
-from tracker.tracking.cues.silhouette import SilhouetteMismatch
-from tracker.tracking.cycle import NOWHERE_PX, Outcome
-from tracker.tracking.diagnostics.observability import Observation
-from tracker.tracking.diagnostics.runs import runs
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment, extent_px
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
+from keypose.tracker.tracking.cycle import NOWHERE_PX, Outcome
+from keypose.tracker.tracking.diagnostics.observability import Observation
+from keypose.tracker.tracking.diagnostics.runs import runs
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment, extent_px
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.kernels.pairs import observe_pairs
-from tracker.tracking.frame_pair import SINGULAR_CUT
-from tracker.tracking.result import Diagnostics
-from tracker.tracking.scene import Scene
-from tracker.video.pyramid import Clip
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.pairs import observe_pairs
+from keypose.tracker.tracking.frame_pair import SINGULAR_CUT
+from keypose.tracker.tracking.result import Diagnostics
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,16 +8,16 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
-from tracker.kernels.closing import blend
-from tracker.kernels.pairs import follow_chain
-from tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions, correct_drift
-from tracker.tracking.method import Keypose
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment, is_sound
-from tracker.video.pyramid import Clip
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
+from keypose.tracker.kernels.closing import blend
+from keypose.tracker.kernels.pairs import follow_chain
+from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions, correct_drift
+from keypose.tracker.tracking.method import Keypose
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment, is_sound
+from keypose.tracker.video.pyramid import Clip
 
 TRUST_TURN_RAD = np.radians(20.0)
 TRUST_SHIFT_PX = 30.0

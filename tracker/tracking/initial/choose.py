@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.tracking.frame_pair import printed_score
-from tracker.tracking.initial.chains import Chains, blend_chains, follow_both
-from tracker.tracking.initial.lifting import lift
-from tracker.tracking.initial.planar import planar_start
-from tracker.tracking.initial.templates import limb_tracks
-from tracker.tracking.method import FULL, Keypose, Paper
-from tracker.tracking.scene import Scene
-from tracker.tracking.score import capped_score
-from tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.tracking.frame_pair import printed_score
+from keypose.tracker.tracking.initial.chains import Chains, blend_chains, follow_both
+from keypose.tracker.tracking.initial.lifting import lift
+from keypose.tracker.tracking.initial.planar import planar_start
+from keypose.tracker.tracking.initial.templates import limb_tracks
+from keypose.tracker.tracking.method import FULL, Keypose, Paper
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.score import capped_score
+from keypose.tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
 
 DOUBT = 0.5
 """Distance between the two chains, as a share of that between them and plain interpolation, above

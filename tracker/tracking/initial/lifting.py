@@ -14,24 +14,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.joint_limits import Limits
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.robust import Cauchy, Huber, Kernel
-from tracker.solver.segment_poses import SegmentPoses
-from tracker.solver.smoothness import Smoothness, second_differences
-from tracker.solver.terms import (
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
+from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.smoothness import Smoothness, second_differences
+from keypose.tracker.solver.terms import (
     JointLimits,
     PointsInPicture,
     PosePrior,
 )
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import NEAREST_M, Segment
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import NEAREST_M, Segment
 
 if TYPE_CHECKING:
-    from tracker.tracking.initial.templates import LimbTracks
+    from keypose.tracker.tracking.initial.templates import LimbTracks
 
 SMOOTH_TURN_RAD = np.radians(1.0)
 SMOOTH_SHIFT_PX = 0.7

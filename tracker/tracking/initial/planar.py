@@ -16,19 +16,19 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
-from tracker.tracking.initial.templates import Start
-from tracker.tracking.initial.templates.ends import (
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.tracking.initial.templates import Start
+from keypose.tracker.tracking.initial.templates.ends import (
     TwoLinks,
     is_left_out,
     leaves,
     middle,
     two_link_limbs,
 )
-from tracker.tracking.initial.templates.first_keyframe import FirstKeyframe, NotFollowed
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
+from keypose.tracker.tracking.initial.templates.first_keyframe import FirstKeyframe, NotFollowed
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
 
 LEAST_FLAT, LEAST_ALIKE = 0.5, 0.7
 """Seen length of a limb as a share of its true one, and of one keyframe's as a share of the

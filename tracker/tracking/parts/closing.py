@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, joined
-from tracker.geometry.rotations import transpose
-from tracker.tracking.drift import Motions, correct_drift
-from tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, placed
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.tracking.drift import Motions, correct_drift
+from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, placed
 
 
 def closed_on(skeleton: Skeleton, motion: Trajectory, keyed: tuple[KeyedParts, ...]) -> Trajectory:

@@ -15,26 +15,26 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, Trajectory, interpolate, joined
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import Keypoints
-from tracker.solver.posed import image_points
-from tracker.solver.robust import Cauchy
-from tracker.tracking.anchored_cycle import track_anchored
-from tracker.tracking.cues.anchors import Anchors, anchors_of
-from tracker.tracking.cues.joint_evidence import JointEvidence
-from tracker.tracking.cycle import Outcome, Work, track_from
-from tracker.tracking.initial.chains import Chain, blend_chains, follow_both
-from tracker.tracking.initial.choose import Starts
-from tracker.tracking.method import Keypose, Method
-from tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb
-from tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
-from tracker.tracking.scene import Scene
-from tracker.tracking.score import capped_score
-from tracker.tracking.segment import Segment
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate, joined
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.tracking.anchored_cycle import track_anchored
+from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of
+from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.tracking.cycle import Outcome, Work, track_from
+from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
+from keypose.tracker.tracking.initial.choose import Starts
+from keypose.tracker.tracking.method import Keypose, Method
+from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb
+from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.score import capped_score
+from keypose.tracker.tracking.segment import Segment
 
 Piece: TypeAlias = tuple[Outcome, slice]
 

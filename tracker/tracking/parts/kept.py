@@ -7,10 +7,10 @@ from collections import OrderedDict
 from threading import Lock
 from typing import TYPE_CHECKING, TypeAlias
 
-from tracker.session.settings import Quality
+from keypose.tracker.session.settings import Quality
 
 if TYPE_CHECKING:
-    from tracker.tracking.cycle import Outcome
+    from keypose.tracker.tracking.cycle import Outcome
 
 Kind: TypeAlias = tuple[str, Quality, str]
 """What identifies an outcome: the segment's key without part keyframes, quality, all settings."""

@@ -16,14 +16,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import ROTATIONS
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.one_pose import OnePose
-from tracker.solver.terms import PointsInSpace, PosePrior, Term
+from keypose.tracker.body.body import ROTATIONS
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import PointsInSpace, PosePrior, Term
 
 SAME = 1e-9
 """Entries of transforms up to which what carries a limb stands where it stood."""

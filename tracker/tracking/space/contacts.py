@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
-from tracker.body.body import Body
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin, sole_of
-from tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 
 START_M_S, STAY_M_S = 0.30, 0.55
 """A stance begins below the first speed and lasts until the second is passed."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
-from tracker.session.results import SpaceFinding
-from tracker.solver.body_points import BodyPoints
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import SpaceFinding
+from keypose.tracker.solver.body_points import BodyPoints
 
 SLIDES_M = 0.05
 FLOOR_M = 0.04

@@ -20,12 +20,12 @@ from typing import Final
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from tracker.body.body import Body
-from tracker.body.ground import Ground
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin, sole_of
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.ground import Ground
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin, sole_of
 
 WAY_S: Final = 0.25
 """Width of the Gaussian over which the root's way is told."""

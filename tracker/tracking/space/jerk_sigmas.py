@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
-from tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 
 SIGMAS: Final = {
     "waist": 225.0,

@@ -6,7 +6,7 @@ from math import radians
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 LEVEL_M = 0.03
 """Sigma of how far a standing foot is off the common level: soles, grass, an uneven floor."""

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tracker.body.trajectory import Trajectory
-from tracker.session.pins import Pin
-from tracker.session.results import PinResult, SpaceFinding
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import PinResult, SpaceFinding
 
 
 @dataclass(frozen=True, eq=False)
 class SpaceResult:
     """The motion of a stretch in space.
 
-    key: of what it was solved for, see `tracker.storage.space`.
+    key: of what it was solved for, see `keypose.tracker.storage.space`.
     pins: how well each holds.  proposed: where feet stand still that have none.
     findings: what is not plausible.  floor_m: height of the floor, where pins on it told.
     """

@@ -20,23 +20,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from tracker.body.body import ROTATIONS
-from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
-from tracker.keypoints.on_body import is_persons
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.jerk import Jerk
-from tracker.solver.least_squares import Criteria, Damping, least_squares
-from tracker.solver.places import AtOnePlace, Near, OnFloor
-from tracker.solver.posed import Posed, image_points
-from tracker.solver.robust import SQUARED, Huber
-from tracker.solver.smoothness import Increments, Link, Smoothness, increments
-from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
-from tracker.solver.terms import (
+from keypose.tracker.body.body import ROTATIONS
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.jerk import Jerk
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
+from keypose.tracker.solver.posed import Posed, image_points
+from keypose.tracker.solver.robust import SQUARED, Huber
+from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
+from keypose.tracker.solver.terms import (
     DepthFromRoot,
     JointLimits,
     PointsInPicture,
@@ -44,18 +44,18 @@ from tracker.solver.terms import (
     RootPosition,
     Term,
 )
-from tracker.tracking.cues.anchors import height_px, with_free_joints
-from tracker.tracking.cues.soft_correction import (
+from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.cues.soft_correction import (
     BEND_SHIFT_PX,
     BEND_TURN_RAD,
     LIMIT_RAD,
     STEP_SHIFT_PX,
     STEP_TURN_RAD,
 )
-from tracker.tracking.drift import DOUBT_FLOOR
-from tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, placed
-from tracker.tracking.segment import NEAREST_M
-from tracker.tracking.space.jerk_sigmas import jerk_points
+from keypose.tracker.tracking.drift import DOUBT_FLOOR
+from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, placed
+from keypose.tracker.tracking.segment import NEAREST_M
+from keypose.tracker.tracking.space.jerk_sigmas import jerk_points
 
 SEEN_SHARE = 0.003
 """Standard deviation of where the tracked motion was seen: a share of the body's height."""

@@ -7,9 +7,9 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from app.jobs.batch.pool import News
-from app.jobs.batch.run_one import run_task
-from app.jobs.batch.task import Step, Task
+from keypose.app.jobs.batch.pool import News
+from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.task import Step, Task
 from tests.tracker import session_cases as cases
 
 Befalls = Callable[[int, Task], News | None]

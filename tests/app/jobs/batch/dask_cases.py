@@ -12,7 +12,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from threading import Thread
 
-from app.document.folder_lock import NAME
+from keypose.app.document.folder_lock import NAME
 from tests.app.serving import LONGEST_S, ROOT
 
 HERE = ("--host", "127.0.0.1", "--no-dashboard", "--dashboard-address", "127.0.0.1:0")

@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from app.cli.main import main
-from app.jobs.batch.cluster import ClusterPool
-from app.jobs.batch.run_one import run_task
-from app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
-from app.jobs.batch.task import Task
+from keypose.app.cli.main import main
+from keypose.app.jobs.batch.cluster import ClusterPool
+from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
+from keypose.app.jobs.batch.task import Task
+from keypose.tracker.errors import KeyposeError
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 from tests.app.jobs.batch.dask_cases import cluster, holders, kill_at_work
 from tests.app.serving import LONGEST_S
-from tracker.errors import KeyposeError
 
 NAMES = ("a", "b", "c", "d")
 

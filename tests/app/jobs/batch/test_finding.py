@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from app.jobs.batch.finding import common_folder, find_sessions, name_of
+from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
+from keypose.tracker.errors import SessionError
 from tests.app.jobs.batch.batch_cases import write_sessions
-from tracker.errors import SessionError
 
 
 def test_a_folder_stands_for_all_sessions_below_it_and_nothing_else(tmp_path: Path) -> None:

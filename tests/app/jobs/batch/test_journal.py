@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from app.jobs.batch.journal import FOLDER, NAME, Journal
-from tracker.errors import SessionError
+from keypose.app.jobs.batch.journal import FOLDER, NAME, Journal
+from keypose.tracker.errors import SessionError
 
 ASKED = {"quality": "full", "export": ("bvh", "glb")}
 ONE, TWO = Path("/one/session.json"), Path("/odd\udcff/session.json")
@@ -91,7 +91,7 @@ def test_a_damaged_journal_is_as_none(tmp_path: Path) -> None:
 _HOLD = """
 import sys
 from pathlib import Path
-from app.jobs.batch.journal import Journal
+from keypose.app.jobs.batch.journal import Journal
 Journal(Path(sys.argv[1]), {})
 print("held", flush=True)
 sys.stdin.read()

@@ -10,10 +10,16 @@ from threading import Event
 
 import pytest
 
-from app.jobs.batch.pool import LocalPool
-from app.jobs.batch.run_one import run_task
-from app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskProgressed, TaskStarted, run
-from app.jobs.batch.task import Summary, Task
+from keypose.app.jobs.batch.pool import LocalPool
+from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.scheduler import (
+    TaskEvent,
+    TaskFinished,
+    TaskProgressed,
+    TaskStarted,
+    run,
+)
+from keypose.app.jobs.batch.task import Summary, Task
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 
 

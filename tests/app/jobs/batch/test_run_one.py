@@ -9,18 +9,18 @@ from typing import Any
 
 import pytest
 
-from app.export.motion_formats import FORMATS, formats_of
-from app.jobs.batch import run_one
-from app.jobs.batch.exporting import export_of, places
-from app.jobs.batch.run_one import run_task
-from app.jobs.batch.task import Step, Summary, Task
-from app.jobs.rerun import rerun
+from keypose.app.export.motion_formats import FORMATS, formats_of
+from keypose.app.jobs.batch import run_one
+from keypose.app.jobs.batch.exporting import export_of, places
+from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.rerun import rerun
+from keypose.tracker.session.settings import Quality
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import load_results
 from tests.app.document.test_folder_lock import holder
 from tests.app.jobs.batch.batch_cases import write_sessions
 from tests.tracker import session_cases as cases
-from tracker.session.settings import Quality
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import load_results
 
 
 @pytest.fixture

@@ -6,9 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from threading import Event
 
-from app.jobs.batch.pool import News, WorkerDied
-from app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskProgressed, TaskStarted, run
-from app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.batch.pool import News, WorkerDied
+from keypose.app.jobs.batch.scheduler import (
+    TaskEvent,
+    TaskFinished,
+    TaskProgressed,
+    TaskStarted,
+    run,
+)
+from keypose.app.jobs.batch.task import Step, Summary, Task
 
 
 class Script:

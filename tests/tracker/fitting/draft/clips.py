@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body, preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.fitting.draft import ClipDraft
-from tracker.fitting.draft.limbs import ENDS, POINTS, SIDES, Joints, place_of
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation, rotation_from_euler
-from tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.draft import ClipDraft
+from keypose.tracker.fitting.draft.limbs import ENDS, POINTS, SIDES, Joints, place_of
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 
 CAMERA = Camera(width=1280, height=720, fx=1100, fy=1100, cx=639.5, cy=359.5)
 BODY = preset("adult_female")

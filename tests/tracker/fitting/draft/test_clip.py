@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft import DraftProgress, draft_clip
+from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.network import NAMES, Network, Seen
+from keypose.tracker.keypoints.region import Region
 from tests.tracker.fitting.draft.clips import CAMERA, place, walk
 from tests.tracker.keypoints.keypoint_cases import BOX, balance, marks
-from tracker.body.body import preset
-from tracker.body.pose import pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError
-from tracker.fitting.draft import DraftProgress, draft_clip
-from tracker.fitting.draft.limbs import Joints
-from tracker.geometry.camera import Camera
-from tracker.keypoints.keypoints import JOINTS
-from tracker.keypoints.network import NAMES, Network, Seen
-from tracker.keypoints.region import Region
 
 CLIP = walk(12)
 

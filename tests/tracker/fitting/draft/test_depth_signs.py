@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.fitting.draft import draft_from_keypoints
+from keypose.tracker.fitting.draft.depth_signs import most_probable_signs
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, place, walk
-from tracker.fitting.draft import draft_from_keypoints
-from tracker.fitting.draft.depth_signs import most_probable_signs
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS
 
 TILT = 0.35 + 0.25 * np.sin(np.arange(90) / 9)[:, None]
 """Of a bone that swings and never passes through the picture's plane."""

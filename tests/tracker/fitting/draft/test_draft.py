@@ -7,6 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.clavicles import has_clavicles, with_clavicles
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.scaling import height, resized, with_height
+from keypose.tracker.body.shapes.box import Box as BoxShape
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
+from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.geometry.rotations import log_rotation
+from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import (
     BODY,
     CAMERA,
@@ -18,17 +29,6 @@ from tests.tracker.fitting.draft.clips import (
     standing,
     walk,
 )
-from tracker.body.body import Body, Part
-from tracker.body.clavicles import has_clavicles, with_clavicles
-from tracker.body.pose import pose_transforms
-from tracker.body.scaling import height, resized, with_height
-from tracker.body.shapes.box import Box as BoxShape
-from tracker.body.skeleton import Skeleton
-from tracker.errors import KeypointError
-from tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
-from tracker.fitting.draft.limbs import Joints
-from tracker.geometry.rotations import log_rotation
-from tracker.keypoints.keypoints import Keypoints
 
 
 def drafted(clip: Clip, keypoints: Keypoints | None = None) -> ClipDraft:

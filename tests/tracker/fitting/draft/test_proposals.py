@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from keypose.tracker.fitting.draft import draft_from_keypoints
+from keypose.tracker.fitting.draft.proposals import APART, Stretch, proposed
+from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, place, standing, walk
-from tracker.fitting.draft import draft_from_keypoints
-from tracker.fitting.draft.proposals import APART, Stretch, proposed
-from tracker.keypoints.keypoints import Keypoints
 
 PARTS = ("left_upper_arm", "right_upper_arm", "left_thigh", "right_thigh")
 

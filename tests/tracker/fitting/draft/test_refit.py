@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.fitting.draft import draft_from_keypoints, refit_drafts
+from keypose.tracker.fitting.draft.offsets import learned_depths, learned_places
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, joints_of, walk
-from tracker.body.pose import Pose
-from tracker.fitting.draft import draft_from_keypoints, refit_drafts
-from tracker.fitting.draft.offsets import learned_depths, learned_places
-from tracker.geometry.rotations import Array
-from tracker.keypoints.keypoints import JOINTS, Keypoints
 
 FRAMES, POSED = 40, 20
 BESIDE_PX = (9.0, -6.0)
@@ -69,7 +69,7 @@ def test_posed_frames_are_never_among_what_is_found(clip: Clip, drafts: dict[int
 def test_frames_beyond_reach_stay_and_the_seam_does_not_jump(
     clip: Clip, drafts: dict[int, Pose], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tracker.fitting.draft.refit.LEARN_FRAMES", 8)
+    monkeypatch.setattr("keypose.tracker.fitting.draft.refit.LEARN_FRAMES", 8)
     found = refitted(clip, drafts, POSED)
     assert set(found) <= set(range(POSED - 8, POSED + 9)) - {POSED}
     edge = POSED + 8

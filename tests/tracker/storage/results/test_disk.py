@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import Results, load_results, save_results
+from keypose.tracker.storage.tracks import load_tracks, save_result
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.results_cases import both, passing, session, track
 from tests.tracker import session_cases as cases
-from tracker.body.pose import Pose
-from tracker.errors import SessionError
-from tracker.session import Keyframe, Session
-from tracker.storage.files import load_session, save_session
-from tracker.storage.results import Results, load_results, save_results
-from tracker.storage.tracks import load_tracks, save_result
-from tracker.tracking.result import SegmentResult
 
 
 def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:

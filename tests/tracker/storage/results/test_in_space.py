@@ -7,6 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.tracker.session import Session
+from keypose.tracker.session.results import SpaceSummary
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.outdated import outdated_keyframes, outdated_words
+from keypose.tracker.storage.results import Results, load_results, save_results
+from keypose.tracker.storage.tracks import Tracks, load_tracks
 from tests.app.results_cases import track
 from tests.tracker.session_cases import result, segment
 from tests.tracker.storage.space_cases import (
@@ -20,12 +26,6 @@ from tests.tracker.storage.space_cases import (
     solution,
     solved,
 )
-from tracker.session import Session
-from tracker.session.results import SpaceSummary
-from tracker.storage.files import load_session, save_session
-from tracker.storage.outdated import outdated_keyframes, outdated_words
-from tracker.storage.results import Results, load_results, save_results
-from tracker.storage.tracks import Tracks, load_tracks
 
 
 def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:
@@ -132,7 +132,7 @@ def test_where_a_part_is_solved_the_rest_stays_as_tracked(tmp_path: Path) -> Non
 
 
 def test_the_newest_motions_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.storage.results.collection.MOST_STRETCHES", 2)
+    monkeypatch.setattr("keypose.tracker.storage.results.collection.MOST_STRETCHES", 2)
     results, ofs = Results(), [smooth(session(floor_m=height)) for height in (0.1, 0.2, 0.3)]
     for of in ofs:
         results = solved(of, results if len(results) else both(of))

@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session.ahead import Direction, Stop
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.tracking.ahead import follow
+from keypose.tracker.tracking.ahead.follow import FoundAhead, follow_ahead
+from keypose.tracker.tracking.ahead.followed import Followed
+from keypose.tracker.tracking.ahead.stops import Stopped
+from keypose.tracker.tracking.cues.sources import GivenKeypoints
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.tracker import NO_KEYPOINTS, Tracker
+from keypose.tracker.video.clip_loader import ClipLoader
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
 from tests.tracker.tracking_cases import Case, case
-from tracker.body.trajectory import Trajectory
-from tracker.errors import SessionError
-from tracker.session.ahead import Direction, Stop
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.tracking.ahead import follow
-from tracker.tracking.ahead.follow import FoundAhead, follow_ahead
-from tracker.tracking.ahead.followed import Followed
-from tracker.tracking.ahead.stops import Stopped
-from tracker.tracking.cues.sources import GivenKeypoints
-from tracker.tracking.pool import Cancelled
-from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
-from tracker.video.clip_loader import ClipLoader
 
 WAYS: tuple[Direction, Direction] = ("forward", "backward")
 BOX = case("tumbling_box", 0, 24)

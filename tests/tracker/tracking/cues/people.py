@@ -8,19 +8,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.on_body import points_on_body
-from tracker.solver.body_points import BodyPoints
-from tracker.tracking.cues.anchors import Anchors, anchors_of, with_free_joints
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import LEVELS, Clip, prepare
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of, with_free_joints
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
 
 Floats = NDArray[np.float64]
 

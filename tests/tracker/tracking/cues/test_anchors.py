@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.robust import SQUARED
+from keypose.tracker.solver.terms import DepthFromRoot, PointsInPicture
+from keypose.tracker.tracking.cues.anchors import with_free_joints
 from tests.tracker.tracking.cues.people import BENT, CAMERA, SKELETON, Filmed, moving
-from tracker.geometry.camera import Camera
-from tracker.keypoints.keypoints import JOINTS
-from tracker.solver.posed import image_points
-from tracker.solver.robust import SQUARED
-from tracker.solver.terms import DepthFromRoot, PointsInPicture
-from tracker.tracking.cues.anchors import with_free_joints
 
 
 @pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["ideal lens", "distorted lens"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR, JointEvidence
+from keypose.tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR, JointEvidence
 
 
 def _evidence(

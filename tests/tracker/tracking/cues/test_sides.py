@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.tracking.cues.people import Filmed, moving
-from tracker.keypoints.keypoints import Keypoints
 
 
 def _exchanged(keypoints: Keypoints, frames: slice) -> Keypoints:

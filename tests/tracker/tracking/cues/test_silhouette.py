@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
+from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
 from tests.tracker.tracking_cases import MemoryVideo, clip_of
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.geometry.view import ViewCamera
-from tracker.tracking.cues.silhouette import silhouette_mismatch
-from tracker.tracking.scene import Scene
-from tracker.video.clip_loader import ClipLoader, WorkingSize
-from tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
 
 CAMERA = Camera(width=320, height=240, fx=400.0, fy=400.0, cx=159.5, cy=119.5)
 SKELETON = Skeleton.of(preset("adult_male"))

@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.solver.least_squares import least_squares
+from keypose.tracker.solver.robust import SQUARED, Cauchy
+from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.tracking.cues.anchors import Anchors
+from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
+from keypose.tracker.tracking.cues.soft_correction import CRITERIA, Correction, measured_increments
+from keypose.tracker.tracking.drift import Doubt, Motions, closing_error, correct_drift
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, joints_apart_m, moving
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from tracker.solver.least_squares import least_squares
-from tracker.solver.robust import SQUARED, Cauchy
-from tracker.solver.segment_poses import SegmentPoses
-from tracker.tracking.cues.anchors import Anchors
-from tracker.tracking.cues.from_keypoints import from_keypoints
-from tracker.tracking.cues.soft_correction import CRITERIA, Correction, measured_increments
-from tracker.tracking.drift import Doubt, Motions, closing_error, correct_drift
 
 
 def _correction(film: Filmed, open_end: bool = False) -> Correction:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.model_files import FULL, HEAVY
+from keypose.tracker.keypoints.network import NAMES, Seen, fingerprint_of
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.tracking.cues import sources
+from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving
-from tracker.keypoints.detect import Stretch
-from tracker.keypoints.model_files import FULL, HEAVY
-from tracker.keypoints.network import NAMES, Seen, fingerprint_of
-from tracker.keypoints.region import Region
-from tracker.tracking.cues import sources
-from tracker.tracking.cues.sources import DetectedKeypoints, found_before
 
 FILM = Filmed(moving())
 POSED = {3: FILM.segment.start, 15: FILM.segment.end}

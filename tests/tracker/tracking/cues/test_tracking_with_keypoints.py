@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.tracking.tracker import NO_KEYPOINTS, Tracker
+from keypose.tracker.video.clip_loader import ClipLoader
+from keypose.tracker.video.pyramid import Clip
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
 from tests.tracker.tracking_cases import tracked
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory
-from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.session.corrections import KeypointCorrection
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
-from tracker.tracking.pool import Cancelled
-from tracker.tracking.segment import Segment
-from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
-from tracker.video.clip_loader import ClipLoader
-from tracker.video.pyramid import Clip
 
 FILM = Filmed(moving())
 BRIGHTNESS = TrackSettings(cues=("brightness",))

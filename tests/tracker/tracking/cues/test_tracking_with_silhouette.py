@@ -8,21 +8,21 @@ from functools import partial
 import numpy as np
 import pytest
 
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.tracking.anchored_cycle import track_anchored
+from keypose.tracker.tracking.cues.sources import GivenKeypoints
+from keypose.tracker.tracking.cycle import Work
+from keypose.tracker.tracking.method import FULL
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video.clip_loader import ClipLoader
+from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
 from tests.tracker.tracking_cases import tracked
-from tracker.body.raster import BodyMesh, raster
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation
-from tracker.geometry.view import ViewCamera
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.tracking.anchored_cycle import track_anchored
-from tracker.tracking.cues.sources import GivenKeypoints
-from tracker.tracking.cycle import Work
-from tracker.tracking.method import FULL
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.tracker import Tracker
-from tracker.video.clip_loader import ClipLoader
-from tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
 
 FILM = Filmed(moving())
 BOTH = ("brightness", "keypoints")

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.tracking.cycle import Outcome
+from keypose.tracker.tracking.diagnostics.expected_gain import LOST_EXTENT, expected_gain
+from keypose.tracker.tracking.diagnostics.observability import Observation, unobserved
+from keypose.tracker.video.pyramid import Clip
 from tests.tracker.tracking_cases import scene_of
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, interpolate
-from tracker.tracking.cycle import Outcome
-from tracker.tracking.diagnostics.expected_gain import LOST_EXTENT, expected_gain
-from tracker.tracking.diagnostics.observability import Observation, unobserved
-from tracker.video.pyramid import Clip
 
 N = 20
 SKELETON = Skeleton.of(preset("adult_male"))

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
+from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
+from keypose.tracker.tracking.cycle import Outcome
+from keypose.tracker.tracking.diagnostics.judge import judge
+from keypose.tracker.tracking.diagnostics.observability import Observation, unobserved
+from keypose.tracker.tracking.result import Diagnostics
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import Clip
 from tests.tracker.tracking_cases import scene_of
-from tracker.body.body import preset
-from tracker.body.pose import Pose
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Pass, Trajectory, interpolate
-from tracker.session.verdict import GOOD, Verdict
-from tracker.tracking.cues.silhouette import SilhouetteMismatch
-from tracker.tracking.cycle import Outcome
-from tracker.tracking.diagnostics.judge import judge
-from tracker.tracking.diagnostics.observability import Observation, unobserved
-from tracker.tracking.result import Diagnostics
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import Clip
 
 FIRST, LAST = 100, 120
 N = LAST - FIRST

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from tests.tracker.formats import recordings
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.drift import closing_error
-from tracker.tracking.initial.chains import fit_to_keyframes
 
 TRUTH = recordings.trajectory("person")
 SKELETON = Skeleton.of(recordings.session("person").body)

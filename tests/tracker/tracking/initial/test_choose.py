@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Initial, TrackSettings
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.tracking.initial.choose import printed_start, starts
+from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Paper, method_of
 from tests.tracker.tracking_cases import Case, case, plain, segment_of, worked
-from tracker.session import Session
-from tracker.session.settings import Initial, TrackSettings
-from tracker.storage.files import load_session
-from tracker.tracking.initial.choose import printed_start, starts
-from tracker.tracking.method import FAST, FULL, PREVIEW, Paper, method_of
 
 BOX = Path(__file__).parents[4] / "sample_videos" / "box" / "session.json"
 WHAT = {"linear": "interpolation", "both-ways": "both ways", "templates": "templates"}

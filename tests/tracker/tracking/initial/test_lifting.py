@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.tracking.initial.lifting import lift
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
 from tests.rendering.motions import stride
 from tests.rendering.scenes import camera
 from tests.tracker.tracking_cases import random_body, random_trajectory
-from tracker.body.body import preset
-from tracker.body.joint_limits import Limits
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.initial.lifting import lift
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ NOTHING: Any = None  # no pictures are looked at
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Followed points, as `tracker.tracking.initial.templates` gives them."""
+    """Followed points, as `keypose.tracker.tracking.initial.templates` gives them."""
 
     parts: NDArray[np.int64]
     points: Floats

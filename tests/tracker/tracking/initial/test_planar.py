@@ -8,14 +8,14 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.initial.planar import planar_start, two_link_angles
+from keypose.tracker.tracking.initial.templates import Start
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
 from tests.tracker import tracking_cases as cases
-from tracker.body.pose import Pose
-from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.drift import closing_error
-from tracker.tracking.initial.planar import planar_start, two_link_angles
-from tracker.tracking.initial.templates import Start
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
 
 
 @lru_cache(maxsize=1)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.tracking.initial.templates import LimbTracks, limb_tracks
+from keypose.tracker.tracking.initial.templates.combine_courses import combine_courses
+from keypose.tracker.tracking.initial.templates.ends import followed_points, two_link_limbs
+from keypose.tracker.tracking.initial.templates.follow_point import Course
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
 from tests.tracker import tracking_cases as cases
-from tracker.tracking.initial.templates import LimbTracks, limb_tracks
-from tracker.tracking.initial.templates.combine_courses import combine_courses
-from tracker.tracking.initial.templates.ends import followed_points, two_link_limbs
-from tracker.tracking.initial.templates.follow_point import Course
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
 
 Floats = NDArray[np.float64]
 

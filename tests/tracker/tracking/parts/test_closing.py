@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.tracking.parts.closing import closed_on
+from keypose.tracker.tracking.parts.keyed import KeyedParts
 from tests.tracker.tracking.cues.people import SKELETON, moving
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from tracker.tracking.parts.closing import closed_on
-from tracker.tracking.parts.keyed import KeyedParts
 
 ARM = [SKELETON.body.index(f"right_{name}") for name in ("upper_arm", "forearm", "hand")]
 NAMES = tuple(SKELETON.body.names[i] for i in ARM)

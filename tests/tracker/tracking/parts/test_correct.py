@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.tracking.cues.sources import GivenKeypoints
+from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video.clip_loader import ClipLoader
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, moving
 from tests.tracker.tracking.test_tracker import same
 from tests.tracker.tracking_cases import Case, case
-from tracker.body.pose import Pose
-from tracker.body.trajectory import Pass, Trajectory
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.tracking.cues.sources import GivenKeypoints
-from tracker.tracking.parts.keyed import KeyedParts
-from tracker.tracking.result import SegmentResult
-from tracker.tracking.tracker import Tracker
-from tracker.video.clip_loader import ClipLoader
 
 ARM = ("right_upper_arm", "right_forearm", "right_hand")
 SPAN, AT = (0, 12), 5

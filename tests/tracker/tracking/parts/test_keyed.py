@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tracker.body.body import preset
-from tracker.body.pose import Pose, pose_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed
 
 SKELETON = Skeleton.of(preset("adult_male"))
 CAMERA = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.posed import image_points
+from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceProblem
 from tests.rendering.scenes import Scene, scene
-from tracker.body.trajectory import Trajectory
-from tracker.solver.body_points import BodyPoint, BodyPoints
-from tracker.solver.posed import image_points
-from tracker.tracking.space.solve import PinnedPoint, SpaceProblem
 
 Floats = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.tracking.space.contacts import proposed_pins
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
 from tests.tracker.tracking.space.space_cases import UP, fps_of, places, standing
-from tracker.body.trajectory import Trajectory
-from tracker.tracking.space.contacts import proposed_pins
 
 Bools = NDArray[np.bool_]
 

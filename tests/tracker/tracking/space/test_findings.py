@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import SpaceFinding
+from keypose.tracker.tracking.space.contacts import proposed_pins
+from keypose.tracker.tracking.space.findings import Judged, space_findings
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
 from tests.tracker.tracking.space.space_cases import UP, fps_of, places, standing
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import exp_rotation
-from tracker.session.pins import Pin
-from tracker.session.results import SpaceFinding
-from tracker.tracking.space.contacts import proposed_pins
-from tracker.tracking.space.findings import Judged, space_findings
 
 FRAMES = 61
 FEET = ("left_foot", "right_foot")

@@ -8,6 +8,10 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
 from tests.tracker.tracking.space.space_cases import (
@@ -25,10 +29,6 @@ from tests.tracker.tracking.space.space_cases import (
     speeds,
     standing,
 )
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import transpose
-from tracker.tracking.parts.keyed import KeyedParts
-from tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 
 FRAMES = 61
 

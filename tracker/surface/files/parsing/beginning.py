@@ -12,11 +12,11 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from tracker.surface.files.parsing.glb import require_whole
-from tracker.surface.files.parsing.obj import require_beginning_of_text
-from tracker.surface.files.parsing.off import require_header
-from tracker.surface.files.parsing.ply_header import Element, read_header
-from tracker.surface.files.parsing.ply_rows import cut_short
+from keypose.tracker.surface.files.parsing.glb import require_whole
+from keypose.tracker.surface.files.parsing.obj import require_beginning_of_text
+from keypose.tracker.surface.files.parsing.off import require_header
+from keypose.tracker.surface.files.parsing.ply_header import Element, read_header
+from keypose.tracker.surface.files.parsing.ply_rows import cut_short
 
 _ROWS_LOOKED_AT: Final = 12
 

@@ -7,9 +7,9 @@ from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.glb import Glb, at, damaged
-from tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.glb import Glb, at, damaged
+from keypose.tracker.surface.files.parsing.raw import Refused
 
 Target: TypeAlias = Literal["translation", "rotation", "scale", "weights"]
 

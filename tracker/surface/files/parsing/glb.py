@@ -18,7 +18,7 @@ from typing import Any, BinaryIO, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.raw import MOST_FACES, Refused
+from keypose.tracker.surface.files.parsing.raw import MOST_FACES, Refused
 
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 _LONGEST_DOCUMENT: Final = 64 * 2**20

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.channels import Channel
-from tracker.surface.files.parsing.glb import Glb, at, damaged
-from tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.channels import Channel
+from keypose.tracker.surface.files.parsing.glb import Glb, at, damaged
+from keypose.tracker.surface.files.parsing.raw import Refused
 
 _MOST_NODES: Final = 20_000
 

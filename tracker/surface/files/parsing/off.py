@@ -9,10 +9,10 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from tracker.surface.files.parsing.ply_rows import cut_short
-from tracker.surface.files.parsing.polygons import fan, runs
-from tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
-from tracker.surface.files.parsing.text import numbers, table
+from keypose.tracker.surface.files.parsing.ply_rows import cut_short
+from keypose.tracker.surface.files.parsing.polygons import fan, runs
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
+from keypose.tracker.surface.files.parsing.text import numbers, table
 
 _HEADERS: Final = (b"OFF", b"COFF", b"NOFF", b"CNOFF", b"STOFF", b"STCOFF", b"STNOFF")
 _BEGINNING: Final = 64 * 1024

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from tracker.files import NotRegular, open_regular
-from tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.files import NotRegular, open_regular
+from keypose.tracker.surface.files.parsing.raw import Refused
 
 LARGEST_BYTES: Final = 512 * 2**20
 

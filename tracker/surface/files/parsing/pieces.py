@@ -12,11 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.channels import Channel
-from tracker.surface.files.parsing.glb import Glb, at, damaged
-from tracker.surface.files.parsing.raw import Refused, require_counts
-from tracker.surface.files.parsing.tidying import require_range
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.channels import Channel
+from keypose.tracker.surface.files.parsing.glb import Glb, at, damaged
+from keypose.tracker.surface.files.parsing.raw import Refused, require_counts
+from keypose.tracker.surface.files.parsing.tidying import require_range
 
 _MOST_TARGETS: Final = 500
 

@@ -10,11 +10,11 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.ply_header import Element, read_header
-from tracker.surface.files.parsing.ply_rows import Rows, Values
-from tracker.surface.files.parsing.polygons import fan
-from tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.ply_header import Element, read_header
+from keypose.tracker.surface.files.parsing.ply_rows import Rows, Values
+from keypose.tracker.surface.files.parsing.polygons import fan
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
 
 CONSISTENCY: Final = ("zncc", "quality")
 """Names of a vertex's photo-consistency. `quality` is MeshLab's."""

@@ -7,7 +7,7 @@ from typing import BinaryIO, Final, Literal, TypeAlias
 
 import numpy as np
 
-from tracker.surface.files.parsing.raw import Refused, require_counts
+from keypose.tracker.surface.files.parsing.raw import Refused, require_counts
 
 Form: TypeAlias = Literal["text", "<", ">"]
 

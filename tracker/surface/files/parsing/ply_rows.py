@@ -15,9 +15,9 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.ply_header import Column, Element, Header
-from tracker.surface.files.parsing.raw import Refused
-from tracker.surface.files.parsing.text import numbers
+from keypose.tracker.surface.files.parsing.ply_header import Column, Element, Header
+from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.parsing.text import numbers
 
 Values: TypeAlias = tuple[NDArray[Any], NDArray[np.int64]]
 """Of one column: all its numbers row after row, and how many each row has."""

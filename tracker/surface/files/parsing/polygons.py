@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.raw import require_counts
+from keypose.tracker.surface.files.parsing.raw import require_counts
 
 
 def fan(corners: NDArray[np.int64], counts: NDArray[np.int64], vertices: int) -> NDArray[np.int64]:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array
 
 MOST_FACES: Final = 2_000_000
 MOST_VERTICES: Final = 1_000_000

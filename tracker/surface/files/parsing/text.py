@@ -6,8 +6,8 @@ import warnings
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.raw import Refused
 
 
 def numbers(text: bytes) -> Array:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
 
 FARTHEST, SMALLEST = 1e9, 1e-9
 """In units of the file. Beyond them there is no sensible surface, and squares lose their sense."""

@@ -1,6 +1,6 @@
 """Parts of the body followed by what they look like (INITIAL §3.1), from one keyframe or both."""
 
-from tracker.tracking.initial.templates.results import LimbTracks, Start
-from tracker.tracking.initial.templates.tracks import limb_tracks
+from keypose.tracker.tracking.initial.templates.results import LimbTracks, Start
+from keypose.tracker.tracking.initial.templates.tracks import limb_tracks
 
 __all__ = ["LimbTracks", "Start", "limb_tracks"]

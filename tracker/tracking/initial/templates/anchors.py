@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.raster import BodyMesh, Raster, raster
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
-from tracker.tracking.initial.templates.ends import Followed
-from tracker.tracking.scene import Scene
+from keypose.tracker.body.raster import BodyMesh, Raster, raster
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.tracking.initial.templates.ends import Followed
+from keypose.tracker.tracking.scene import Scene
 
 NEAR_M = 0.07
 """Surface points no further than this from an anchor decide whether it is hidden."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.tracking.initial.templates.follow_point import Course
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.initial.templates.follow_point import Course
 
 AGREED_PX = 6.0
 """How near two courses must come to confirm each other: each slips a little on its way."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body.skeleton import Skeleton
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 
 KNEE_SHARE = 0.3
 """How far along the lower link, from its joint to its end, the point for knee and elbow is."""

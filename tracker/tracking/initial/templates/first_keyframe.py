@@ -9,16 +9,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import pose_transforms
-from tracker.body.raster import BodyMesh, raster
-from tracker.errors import spoken
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
-from tracker.tracking.initial.templates.follow_template import TurnAt, follow_template
-from tracker.tracking.initial.templates.rotatable import Rotatable
-from tracker.tracking.initial.templates.search import GreyPicture
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.errors import spoken
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.tracking.initial.templates.follow_template import TurnAt, follow_template
+from keypose.tracker.tracking.initial.templates.rotatable import Rotatable
+from keypose.tracker.tracking.initial.templates.search import GreyPicture
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
 
 HALF_SHARE, LEAST_HALF, MOST_HALF = 0.55, 5, 20
 """Half a template's side as a share of the followed part's extent, and its limits in pixels."""

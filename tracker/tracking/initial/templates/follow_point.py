@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.tracking.initial.templates.patch import Patch, PatchMatch, Place
-from tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
-from tracker.video.pyramid import Picture
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.initial.templates.patch import Patch, PatchMatch, Place
+from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
+from keypose.tracker.video.pyramid import Picture
 
 SPREAD_RAD = np.radians(9.0)
 ALIKE, CORRELATED = 0.45, 0.5

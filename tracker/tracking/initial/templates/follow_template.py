@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tracker.geometry.rotations import Array
-from tracker.tracking.initial.templates.rotatable import Rotatable
-from tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.initial.templates.rotatable import Rotatable
+from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
 
 TurnAt: TypeAlias = Callable[[int, Array], float]
 """Radians by which the template is turned in the n-th frame if it lies at this place (2,)."""

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.settling import settle
-from tracker.tracking.initial.templates.rotatable import Rotatable
-from tracker.video.pyramid import USABLE, Picture
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.settling import settle
+from keypose.tracker.tracking.initial.templates.rotatable import Rotatable
+from keypose.tracker.video.pyramid import USABLE, Picture
 
 MARGIN = 1.45
 """A patch is cut this many times as wide as it is compared, so that it can turn."""

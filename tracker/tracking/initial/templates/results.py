@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory
-from tracker.geometry.rotations import Array
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.tracking.initial.templates.search import Template, cut
-from tracker.video.pyramid import USABLE, Picture
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.initial.templates.search import Template, cut
+from keypose.tracker.video.pyramid import USABLE, Picture
 
 STEP_RAD = np.radians(3.0)
 """Turns are rounded to this: less hardly changes a small template."""

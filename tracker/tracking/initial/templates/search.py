@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
-from tracker.kernels.matching import UNUSABLE, Grey, find_sequentially
-from tracker.video.pyramid import IGNORED, USABLE, Picture
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.matching import UNUSABLE, Grey, find_sequentially
+from keypose.tracker.video.pyramid import IGNORED, USABLE, Picture
 
 MOST = 30
 """Grey levels that one pixel may count at most: what hides a part then costs little more than what

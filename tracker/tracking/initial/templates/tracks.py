@@ -12,23 +12,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.raster import BodyMesh, Raster, raster
-from tracker.body.trajectory import Trajectory
-from tracker.errors import spoken
-from tracker.geometry.rotations import Array
-from tracker.geometry.view import ViewCamera
-from tracker.tracking.initial.chains import Chain, Chains, blend_chains, follow_both
-from tracker.tracking.initial.templates.anchors import Anchor, find_anchor, hidden
-from tracker.tracking.initial.templates.combine_courses import combine_courses
-from tracker.tracking.initial.templates.ends import Followed, followed_points
-from tracker.tracking.initial.templates.follow_point import BaseCourse, Course, follow_point
-from tracker.tracking.initial.templates.patch import Patch
-from tracker.tracking.initial.templates.results import LimbTracks
-from tracker.tracking.initial.templates.search import GreyPicture
-from tracker.tracking.method import FULL
-from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment
-from tracker.video.pyramid import Picture
+from keypose.tracker.body.raster import BodyMesh, Raster, raster
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import spoken
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.tracking.initial.chains import Chain, Chains, blend_chains, follow_both
+from keypose.tracker.tracking.initial.templates.anchors import Anchor, find_anchor, hidden
+from keypose.tracker.tracking.initial.templates.combine_courses import combine_courses
+from keypose.tracker.tracking.initial.templates.ends import Followed, followed_points
+from keypose.tracker.tracking.initial.templates.follow_point import BaseCourse, Course, follow_point
+from keypose.tracker.tracking.initial.templates.patch import Patch
+from keypose.tracker.tracking.initial.templates.results import LimbTracks
+from keypose.tracker.tracking.initial.templates.search import GreyPicture
+from keypose.tracker.tracking.method import FULL
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import Picture
 
 LEAST_HALF, MOST_HALF = 5, 16
 """Half a patch's side, pixels."""
