@@ -12,7 +12,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from keypose.app.editor.actions import Degrees, Message, Spot
+from keypose.app.editor.actions.message import Degrees, Message, Spot
 from keypose.app.editor.feet import feet_paths
 from keypose.app.editor.pasting import copied_from
 from keypose.app.editor.pointer_views import pointer_views

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from keypose.app.editor.actions import PoseId, PoseName
+from keypose.app.editor.actions.poses import PoseId, PoseName
 from keypose.app.editor.copied import Copied
 from keypose.app.editor.refusal import Refused
 from keypose.app.render.pose_strokes import PoseStroke

@@ -1,0 +1,82 @@
+"""Masks, and how one tracks and observes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, FiniteFloat
+
+from keypose.app.editor.actions.message import Edit, Metres, Spot
+from keypose.tracker.body.body import Name
+from keypose.tracker.session.settings import (
+    ALL_CUES,
+    Cue,
+    Cues,
+    CueWeight,
+    FrameIndex,
+    Initial,
+    MethodName,
+    NetworkName,
+    Quality,
+    Units,
+    UpAxis,
+    Weights,
+)
+
+Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
+
+
+class AddMask(Edit):
+    do: Literal["add_mask"] = "add_mask"
+    polygon: Polygon
+    first: FrameIndex
+    last: FrameIndex
+
+
+class ChangeMask(Edit):
+    do: Literal["change_mask"] = "change_mask"
+    index: Annotated[int, Field(ge=0, le=10_000)]
+    polygon: Polygon | None = None
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    note: Annotated[str, Field(max_length=200)] | None = None
+
+
+class DeleteMask(Edit):
+    do: Literal["delete_mask"] = "delete_mask"
+    index: Annotated[int, Field(ge=0, le=10_000)]
+
+
+class Settings(Edit):
+    """Fields that are left out stay; `passes` may be given as null, the method's own number,
+    `static_camera`, as it was found, and `smooth`, not. cue_weights: those left out are 1."""
+
+    do: Literal["settings"] = "settings"
+    method: MethodName | None = None
+    quality: Quality | None = None
+    initial: Initial | None = None
+    left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
+    passes: Annotated[int, Field(ge=1, le=50)] | None = None
+    static_camera: bool | None = None
+    smooth: bool | None = None
+    cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None
+    cue_weights: dict[Cue, CueWeight] | None = None
+    network: NetworkName | None = None
+
+
+class Observe(Edit):
+    """How observed surfaces are read and fitted. Fields that are left out stay; `model_frame` may
+    be null, the first keyframe. about: the point, camera frame, that other axes turn about."""
+
+    do: Literal["observe"] = "observe"
+    units: Units | None = None
+    up: UpAxis | None = None
+    about: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
+    fps: Annotated[FiniteFloat, Field(ge=0.001, le=10_000)] | None = None
+    model_frame: FrameIndex | None = None
+    weights: Weights | None = None
+    distance: Literal["plane", "point"] | None = None
+    binding: Literal["nearest", "smooth"] | None = None
+
+
+Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
