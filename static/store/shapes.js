@@ -43,6 +43,7 @@
  * @property {'camera' | 'drawn' | 'feet'} up_origin
  * @property {number} tilt_deg
  * @property {number} roll_deg
+ * @property {[Spot, Spot] | null} horizon  Two points of the horizon, pixels; null where it is far from the picture.
  * @property {string} image_version
  */
 
