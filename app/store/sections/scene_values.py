@@ -66,6 +66,7 @@ def camera(app_state: AppState) -> Json:
         "focal_mm": given.focal_mm,
         "lens_source": doc.lens_source,
         "lens_is_guess": doc.lens_is_guess,
+        "depth_share": doc.depth_share,
         "up": list(up),
         "up_origin": _up_origin(doc),
         "tilt_deg": tilt,
