@@ -137,6 +137,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.Lens: EditKind(camera_edits.set_lens, "change the lens"),
     do.Distortion: EditKind(camera_edits.set_distortion, "change the distortion"),
     do.Vertical: EditKind(camera_edits.set_up, "change the up direction"),
+    do.Horizon: EditKind(floor_edits.set_horizon, "set the horizon"),
     do.UpFromFeet: EditKind(_alone(floor_edits.set_up_from_feet), "level the pinned feet"),
     do.ResetUp: EditKind(_alone(camera_edits.reset_up), "reset the up direction"),
     do.AddMask: EditKind(tracking_edits.add_mask, "draw a mask"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from keypose.app.editor import actions as do
@@ -10,9 +12,11 @@ from keypose.app.editor.pointer_views import up_of
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.tracking.space.level import up_from_places
 
@@ -20,6 +24,7 @@ LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""
 LEAST_APART_M = 0.5
 """Feet that stand nearer to each other than this do not tell what is level."""
+SHORTEST_PX = 5
 
 
 def set_floor(state: EditorState, action: do.Floor) -> Session:
@@ -47,6 +52,37 @@ def set_up_from_feet(state: EditorState) -> Session:
         return levelled
     state = state.with_doc(levelled)
     return _with_floor(state, _height_of_pins(state))
+
+
+def set_horizon(state: EditorState, action: do.Horizon) -> Session:
+    """Up by the horizon, and the floor under the pinned feet, or else under that foot which stands
+    lower at the present frame; where nothing is posed, or the body has no feet, up alone."""
+    doc = state.doc
+    if math.dist(action.a, action.b) < SHORTEST_PX:
+        raise Refused("Draw a longer line along the horizon.")
+    up = up_from_horizon(doc.camera.without_distortion(), action.a, action.b, up_of(doc))
+    x, y, z = (round(float(v), 6) for v in up)
+    levelled = doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+    state = state.with_doc(levelled)
+    if any(pin.landmarks for pin in doc.pins):
+        return _with_floor(state, _height_of_pins(state))
+    feet = _feet_here(state) if shown_pose(state).source != "rest" else ()
+    if not feet:
+        return levelled
+    height, foot = min((foot_height(state, pin, state.frame), pin.part) for pin in feet)
+    if height > -LEAST_M:
+        raise Refused(f"{part_label(foot)} stands above this line. Draw the horizon higher.")
+    return _with_floor(state, height)
+
+
+def _feet_here(state: EditorState) -> list[Pin]:
+    """The soles of the body at the present frame, as if they were pinned there."""
+    at, soles = state.frame, [(part.name, sole_of(part)) for part in state.doc.body.parts]
+    return [
+        Pin(part=name, landmarks=sole, first_frame=at, last_frame=at)
+        for name, sole in soles
+        if sole
+    ]
 
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:

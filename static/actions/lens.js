@@ -83,8 +83,8 @@ export const millimetres = (mm) => `${shortNumber(mm, mm < 20 && mm % 1 ? 1 : 0)
 
 /** What the lens rests on, in words. */
 export function sourceWords() {
-  const { lens_source: source, lens_is_guess: isGuess } = server.camera;
-  if (isGuess) return 'A guess. Distances rest on it.';
+  const { lens_source: source, lens_is_guess: isGuess, depth_share: share } = server.camera;
+  if (isGuess) return `A guess. Distances rest on it: ± ${Math.round(100 * share)} %.`;
   const words = {
     file: `From the file: ${fileWords()}`, person: 'As you set it.', calibration: 'From a calibration.',
     fitted: 'Fitted to the keyframes.',

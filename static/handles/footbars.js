@@ -11,7 +11,7 @@ import { largeView } from './scale.js';
 import { sketchHint } from './sketch.js';
 
 const ZOOM_STEP = 1.25;
-const HINT_ICONS = { mask: 'loop', vertical: 'mid', box: 'wand' };
+const HINT_ICONS = { mask: 'loop', vertical: 'mid', horizon: 'floor', box: 'wand' };
 
 export function footbars() {
   if (ui.layout === 'quad') return sketchLine();

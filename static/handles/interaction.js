@@ -14,7 +14,7 @@ export const interaction = {
   pointer: null,
   /** The view that is being panned. */
   panning: null,
-  /** A drawing begun with the mask, the vertical or the box tool. */
+  /** A drawing begun with the mask, the vertical, the horizon or the box tool. */
   sketch: null,
 };
 

@@ -5,7 +5,7 @@
 //   dragging   pulls a handle, a mask or a part
 //   aside      the right button, which has not moved yet: released now it opens the menu
 //   panning    moves the view, or orbits it
-//   sketching  draws with the mask, the vertical or the box tool
+//   sketching  draws with the mask, the vertical, the horizon or the box tool
 //   pinching   has a second finger: both move and zoom the view
 //   spent      was cancelled: nothing more until the pointer is released
 

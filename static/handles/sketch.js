@@ -1,5 +1,5 @@
-// Drawing on the picture: the outline of an ignore mask, a line along something upright, or the box
-// around a person.
+// Drawing on the picture: the outline of an ignore mask, a line along something upright, the horizon,
+// or the box around a person.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
@@ -10,6 +10,9 @@ import { goTo, stopPlaying } from '../actions/playhead.js';
 import { keepsKey } from '../controls/focus.js';
 import { view as viewNamed } from '../views/views.js';
 import { boxCancel, boxCursor, boxDown, boxHint, boxKey, boxMove, boxUp, drawBox } from './box.js';
+import {
+  drawHorizon, horizonCancel, horizonCursor, horizonDown, horizonHint, horizonKey, horizonMove, horizonUp,
+} from './horizon.js';
 import { interaction, redrawSoon } from './interaction.js';
 import { distance, pathOf } from './space.js';
 
@@ -20,7 +23,18 @@ const SHORTEST_PX = 12;
 /** The tool that was in hand before the drawing began, and is taken up again after it. */
 let before = 'select';
 
-export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical' || tool === 'box';
+const TOOLS = ['mask', 'vertical', 'horizon', 'box'];
+
+export const isDrawingTool = (tool) => TOOLS.includes(tool);
+
+/** Tools whose shape is pulled and stays while they are in hand. */
+const SHAPES = {
+  box: { down: boxDown, move: boxMove, up: boxUp, cancel: boxCancel, key: boxKey, hint: boxHint, cursor: boxCursor, draw: drawBox },
+  horizon: {
+    down: horizonDown, move: horizonMove, up: horizonUp, cancel: horizonCancel, key: horizonKey,
+    hint: horizonHint, cursor: horizonCursor, draw: drawHorizon,
+  },
+};
 
 /** The tool changed: forget what was begun, and show the picture large. */
 export function prepareSketch() {
@@ -49,23 +63,23 @@ export function drawsOn(view) {
 export function sketchDown(view, x, y) {
   const { sketch } = interaction;
   if (sketch.tool === 'vertical') sketch.points = [view.toView([x, y])];
-  if (sketch.tool === 'box') boxDown(view, x, y);
+  SHAPES[sketch.tool]?.down(view, x, y);
   sketch.pointer = [x, y];
   redrawSoon();
 }
 
 export function sketchMove(view, x, y) {
   interaction.sketch.pointer = [x, y];
-  if (interaction.sketch.tool === 'box') boxMove(view, x, y);
+  SHAPES[interaction.sketch.tool]?.move(view, x, y);
   redrawSoon();
 }
 
-/** A release: a mask gets a corner or is closed, a vertical line is done. */
+/** A release: a mask gets a corner or is closed, a vertical line is done, a shape is let go. */
 export function sketchUp(view, x, y) {
   const { sketch } = interaction;
   if (sketch.tool === 'vertical') return finishVertical(view, x, y);
-  if (sketch.tool === 'box') {
-    boxUp(view, x, y);
+  if (SHAPES[sketch.tool]) {
+    SHAPES[sketch.tool].up(view, x, y);
     return redrawSoon();
   }
   const corners = sketch.points.map((p) => view.fromView(p));
@@ -78,7 +92,7 @@ export function sketchUp(view, x, y) {
 
 /** The press that draws is cancelled. */
 export function sketchCancel() {
-  if (interaction.sketch?.tool === 'box') boxCancel();
+  SHAPES[interaction.sketch?.tool]?.cancel();
   if (interaction.sketch?.tool === 'vertical') interaction.sketch.points = [];
   redrawSoon();
 }
@@ -89,7 +103,7 @@ export function sketchKey(event, key) {
   prepareSketch();
   const { sketch } = interaction;
   if (key === 'escape') leaveSketch();
-  else if (sketch.tool === 'box') return boxKey(event, key) || (key === 'enter' && enterBox());
+  else if (SHAPES[sketch.tool]) return SHAPES[sketch.tool].key(event, key) || (sketch.tool === 'box' && key === 'enter' && enterBox());
   else if (sketch.tool === 'mask' && key === 'enter') closeMask();
   else if (sketch.tool === 'mask' && (key === 'backspace' || key === 'delete')) sketch.points.pop();
   else return false;
@@ -148,7 +162,7 @@ function finishVertical(view, x, y) {
 export function sketchHint() {
   const { sketch } = interaction;
   if (!sketch) return null;
-  if (sketch.tool === 'box') return boxHint();
+  if (SHAPES[sketch.tool]) return SHAPES[sketch.tool].hint();
   if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
   const begun = sketch.points.length;
   if (!begun) return 'Click around anything that moves but is not the body.';
@@ -159,13 +173,13 @@ export function sketchHint() {
 /** What the pointer over a view would do with the tool in hand. */
 export function sketchCursor(view) {
   if (view.name !== 'main') return '';
-  return interaction.sketch?.tool === 'box' ? boxCursor(view) : 'crosshair';
+  return SHAPES[interaction.sketch?.tool]?.cursor(view) ?? 'crosshair';
 }
 
 export function drawSketch(view) {
   const { sketch } = interaction;
   if (!sketch || view.name !== 'main') return nothing;
-  if (sketch.tool === 'box') return drawBox(view);
+  if (SHAPES[sketch.tool]) return SHAPES[sketch.tool].draw(view);
   const corners = sketch.points.map((p) => viewNamed('main').fromView(p));
   const line = sketch.pointer && corners.length ? [...corners, sketch.pointer] : corners;
   const home = corners.length > 2 && sketch.pointer && distance(corners[0], sketch.pointer) < CLOSE_PX;

@@ -30,6 +30,7 @@ const RESTING = {
     ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
   ],
   vertical: [['Drag', 'along something upright'], ['Esc', 'cancel']],
+  horizon: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
 };
 
 const HOLDING = {

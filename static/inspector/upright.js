@@ -1,4 +1,4 @@
-// What is up: as the camera holds it, along a line drawn on the picture, or so that feet stand level.
+// What is up: as the camera holds it, by a line drawn on the picture, or so that feet stand level.
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { server, setUi } from '../store/state.js';
@@ -12,7 +12,7 @@ export function upright() {
     'Up direction',
     html`${line('Set by', dropdown({
       label: 'Up direction set by', value: origin, act: setBy,
-      options: [{ id: 'camera', label: 'Camera' }, { id: 'drawn', label: 'Drawn vertical' },
+      options: [{ id: 'camera', label: 'Camera' }, { id: 'drawn', label: 'Drawn line' },
         { id: 'feet', label: 'Pinned feet' }],
       title: 'Which way is up in the top, side and front views',
     }))}
@@ -21,6 +21,10 @@ export function upright() {
     ${drawingButton('vertical', {
       name: 'mid', label: 'Draw a vertical in the image', busy: 'Drag along something upright',
       title: 'Drag along a door frame, a wall’s edge, a lamp post',
+    })}
+    ${drawingButton('horizon', {
+      name: 'floor', label: 'Draw the horizon', busy: 'Drag along the horizon',
+      title: 'Where level ground ends far away: tells tilt and roll, and with a standing foot the floor',
     })}`,
   );
 }
@@ -28,5 +32,5 @@ export function upright() {
 function setBy(id) {
   if (id === 'camera') send({ do: 'reset_up' });
   else if (id === 'feet') send({ do: 'up_from_feet' });
-  else setUi('tool', 'vertical');
+  else setUi('tool', 'horizon');
 }

@@ -39,10 +39,12 @@
  * @property {number} focal_mm  Of the lens that shows as much on 35 mm film.
  * @property {'guess' | 'file' | 'person' | 'calibration' | 'fitted' | null} lens_source  Null until asked.
  * @property {boolean} lens_is_guess
+ * @property {number | null} depth_share  By what share distances may be off; null where the lens is known.
  * @property {Point} up
  * @property {'camera' | 'drawn' | 'feet'} up_origin
  * @property {number} tilt_deg
  * @property {number} roll_deg
+ * @property {[Spot, Spot] | null} horizon  Two points of the horizon, pixels; null where it is far from the picture.
  * @property {string} image_version
  */
 

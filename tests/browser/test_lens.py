@@ -159,7 +159,7 @@ def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page
     until_counted(page, "#guide .coach", 0)
     page.get_by_role("tab", name="Camera").click()
     tab = page.locator("#insp")
-    tab.get_by_text("A guess. Distances rest on it.").wait_for()
+    tab.get_by_text("A guess. Distances rest on it: ± 28 %.").wait_for()
     tab.get_by_role("button", name="Field", exact=True).click()
     tab.get_by_text("Angle").wait_for()
     tab.get_by_role("button", name="Pixels", exact=True).click()

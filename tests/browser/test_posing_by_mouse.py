@@ -564,6 +564,32 @@ def test_a_drawn_vertical_sets_what_is_up(at: Desk, tabs: Callable[[str], None])
     assert undo_steps(at) == 1
 
 
+def test_the_horizon_is_drawn_and_pulled_at_its_handles_and_lays_the_floor(
+    at: Desk, tabs: Callable[[str], None]
+) -> None:
+    tabs("Camera")
+    at.page.get_by_role("button", name="Draw the horizon").click()
+    one, other = on_picture(at.page, (120, 90)), on_picture(at.page, (520, 60))
+    drag(at.page, one, other, steps=4)
+    until(lambda: at.agreed("camera")["up_origin"] == "drawn", "the horizon")
+    camera = at.served["camera"]
+    leaning = np.degrees(np.arctan2(30, 400))
+    assert abs(camera["roll_deg"]) == pytest.approx(leaning, abs=1.0)
+    assert camera["tilt_deg"] < -3  # the horizon lies above the middle: the camera looks down
+    floor = until(lambda: at.agreed("floor")["height_m"], "the floor")
+    (left, high), right = camera["horizon"]
+    start = on_picture(at.page, (left, high))
+    drag(at.page, start, on_picture(at.page, (left, right[1])), steps=4)
+    until(lambda: abs(at.agreed("camera")["roll_deg"]) < 0.5, "the pulled end")
+    assert at.agreed("floor")["height_m"] != floor
+    assert undo_steps(at) == 2
+    at.page.keyboard.press("Escape")
+    until(lambda: at.page.locator("#main .horizon").count() == 0, "the tool put away")
+    at.page.keyboard.press("Control+z")
+    at.page.keyboard.press("Control+z")
+    until(lambda: at.agreed("camera")["up_origin"] == "camera", "up as it was")
+
+
 # --- sizes
 
 

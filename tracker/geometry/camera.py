@@ -24,8 +24,10 @@ Focal: TypeAlias = Annotated[FiniteFloat, Field(ge=1, le=1e7)]
 Centre: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Coefficient: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)]
 
+USUAL_FIELDS_OF_VIEW = (math.radians(40.0), math.radians(65.0))
+"""Along the longer side: of a camcorder at rest, and of a phone's main camera."""
 GUESSED_FIELD_OF_VIEW = math.radians(50.0)
-"""Along the longer side: between a phone's main camera (65°) and a camcorder at rest (40°)."""
+"""Between these."""
 
 FILM_MM = 36.0
 """Width of a frame of 35 mm film, by which focal lengths are compared."""
@@ -89,6 +91,13 @@ class Camera(BaseModel):
     def focal_mm(self) -> float:
         """The focal length of the lens that shows as much on 35 mm film."""
         return FILM_MM * min(self.fx / self.width, self.fy / self.height)
+
+    @property
+    def usual_spread(self) -> float:
+        """By what share distances change, at most, with one of the usual lenses instead of this
+        one: what is seen as large is farther away by as much as the focal length is longer."""
+        longer = max(self.width / self.fx, self.height / self.fy) / 2
+        return max(abs(longer / math.tan(usual / 2) - 1) for usual in USUAL_FIELDS_OF_VIEW)
 
     @property
     def is_distorted(self) -> bool:

@@ -349,6 +349,11 @@ class Session(Plain):
         return (self.lens_source or self.camera.origin) == "guess"
 
     @property
+    def depth_share(self) -> float | None:
+        """By what share distances may be off because the lens is a guess; None where it is not."""
+        return self.camera.usual_spread if self.lens_is_guess else None
+
+    @property
     def has_static_camera(self) -> bool:
         """Whether the camera is taken to stand still: as the settings say, else as it was found;
         False where nobody looked."""

@@ -51,6 +51,15 @@ class Vertical(Edit):
     b: Spot
 
 
+class Horizon(Edit):
+    """A line drawn on the picture where level ground ends far away, in pixels; its ends may lie
+    beside the picture. The floor comes under the pinned feet, or the lower one at this frame."""
+
+    do: Literal["horizon"] = "horizon"
+    a: Spot
+    b: Spot
+
+
 class UpFromFeet(Edit):
     """Up so that the pinned feet stand level."""
 
@@ -61,4 +70,6 @@ class ResetUp(Edit):
     do: Literal["reset_up"] = "reset_up"
 
 
-Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
+Filming: TypeAlias = (
+    Intrinsics | FieldOfView | Lens | Distortion | Vertical | Horizon | UpFromFeet | ResetUp
+)

@@ -13,6 +13,7 @@ from keypose.app.posing import tilt_and_roll, view_rotations
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.sections.surface_values import surface_version
 from keypose.app.store.state import AppState
+from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.tracking.diagnostics.runs import runs
 
@@ -58,16 +59,19 @@ def camera(app_state: AppState) -> Json:
     given, up = doc.camera, up_of(doc)
     longer = max(given.width / given.fx, given.height / given.fy)
     tilt, roll = tilt_and_roll(up)
+    horizon = horizon_of(given, up)
     return {
         **given.model_dump(),
         "fov_deg": math.degrees(2 * math.atan(longer / 2)),
         "focal_mm": given.focal_mm,
         "lens_source": doc.lens_source,
         "lens_is_guess": doc.lens_is_guess,
+        "depth_share": doc.depth_share,
         "up": list(up),
         "up_origin": _up_origin(doc),
         "tilt_deg": tilt,
         "roll_deg": roll,
+        "horizon": None if horizon is None else horizon.tolist(),
         "image_version": image_version(app_state),
     }
 

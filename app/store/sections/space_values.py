@@ -45,7 +45,8 @@ def space(app_state: AppState) -> Json:
                 told.append((_WEIGHTS["slides"] * pin.off_m, row))
     rows = [row for _, row in sorted(told, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)
-    return [*rows, _guessed_lens(edit)] if is_known and edit.settled.lens_is_guess else rows
+    share = edit.settled.depth_share
+    return [*rows, _guessed_lens(edit, share)] if is_known and share is not None else rows
 
 
 def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
@@ -54,11 +55,11 @@ def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
     return said is not None and said.answer == "accepted"
 
 
-def _guessed_lens(edit: EditorState) -> Json:
+def _guessed_lens(edit: EditorState, share: float) -> Json:
     """Depth that rests on a lens nobody knows."""
     return {
         "kind": "lens",
-        "words": "Depth rests on a guessed lens",
+        "words": f"Depth rests on a guessed lens. Distances may be off by {100 * share:.0f} %.",
         "part": edit.settled.body.names[0],
         "first": edit.keys[0],
         "last": edit.keys[-1],

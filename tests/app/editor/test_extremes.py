@@ -48,6 +48,7 @@ EDITS = st.one_of(
     _action("field_of_view").flatmap(lambda edit: NUMBERS.map(lambda deg: {**edit, "deg": deg})),
     _action("distortion", **{name: NUMBERS for name in ("k1", "k2", "p1", "p2", "k3")}),
     st.fixed_dictionaries({"do": st.just("vertical"), "a": SPOTS, "b": SPOTS}),
+    st.fixed_dictionaries({"do": st.just("horizon"), "a": SPOTS, "b": SPOTS}),
     st.fixed_dictionaries({"do": st.just("size"), "part": PARTS, "key": KEYS, "cm": NUMBERS}),
     st.fixed_dictionaries({"do": st.just("shape"), "part": PARTS, "kind": st.sampled_from(KINDS)}),
     st.fixed_dictionaries({"do": st.just("joint"), "part": PARTS}, optional=XYZ),

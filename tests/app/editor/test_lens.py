@@ -62,6 +62,17 @@ def test_a_session_that_was_never_asked_says_nothing_of_it() -> None:
     assert not doc.lens_is_guess
 
 
+def test_depth_on_a_guessed_lens_is_as_doubtful_as_usual_lenses_differ_from_it() -> None:
+    guessed = after(desk(), {"do": "lens"})
+    assert guessed.doc.depth_share is not None
+    farthest = max(
+        abs(Camera.from_field_of_view(640, 360, np.radians(deg)).fx / guessed.doc.camera.fx - 1)
+        for deg in (40, 65)
+    )
+    assert guessed.doc.depth_share == pytest.approx(farthest)
+    assert after(guessed, {"do": "lens", "mm": 26}).doc.depth_share is None
+
+
 @pytest.mark.parametrize("message", [{"do": "lens", "mm": 77}, {"do": "field_of_view", "deg": 30}])
 def test_what_was_posed_stays_where_it_is_seen_and_stands_farther_away(
     message: dict[str, object],

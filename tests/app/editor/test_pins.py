@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -13,12 +14,17 @@ from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.edits import label_of
 from keypose.app.editor.pinned import open_proposals, pinned_ends
 from keypose.app.editor.refusal import Refused
+from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.posing import tilt_and_roll
 from keypose.app.store.sections import pin_values
 from keypose.app.store.state import AppState
-from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.geometry.horizon import horizon_of
+from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage import changes
 from keypose.tracker.storage.results import Results, segment_keys
@@ -262,6 +268,49 @@ def test_up_is_found_from_pinned_feet_in_one_step() -> None:
     assert after(found, {"do": "undo"}).doc == pinned.doc
     drawn = after(found, {"do": "vertical", "a": (100, 40), "b": (103, 200)})
     assert not drawn.doc.up_from_feet
+
+
+def horizon(doc: Session, tilt_deg: float, roll_deg: float) -> dict[str, object]:
+    """The horizon as it is seen where the camera looks down and leans by so much."""
+    tilt, roll = math.radians(tilt_deg), math.radians(roll_deg)
+    up = exp_rotation((0.0, 0.0, roll)) @ exp_rotation((tilt, 0.0, 0.0)) @ (0.0, -1.0, 0.0)
+    ends = horizon_of(doc.camera, up)
+    assert ends is not None
+    return {"do": "horizon", "a": tuple(ends[0]), "b": tuple(ends[1])}
+
+
+def test_a_drawn_horizon_tells_what_is_up_and_lays_the_floor_under_the_lower_foot() -> None:
+    state = desk()
+    drawn = after(state, horizon(state.doc, 6, -3))
+    assert drawn.doc.up_camera is not None
+    assert tilt_and_roll(drawn.doc.up_camera) == pytest.approx((-6, -3), abs=1e-3)
+    up, pose = np.array(drawn.doc.up_camera), shown_pose(drawn).pose
+    p = joint_positions(drawn.skeleton, pose_transforms(drawn.skeleton, pose))
+    names = joint_names(drawn.skeleton)
+    soles = [k for k, name in enumerate(names) if name.endswith(("_heel", "_toe"))]
+    assert drawn.doc.floor_m == pytest.approx((p[soles] @ up).min(), abs=1e-3)
+    assert after(drawn, {"do": "undo"}).doc == state.doc
+
+
+def test_a_drawn_horizon_lays_the_floor_under_pinned_feet_before_others() -> None:
+    pinned = after(desk(), {**FOOT, "frame": 6})
+    drawn = after(pinned, horizon(pinned.doc, 4, 2))
+    laid = after(drawn, {"do": "floor", "pinned_feet": True})
+    assert drawn.doc.floor_m == laid.doc.floor_m
+
+
+def test_a_horizon_below_the_feet_is_refused_and_loses_nothing() -> None:
+    state = desk()
+    low = state.doc.camera.height - 4
+    with pytest.raises(Refused, match=r"foot stands above this line\. Draw the horizon higher\.$"):
+        after(state, {"do": "horizon", "a": (0, low), "b": (400, low)})
+
+
+def test_a_horizon_without_a_posed_body_tells_up_alone() -> None:
+    state = desk(keyframes=False)
+    drawn = after(state, horizon(state.doc, 6, 0))
+    assert drawn.doc.up_camera is not None
+    assert drawn.doc.floor_m is None
 
 
 # --- keyframes

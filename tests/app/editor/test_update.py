@@ -55,6 +55,7 @@ EDITS: list[dict[str, Any]] = [
     {"do": "field_of_view", "deg": 60},
     {"do": "distortion", "k1": 0.1},
     {"do": "vertical", "a": [300, 300], "b": [310, 100]},
+    {"do": "horizon", "a": [0, 100], "b": [600, 110]},
     {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
     {"do": "settings", "quality": "fast", "passes": 2},
 ]
@@ -183,6 +184,8 @@ def test_a_frame_beyond_the_end_is_the_last_one() -> None:
         ({"do": "height", "cm": 0.1}, "between 1 and"),
         ({"do": "preset", "name": "centaur"}, "centaur"),
         ({"do": "vertical", "a": [5, 5], "b": [6, 6]}, "longer line"),
+        ({"do": "horizon", "a": [5, 5], "b": [6, 6]}, "longer line"),
+        ({"do": "horizon", "a": [300, 5], "b": [310, 400]}, "from side to side"),
         ({"do": "delete_mask", "index": 0}, "no longer exists"),
         ({"do": "camera", "fx": -1}, "fx"),
         ({"do": "undo"}, "Nothing to undo"),

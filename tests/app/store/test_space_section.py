@@ -77,5 +77,8 @@ def test_a_guessed_lens_is_told_last_and_only_of_a_motion_that_was_solved() -> N
     guessed = guessed.with_doc(guessed.doc.model_copy(update={"lens_source": "guess"}))
     told = solved(guessed, found("slides", 0.06))
     assert [one["kind"] for one in told] == ["slides", "lens"]
+    share = guessed.doc.depth_share
+    assert share is not None
+    assert f"may be off by {100 * share:.0f} %." in told[-1]["words"]
     assert Sections().changed(AppState(edit=guessed))["space"] == []
     assert [one["kind"] for one in solved(known(guessed), found("slides", 0.06))] == ["slides"]
