@@ -86,6 +86,7 @@
  * @property {string[]} landmarks
  * @property {string} shape
  * @property {Size[]} sizes
+ * @property {Point[]} corners_cm  Of a box, in its frame, x slowest and z fastest; none of others.
  */
 
 /**
@@ -157,6 +158,7 @@
  * @property {Point} root
  * @property {Record<string, Axis[]>} at_limit
  * @property {Gesture | null} gesture
+ * @property {{ part: string, index: number, uv: Spot }[]} corners  Of boxes, where they were put.
  */
 
 /**
