@@ -47,6 +47,8 @@ const RIGHT_DOWN = 2;
 
 /** @type {Press | null} */
 let press = null;
+/** The last click. @type {Press | null} */
+let newest = null;
 const fingers = new Map();
 /** The right button has cancelled a gesture: letting go of it, which may come last, opens no menu. */
 let hasCancelled = false;
@@ -233,14 +235,17 @@ function finish(x, y) {
   setCursor(done.view, null);
 }
 
-function finishClick({ view, x, y, target, picked, releasedAt }) {
+function finishClick(done) {
+  const { view, x, y, target, picked, releasedAt } = done;
+  newest = done;
   // The time of the release counts, however late the page comes to it or hears which parts were there.
   const at = { x, y, time: releasedAt };
   if (target) {
     click(view, at, target, []);
     if (interaction.chosen) renameHandle();
   }
-  else picked.then(({ parts }) => click(view, at, null, parts));
+  // A click on a handle has overtaken those before it whose parts were not known yet.
+  else picked.then(({ parts }) => (newest === done || !newest.target) && click(view, at, null, parts));
 }
 
 /** A second finger takes over from a press that has not grabbed anything. */

@@ -11,6 +11,8 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -46,6 +48,13 @@ def enter(address: str) -> Entered:
         key = re.search(r'"keypose.key", "([^"]+)"', answer.read().decode())
         assert key is not None
         return Entered(answer.headers["Set-Cookie"].split(";")[0], key[1])
+
+
+def family(pid: int) -> list[int]:
+    """A process and all below it."""
+    tasks = Path(f"/proc/{pid}/task").glob("*/children")
+    children = [int(child) for task in tasks for child in task.read_text().split()]
+    return [pid, *(below for child in children for below in family(child))]
 
 
 class Keypose:
@@ -124,6 +133,19 @@ class Keypose:
         """As a power cut would."""
         self.process.kill()
         self.process.communicate()
+
+    @contextmanager
+    def workers_stopped(self) -> Iterator[None]:
+        """What it has set to work stands still meanwhile, and then goes on."""
+        stopped = family(self.process.pid)[1:]
+        for pid in stopped:
+            os.kill(pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            for pid in stopped:
+                with suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGCONT)
 
     def _has_printed(self) -> bool:
         """Whether something is there to read. What is printed before an answer is sent is there."""

@@ -23,6 +23,7 @@ _WHEN_FADED = """
     .map(({ finished }) => finished),
 ).then(() => null)
 """
+_FRAME = "() => new Promise((drawn) => requestAnimationFrame(() => drawn()))"
 _IS_CAUGHT_UP = "async () => (await import('/static/store/edits.js')).isCaughtUp()"
 
 
@@ -64,7 +65,7 @@ def settled(page: Page) -> None:
 
 def answered(page: Page) -> None:
     """Wait until the server has dealt with all that was done at the page, and the page shows it."""
-    settled(page)  # what is sent once per redraw is on its way
+    page.evaluate(_FRAME)  # what is sent once per redraw is on its way
     until(lambda: page.evaluate(_IS_CAUGHT_UP), "the answer")
     settled(page)
 

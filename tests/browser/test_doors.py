@@ -14,7 +14,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
 from keypose.app.scene.viser_compat import SUBPROTOCOL
-from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
+from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor, family
 from tests.browser.cable import Cable, cable
 from tests.browser.foreigner import Foreigner, foreigner
 from tests.browser.hands import section
@@ -363,8 +363,8 @@ def test_nothing_that_is_said_to_a_view_reaches_viser(doors: Doors) -> None:
 
 
 def test_there_is_one_port_and_viser_has_none(doors: Doors) -> None:
-    family = _family(doors.keypose.process.pid)
-    inodes = {inode for pid in family for inode in _sockets(pid)}
+    processes = family(doors.keypose.process.pid)
+    inodes = {inode for pid in processes for inode in _sockets(pid)}
     assert _listening(inodes) == {("127.0.0.1", doors.keypose.port)}
 
 
@@ -376,13 +376,6 @@ def test_an_address_that_others_reach_needs_an_explicit_word(host: str) -> None:
     assert "ssh -L 8090:127.0.0.1:8090" in ended.stderr
     assert "--let-others-in" in ended.stderr
     assert ended.stdout == ""
-
-
-def _family(pid: int) -> list[int]:
-    """A process and all below it."""
-    tasks = Path(f"/proc/{pid}/task").glob("*/children")
-    children = [int(child) for task in tasks for child in task.read_text().split()]
-    return [pid, *(below for child in children for below in _family(child))]
 
 
 def _sockets(pid: int) -> set[str]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from tests.browser.hands import (
     until_counted,
     until_told,
 )
-from tests.browser.shared import Desk, desk, let_in, opened, served
+from tests.browser.shared import Desk, desk, let_in, opened
 from tests.browser.test_guide import button, title
 from tests.browser.test_lens import new_film
 from tests.browser.weather import Weather
@@ -211,16 +212,21 @@ def test_axe_finds_nothing_on_the_start_screen_and_in_the_chooser(
 # --- forced colours
 
 
-def contrast(page: Page, selector: str) -> float:
-    """Between the lightest and the darkest that is seen of an element, as WCAG counts it."""
-    box = page.locator(selector).first.bounding_box()
-    assert box is not None, selector
-    clip = {name: box[name] for name in ("x", "y", "width", "height")}
-    shot = np.frombuffer(page.screenshot(clip=clip), np.uint8)  # type: ignore[arg-type]
+def contrasts(page: Page, selectors: Iterable[str]) -> dict[str, float]:
+    """Between the lightest and the darkest that is seen of each element, as WCAG counts it."""
+    shot = np.frombuffer(page.screenshot(), np.uint8)
     srgb = np.asarray(cv2.imdecode(shot, cv2.IMREAD_COLOR))[..., ::-1] / 255
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     luminance = linear @ [0.2126, 0.7152, 0.0722]
-    return float((luminance.max() + 0.05) / (luminance.min() + 0.05))
+    found = {}
+    for selector in selectors:
+        box = page.locator(selector).first.bounding_box()
+        assert box is not None, selector
+        left, top = math.floor(box["x"]), math.floor(box["y"])
+        right, bottom = math.ceil(box["x"] + box["width"]), math.ceil(box["y"] + box["height"])
+        seen = luminance[top:bottom, left:right]
+        found[selector] = float((seen.max() + 0.05) / (seen.min() + 0.05))
+    return found
 
 
 SEEN = {
@@ -235,14 +241,13 @@ ALWAYS = (
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_in_forced_colours_what_colour_tells_is_seen(
-    browser: Browser, tmp_path: Path, scheme: Any
+    browser: Browser, shared: Desk, scheme: Any
 ) -> None:
+    shared.fresh()
+    selected(shared)
     looks = {"forced_colors": "active", "color_scheme": scheme}
-    with (
-        served(tmp_path) as (keypose, _),
-        let_in(browser, drawn=False, size=SIZE, **looks) as context,
-    ):
-        page = opened(context, keypose)
+    with let_in(browser, drawn=False, size=SIZE, **looks) as context:
+        page = opened(context, shared.keypose)
         page.evaluate(SET_UP)
         page.evaluate("(news) => window.steady.feed(news)", at_work(page))
         page.mouse.move(2, 2)
@@ -250,8 +255,8 @@ def test_in_forced_colours_what_colour_tells_is_seen(
             page.get_by_role("tab", name=name.title(), exact=True).click()
             faded(page)
             screen(page, f"forced-{scheme}-{name}")
-            faint = {what: c for what in (*found, *ALWAYS) if (c := contrast(page, what)) < 3}
-            assert faint == {}
+            seen = contrasts(page, (*found, *ALWAYS))
+            assert {what: ratio for what, ratio in seen.items() if ratio < 3} == {}
         colours = page.evaluate(
             """() => [...document.querySelectorAll('[role=tab], #tools .ib, #insp .seg button')]
               .map((one) =>
@@ -280,12 +285,10 @@ def at_work(page: Page) -> dict[str, Any]:
 # --- motion
 
 
-def test_with_reduced_motion_nothing_moves_by_itself(browser: Browser, tmp_path: Path) -> None:
-    with (
-        served(tmp_path) as (keypose, _),
-        let_in(browser, drawn=False, size=SIZE, reduced_motion="reduce") as context,
-    ):
-        page = opened(context, keypose)
+def test_with_reduced_motion_nothing_moves_by_itself(browser: Browser, shared: Desk) -> None:
+    shared.fresh()
+    with let_in(browser, drawn=False, size=SIZE, reduced_motion="reduce") as context:
+        page = opened(context, shared.keypose)
         page.evaluate(SET_UP)
         page.evaluate("(news) => window.steady.feed(news)", at_work(page))
         tracking = [s | {"state": "tracking"} for s in section(page, "segments")]

@@ -112,9 +112,7 @@ def test_others_in_the_way_are_told_and_nothing_moves(at: Desk) -> None:
     _box(page, 12, 60)
     drag(page, _spot(page, 24), _spot(page, 48), drop=False)
     until(lambda: page.evaluate("() => window.keypose.ui.timeGrabbed?.taken"), "the reason")
-    assert (
-        page.locator("#tsvg .plate").text_content() or ""
-    ).strip() == "Frame 72 is already a keyframe"
+    page.locator("#tsvg .plate", has_text="Frame 72 is already a keyframe").wait_for()
     page.mouse.up()
     until(lambda: page.evaluate("() => window.keypose.ui.timeGrabbed === null"), "the end of it")
     assert at.agreed("keys")["frames"] == KEYS

@@ -24,6 +24,7 @@ from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import (
     Spot,
+    answered,
     drag,
     screens,
     section,
@@ -111,7 +112,8 @@ def test_a_dragged_ring_corrects_the_keypoint_and_not_the_pose(page: Page) -> No
     pose = section(page, "pose.T")
     before, (x, y) = keypoint(page), ring(page)
     drag(page, (x + 2, y + 1), (x + 42, y + 31))
-    until_told(page, "undo.undo", lambda label: label == "correct the keypoint left wrist")
+    answered(page)
+    assert section(page, "undo.undo") == "correct the keypoint left wrist"
     after = keypoint(page)
     assert (after["state"], after["sure"]) == ("corrected", 1)
     until(
@@ -147,6 +149,7 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
     until(lambda: segment()["state"] in ("good", "check"), "the segment")
     x, y = ring(page)
     drag(page, (x, y), (x + 24, y + 12))
+    answered(page)  # the ring lies where it was let go
     until(lambda: segment()["state"] == "outdated", "the segment to be outdated")
     assert [each["state"] for each in section(page, "segments")[1:]].count("outdated") == 0
     at = keypoint(page)["at"]

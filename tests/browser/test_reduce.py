@@ -26,8 +26,9 @@ def sample(tmp_path: Path) -> Path:
     path.parent.mkdir()
     (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
     session = load_session(PERSON / "session.json")
-    skeleton, truth = Skeleton.of(session.body), np.load(PERSON / "truth.npz")
-    poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
+    skeleton = Skeleton.of(session.body)
+    with np.load(PERSON / "truth.npz") as truth:
+        poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
     dense = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
     drafts = [draft.model_copy(update={"drafted": True}) for draft in dense[1:-1]]
     given = {"keyframes": (dense[0], dense[-1]), "drafts": tuple(drafts), "part_keyframes": ()}

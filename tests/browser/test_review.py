@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,24 +12,34 @@ from playwright.sync_api import Browser, Page
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
-from tests.app.serving import ROOT, Keypose
+from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import screens, section, until, until_counted, until_told
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import Desk, let_in, opened
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
 
 
-@pytest.fixture
-def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
-    place = tmp_path / "person"
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    folder = tmp_path_factory.mktemp("review")
+    place = folder / "person"
     place.mkdir()
     shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", place)
     state = doubting(**PLACES)
     path = place / "session.json"
     save_session(save_results(state.doc, path, state.results), path)
-    keypose = Keypose(str(path), "--workspace", str(tmp_path / "workspace"))
+    keypose = Keypose(str(path), "--workspace", str(folder / "workspace"))
     with keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
-        yield opened(context, keypose)
+        visitor = Visitor(keypose)
+        yield Desk(opened(context, keypose), visitor, keypose, path)
+        visitor.leave()
+
+
+@pytest.fixture
+def page(shared: Desk) -> Page:
+    """The page as if it had just been opened."""
+    shared.fresh()
+    return shared.page
 
 
 def rows(page: Page) -> list[str]:

@@ -74,3 +74,16 @@ def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: 
     finally:
         process.send_signal(signal.SIGCONT)
     until_told(page, "view.selected", lambda part: part == "right_shin")
+
+
+def test_a_click_on_a_handle_is_not_undone_by_the_late_answer_to_the_one_before(at: Desk) -> None:
+    page, process = at.page, at.keypose.process
+    body, handle = between(page, "right_shin", "right_foot"), spot(page, "left_hand")
+    process.send_signal(signal.SIGSTOP)
+    try:
+        page.mouse.click(*body)
+        page.mouse.click(*handle)
+    finally:
+        process.send_signal(signal.SIGCONT)
+    until_told(page, "view.selected", lambda part: part == "left_hand")
+    assert at.agreed("view")["selected"] == "left_hand"

@@ -150,11 +150,11 @@ def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
 
 
 def test_the_fitted_motion_is_the_true_one(at: Desk) -> None:
-    truth = np.load(SAMPLE / "truth.npz")
+    with np.load(SAMPLE / "truth.npz") as truth:
+        roots = truth["ps_camera_root"]
     for frame in (5, 9, 14, 18):
         at.visitor.do(do="go", frame=frame)
-        root = at.served["pose"]["root"]
-        assert np.linalg.norm(np.subtract(root, truth["ps_camera_root"][frame])) < 0.04
+        assert np.linalg.norm(np.subtract(at.served["pose"]["root"], roots[frame])) < 0.04
 
 
 def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at: Desk) -> None:
