@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from keypose.sample_videos.make_pictures import GALLERY
+
 ROOT = Path(__file__).parents[1]
 READMES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *(ROOT / folder / "README.md" for folder in ("app", "tracker", "static", "tests")),
 ]
+LARGEST_GALLERY_BYTES = 600_000
 NAMED = re.compile(r"`([\w./-]+\.(?:py|js|css))`|\]\(([\w./-]+?)(?:#[\w-]*)?\)")
 
 
@@ -33,3 +36,10 @@ def test_every_file_it_names_is_in_the_project(readme: Path) -> None:
         and not any(path.as_posix().endswith(f"/{name}") for path in sources)
     ]
     assert absent == []
+
+
+def test_its_gallery_is_what_the_script_makes_and_small() -> None:
+    text = (ROOT / "README.md").read_text("utf-8")
+    shown = re.findall(r"!\[[^\]]+\]\((sample_videos/walk/gallery/(\w+)\.webp)\)", text)
+    assert sorted(name for _, name in shown) == sorted(GALLERY)
+    assert sum((ROOT / path).stat().st_size for path, _ in shown) < LARGEST_GALLERY_BYTES

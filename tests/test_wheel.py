@@ -16,7 +16,10 @@ pytest.importorskip("setuptools", minversion="77")
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("app", "sample_videos", "static", "tracker")
-SHOWN = {"arms_page.jpg", "walk/page.jpg", "walk/film.webp"}
+SAMPLES = ROOT / "sample_videos"
+SHOWN = {"arms_page.jpg", "walk/page.jpg", "walk/film.webp"} | {
+    path.relative_to(SAMPLES).as_posix() for path in (SAMPLES / "walk" / "gallery").iterdir()
+}
 """Pictures of READMEs, which the wheel leaves out."""
 MOST_BYTES = 12e6
 

@@ -99,27 +99,23 @@ def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
     nothing."""
     kind = kind_of(path)
     if kind == "motion":
-        return _recognised_motion(session, path, video)
+        return _recognised_motion(session, path)
     if kind == "keypoints":
         return _recognised_keypoints(session, path, video)
     return _recognised_camera(session, path)
 
 
-def _recognised_motion(session: Session, path: Path, video: VideoInfo) -> Recognised:
+def _recognised_motion(session: Session, path: Path) -> Recognised:
     motion = load_motion(path)
     known = matched(Skeleton.of(session.body), motion.names, path.name)
     times_s = motion.times_s
     seconds = None if motion.is_per_frame else float(times_s[-1] - times_s[0])
-    first_s = None if motion.is_per_frame else float(times_s[0])
     facts = {
         "frames": len(motion),
         "seconds": seconds,
-        "first_s": first_s,
         "fps": (len(motion) - 1) / seconds if seconds else None,
         "unit": motion.unit,
         "world": motion.world,
-        "video_frames": video.frame_count,
-        "video_seconds": float(video.times_s[-1]),
         "keyframes": len(session.keyframes),
         **names_of(known, motion.names),
     }

@@ -22,6 +22,39 @@ export const ENDINGS = [
 /** Whether a name is one of what can be imported. @param {string} name */
 export const isImported = (name) => ENDINGS.some((ending) => name.toLowerCase().endsWith(ending));
 
+/** Whether a file is one frame of OpenPose's. @param {{ name: string }} file */
+export const isOpenPose = ({ name }) => name.endsWith('_keypoints.json');
+
+/**
+ * Import the frames of OpenPose, each a file, as one.
+ * @param {string} name  Of all of them.
+ * @param {File[]} files
+ */
+export async function importOpenPose(name, files) {
+  try {
+    importFile(await openPoseFile(name, files));
+  } catch (error) {
+    toast({ kind: 'check', words: error.message });
+  }
+}
+
+/**
+ * OpenPose's frames in one file: a list of what each holds, with its name.
+ * @param {string} name
+ * @param {{ name: string, text: () => Promise<string> }[]} files
+ */
+export async function openPoseFile(name, files) {
+  const frames = [];
+  for (const file of files) {
+    try {
+      frames.push({ ...JSON.parse(await file.text()), file_name: file.name });
+    } catch {
+      throw new Error(`${file.name} is not JSON.`);
+    }
+  }
+  return new File([JSON.stringify(frames)], `${name}.json`);
+}
+
 /** Ask for a file, and import it. */
 export function chooseImport() {
   const input = document.createElement('input');

@@ -33,7 +33,7 @@ function within(option) {
   if (option.id !== 'import') return option;
   const { imported } = server.settings;
   if (imported) return { ...option, note: imported };
-  return { ...option, off: 'Import a motion first (keypose import)', note: 'none imported' };
+  return { ...option, off: 'Import a motion first: drop its file here', note: 'none imported' };
 }
 
 const plural = (word) => (word === 'Foot' ? 'Feet' : `${word}s`);

@@ -2,6 +2,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/elements.js';
+import { importOpenPose, isOpenPose } from '../actions/importing.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { takeFiles, uploadCard } from './uploading.js';
@@ -37,11 +38,38 @@ function onDrop(event) {
   const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
   const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
   if (folder) {
-    const words = `${folder.name} is a folder. A folder of images or meshes is opened where it lies: choose it in the list.`;
-    toast({ kind: 'check', words });
+    if (server.file) openFolder(folder);
+    else refuseFolder(folder);
     return;
   }
   takeFiles([...event.dataTransfer.files]);
+}
+
+/** What OpenPose wrote is imported; any other folder is opened where it lies. */
+async function openFolder(folder) {
+  const files = (await entriesOf(folder)).filter((entry) => entry.isFile && isOpenPose(entry));
+  if (!files.length) {
+    refuseFolder(folder);
+    return;
+  }
+  const read = files.map((entry) => new Promise((resolve, reject) => entry.file(resolve, reject)));
+  importOpenPose(folder.name, await Promise.all(read));
+}
+
+/** All that lies in a folder; a browser gives it piece by piece. */
+async function entriesOf(folder) {
+  const reader = folder.createReader();
+  const found = [];
+  for (;;) {
+    const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (!some.length) return found;
+    found.push(...some);
+  }
+}
+
+function refuseFolder({ name }) {
+  const words = `${name} is a folder. A folder of images or meshes is opened where it lies: choose it in the list.`;
+  toast({ kind: 'check', words });
 }
 
 const hasFiles = (event) => event.dataTransfer?.types.includes('Files') ?? false;

@@ -1,7 +1,7 @@
 // Bringing a video from elsewhere on the computer into Keypose's folder, with progress and Cancel.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { importFile, isImported } from '../actions/importing.js';
+import { importFile, importOpenPose, isImported, isOpenPose } from '../actions/importing.js';
 import { icon } from '../controls/icons.js';
 import { keyHeader } from '../store/key.js';
 import { send } from '../store/link.js';
@@ -90,16 +90,14 @@ function openUploaded({ status, response }, file) {
   return reply.words || `${file.name} was not copied. The server answered ${status}.`;
 }
 
-/** OpenPose writes a file for each frame. */
+/** One file, or OpenPose's, which are one for each frame. */
 function importFirst(files) {
-  if (files.length === 1) importFile(files[0]);
-  else if (files.every(({ name }) => name.endsWith('_keypoints.json'))) {
-    const words = 'OpenPose’s folder is imported in a terminal, while the session is closed: keypose import SESSION FOLDER --keypoints';
-    toast({ kind: 'check', words });
-  } else {
-    toast({ kind: 'info', words: `One file at a time. Importing ${files[0].name}.` });
-    importFile(files[0]);
+  if (files.length > 1 && files.every(isOpenPose)) {
+    importOpenPose(files[0].name.replace(/_\d+_keypoints\.json$/, ''), files);
+    return;
   }
+  if (files.length > 1) toast({ kind: 'info', words: `One file at a time. Importing ${files[0].name}.` });
+  importFile(files[0]);
 }
 
 function refuse(file) {

@@ -5,7 +5,7 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { USUAL, isImported, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
+const { USUAL, isImported, openPoseFile, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
 
 const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
 const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
@@ -40,6 +40,14 @@ test('of several individuals one is chosen first', () => {
   const several = { ...KEYPOINTS, facts: { individuals: ['a', 'b'], layouts: [] } };
   assert.match(whyNotBegin(several, USUAL, 9), /Choose one/);
   assert.equal(whyNotBegin(several, { ...USUAL, individual: 'b' }, 9), '');
+});
+
+test('the frames of OpenPose are one list, each with the name of its file', async () => {
+  const frame = (name, text) => ({ name, text: async () => text });
+  const made = await openPoseFile('walk', [frame('walk_03_keypoints.json', '{"people":[]}')]);
+  assert.equal(made.name, 'walk.json');
+  assert.deepEqual(JSON.parse(await made.text()), [{ people: [], file_name: 'walk_03_keypoints.json' }]);
+  await assert.rejects(openPoseFile('walk', [frame('a_keypoints.json', '{')]), /a_keypoints.json is not JSON/);
 });
 
 test('an ending tells what may be imported, whatever its case', () => {

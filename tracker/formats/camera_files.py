@@ -20,12 +20,13 @@ JSON:
     film_frames             the same as frames of the film: others where the motion was given a rate
                             of its own
     timecode_of_frame_0     where the film tells it
+    file_number_of_frame_0  where the film is image files that are numbered consecutively
 
-.chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0;
-position x, y, z; rotation about x, y, z, degrees, in the order ZXY, which is Nuke's own; the
-vertical field of view, degrees. The camera looks along −z with y up. The camera stands still, so
-that all lines are alike. A telephoto lens has no field of view, and a .chan file knows neither
-distortion nor a principal point beside the middle.
+.chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0,
+or that of its image file; position x, y, z; rotation about x, y, z, degrees, in the order ZXY,
+which is Nuke's own; the vertical field of view, degrees. The camera looks along −z with y up. The
+camera stands still, so that all lines are alike. A telephoto lens has no field of view, and a .chan
+file knows neither distortion nor a principal point beside the middle.
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ def camera_json(recording: Recording) -> str:
         said["frames_per_second"] = round(recording.rate, 9)
     if recording.timecode is not None:
         said["timecode_of_frame_0"] = str(recording.timecode)
+    if recording.first_file_number is not None:
+        said["file_number_of_frame_0"] = recording.first_file_number
     return json.dumps(said, indent=1) + "\n"
 
 
@@ -84,7 +87,7 @@ def chan(recording: Recording) -> str:
     angles_deg = np.degrees(_zxy(T[:3, :3] * FLIP))
     seen_deg = fields_of_view_deg(recording.camera)[1]
     numbers = "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))
-    return "".join(f"{frame}\t{numbers}\n" for frame in recording.frames)
+    return "".join(f"{frame}\t{numbers}\n" for frame in recording.numbers)
 
 
 def fields_of_view_deg(camera: Camera) -> tuple[float, float]:

@@ -155,6 +155,8 @@ def _facts(recording: Recording) -> dict[str, Any]:
         facts["frames_per_second"] = round(recording.rate, 9)
     if recording.timecode is not None:
         facts["timecode_of_frame_0"] = str(recording.timecode)
+    if recording.first_file_number is not None:
+        facts["file_number_of_frame_0"] = recording.first_file_number
     if recording.filter_hz is not None:
         facts["low_pass_filter_hz"] = recording.filter_hz
     return facts

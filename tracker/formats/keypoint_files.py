@@ -3,7 +3,8 @@
 COCO, AlphaPose: a list of annotations, or an object that holds it as `annotations`, beside `images`
 and `categories` when one likes. An annotation is of the frame whose number its `image_id` is, or
 else the last number in its image's file name.
-OpenPose: a folder with one file for each frame, `…_000000000012_keypoints.json` is frame 12.
+OpenPose: a folder with one file for each frame, `…_000000000012_keypoints.json` is frame 12; or a
+list of what these files hold, each with its `file_name`, as the page makes it of a folder.
 MediaPipe: its results under their own names, `pose_landmarks` in Python and `landmarks` or
 `poseLandmarks` in JavaScript, of one frame or in a list of frames, which may be under `frames`; the
 33 of one person, or a list of people. A landmark is an object with x, y and visibility, or a list
@@ -62,6 +63,8 @@ def read_people(path: Path, individual: str | None = None) -> People:
     if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
         frames = {_number(path.name, 0): _openpose_people(path.name, data)}
         people = People(frames, program="OpenPose")
+    elif _is_list_of_openpose(data):
+        people = _openpose_list(path.name, data)
     else:
         people = (_mediapipe if _has_landmarks(data) else _coco)(path.name, data)
     return _single(path.name, individual, people)
@@ -144,6 +147,20 @@ def _openpose(folder: Path) -> People:
         _number(file.name, i): _openpose_people(file.name, _json(file, LARGEST_PERSON_BYTES))
         for i, file in enumerate(files)
     }
+    return People(frames, program="OpenPose")
+
+
+def _is_list_of_openpose(data: Any) -> bool:
+    return isinstance(data, list) and any(
+        isinstance(one, dict) and {"people", "file_name"} <= one.keys() for one in data
+    )
+
+
+def _openpose_list(file: str, data: list[Any]) -> People:
+    frames = {}
+    for place, one in enumerate(data):
+        people = _openpose_people(file, one)
+        frames[_number(str(one.get("file_name", "")), place)] = people
     return People(frames, program="OpenPose")
 
 

@@ -153,6 +153,20 @@ class Recording:
         return None if self.timecode is None else self.timecode.at(nearest)
 
     @property
+    def first_file_number(self) -> int | None:
+        """The number in the name of the film's first image file; None where it is no such files, or
+        where they are not numbered consecutively."""
+        code = self.timecode
+        return code.number if code is not None and code.of_files else None
+
+    @property
+    def numbers(self) -> range:
+        """The numbers of the frames as the shoot counts them: those of image files, where the film
+        is such files and each pose is at one of them; else as `frames`."""
+        shift = 0 if self.sampled_at is not None else self.first_file_number or 0
+        return range(self.frames.start + shift, self.frames.stop + shift)
+
+    @property
     def is_even(self) -> bool:
         """Whether the frames are evenly spaced, at `rate`, to a millisecond."""
         if self.rate is None:

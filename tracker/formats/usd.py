@@ -3,8 +3,9 @@
 That is an extra: who imports this module has it installed.
 
 A stage in metres, y up, in the world of the floor (`keypose.tracker.formats.floor_world`). A time
-code is a frame of the video, `timeCodesPerSecond` its rate; between two of them programs turn each
-bone about one axis, the shorter way. The default prim, called as the body, holds
+code is a frame of the video, or the number of its image file, and `timeCodesPerSecond` its rate;
+between two of them programs turn each bone about one axis, the shorter way. The default prim,
+called as the body, holds
 
     Skeleton   a UsdSkel skeleton of the rig's bones (`keypose.tracker.formats.rigs`) in its rest
     pose Motion     a UsdSkel animation: all bones' rotations, and the place of the one that moves
@@ -73,8 +74,8 @@ def usd(
     rate = round(whole.frames_per_second, DIGITS)
     stage.SetTimeCodesPerSecond(rate)
     stage.SetFramesPerSecond(rate)
-    stage.SetStartTimeCode(whole.frames[0])
-    stage.SetEndTimeCode(whole.frames[-1])
+    stage.SetStartTimeCode(whole.numbers[0])
+    stage.SetEndTimeCode(whole.numbers[-1])
     stage.GetRootLayer().customLayerData = _facts(whole, rig)
     (body,) = _identifiers([whole.skeleton.body.name])
     _put_body(stage, f"/{body}", whole, rig, T_world_camera, (sides, colours))
@@ -138,7 +139,7 @@ def _put_curves(motion: Any, recording: Recording, rig: Rig, T_world_camera: Arr
     places[:, rig.mover] = ps
     motion.CreateScalesAttr(Vt.Vec3hArray.FromNumpy(np.ones((len(rig), 3), np.float16)))
     translations, rotations = motion.CreateTranslationsAttr(), motion.CreateRotationsAttr()
-    for frame, place, turn in zip(recording.frames, places, turns, strict=True):
+    for frame, place, turn in zip(recording.numbers, places, turns, strict=True):
         translations.Set(Vt.Vec3fArray.FromNumpy(place), frame)
         rotations.Set(Vt.QuatfArray.FromNumpy(turn), frame)
 

@@ -21,6 +21,7 @@ from keypose.tracker.video.fingerprint import fingerprint_of_images
 from keypose.tracker.video.image_size import stored_size
 from keypose.tracker.video.info import VideoInfo, clock
 from keypose.tracker.video.picture import Orientation, Picture, PictureMaker, orientation_of
+from keypose.tracker.video.timecode import Timecode
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
 FPS = Fraction(30)  # a folder keeps no time; this is what is assumed
@@ -148,6 +149,7 @@ class FolderSource:
             pixel_aspect=Fraction(1),
             missing=tuple(sorted(self._missing)),
             lens=lens_in((tags_of(frame),)),
+            timecode=Timecode.of_numbers([_number_in(f.stem) for f in self._files], timing.fps),
         )
 
 
@@ -179,6 +181,12 @@ def natural(name: str) -> tuple[list[tuple[int, str]], str]:
     """A key that orders the numbers in a name by value; the name itself settles ties."""
     pieces = re.findall(r"[0-9]+|[^0-9]+", name.casefold())
     return [(int(p), "") if p[0] in "0123456789" else (-1, p) for p in pieces], name
+
+
+def _number_in(stem: str) -> int | None:
+    """The last number in the name of a file, as sequences of images count; None without one."""
+    found = re.findall(r"[0-9]+", stem)
+    return int(found[-1]) if found else None
 
 
 def _read(path: Path, length: int = -1) -> bytes:

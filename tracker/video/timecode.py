@@ -8,7 +8,7 @@ timecode keeps to the clock.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -24,11 +24,13 @@ class Timecode:
     rate: numbers of frames in a second, the film's rate rounded.
     number: of the film's first frame, since midnight.
     mark: what stands before the frame; anything but a colon says that numbers are dropped.
+    of_files: the film is image files, and `number` is that in the name of the first.
     """
 
     rate: int
     number: int
     mark: str = ":"
+    of_files: bool = False
 
     @classmethod
     def read(cls, text: str, fps: float) -> Self | None:
@@ -41,6 +43,17 @@ class Timecode:
         number = (60 * minutes + seconds) * rate + frame
         dropped = _dropped(rate, found[4])
         return cls(rate, number - dropped * (minutes - minutes // 10), found[4])
+
+    @classmethod
+    def of_numbers(cls, numbers: Sequence[int | None], fps: float) -> Self | None:
+        """The timecode of image files by the numbers in their names, frame 0 of which is midnight;
+        None unless these are consecutive and within a day."""
+        first, rate = numbers[0], round(fps)
+        if first is None or len(numbers) < 2 or first + len(numbers) > 60 * _MINUTES * rate:
+            return None
+        if any(number != first + n for n, number in enumerate(numbers)):
+            return None
+        return cls(rate, first, of_files=True)
 
     def at(self, frame: int) -> str:
         """Of a frame of the film; a day has 24 hours."""

@@ -51,9 +51,9 @@ def opened(path: Path, results: Results) -> EditorState:
     session = load_session(path)
     save_session(save_results(session, path, results), path)
     with open_video_of(session, path) as video:
-        times_s = video.info.times_s
+        times_s, timecode = video.info.times_s, video.info.timecode
     opening = opening_pose(session.body, session.camera, (0.0, -1.0, 0.0))
-    return EditorState(session, cases.SKELETON, times_s, opening, results)
+    return EditorState(session, cases.SKELETON, times_s, opening, results, timecode=timecode)
 
 
 def exported(path: Path, formats: str, *more: str) -> dict[str, bytes]:

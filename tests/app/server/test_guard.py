@@ -12,6 +12,7 @@ import pytest
 
 from keypose.app.server.browsers import Browsers
 from keypose.app.server.guard import Guard, headers_for
+from keypose.app.server.outputs import Motion
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.camera_files import camera_json, chan
 from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import apply_transform
 from keypose.tracker.video.timecode import Timecode
@@ -62,6 +63,16 @@ def test_a_chan_file_has_the_camera_of_the_glb_in_every_frame() -> None:
     np.testing.assert_allclose(R, T[:3, :3], atol=1e-6)
     assert lines[0, 5] == pytest.approx(0, abs=1e-9)  # it looks along −z
     assert lines[0, 7] == pytest.approx(2 * np.degrees(np.arctan(180 / 700)))
+
+
+def test_frames_of_numbered_images_have_the_numbers_of_their_files() -> None:
+    code = Timecode.of_numbers(range(1001, 1101), 30)
+    made = tilted(timecode=code)
+    assert rows(chan(made))[[0, -1], 0].tolist() == [1001, 1073]
+    said = json.loads(camera_json(made))
+    assert (said["file_number_of_frame_0"], said["timecode_of_frame_0"]) == (1001, "00:00:33:11")
+    at_half = at_rate(made, 15.0)
+    assert rows(chan(at_half))[0, 0] == at_half.frames[0]  # which are those of no file
 
 
 def test_the_world_of_a_camera_straight_above_is_told_as_well() -> None:

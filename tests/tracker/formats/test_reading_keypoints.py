@@ -104,6 +104,21 @@ def test_a_coco_annotation_without_keypoints_is_passed_over(
         load_keypoints(_write(tmp_path / "b.json", boxes))
 
 
+def test_openpose_files_in_one_list_are_those_of_the_folder(tmp_path: Path) -> None:
+    folder, listed = tmp_path / "seen", []
+    folder.mkdir()
+    for frame in (3, 5):
+        name = f"walk_{frame:012}_keypoints.json"
+        said = {"people": [{"pose_keypoints_2d": _person(18, 10.0 * frame, 0.5)}]}
+        _write(folder / name, said)
+        listed.append({**said, "file_name": name})
+    ours = load_keypoints(_write(tmp_path / "seen.json", listed))
+    theirs = load_keypoints(folder)
+    assert _frames(ours) == _frames(theirs) == [3, 5]
+    assert ours.names == theirs.names
+    np.testing.assert_array_equal(ours.uv, theirs.uv)
+
+
 def test_an_openpose_person_without_keypoints_is_passed_over(tmp_path: Path) -> None:
     people = [{"pose_keypoints_2d": []}, {}, {"pose_keypoints_2d": _person(18, 20, 0.9)}]
     path = _write(tmp_path / "clip_000000000003_keypoints.json", {"people": people})

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import av
+import cv2
 import numpy as np
 import pytest
 
@@ -69,6 +70,28 @@ def test_a_files_timecode_is_read(tmp_path: Path) -> None:
         container.mux(stream.encode(None))
     with Video.open(path) as video:
         assert str(video.info.timecode) == "10:20:30:05"
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (("shot_v2.1001.png", "shot_v2.1002.png", "shot_v2.1003.png"), "00:00:33:11"),
+        (("a_9.png", "a_10.png", "a_11.png"), "00:00:00:09"),
+        (("a_1.png", "a_2.png", "a_4.png"), None),
+        (("a.png", "b.png", "c.png"), None),
+        (("20240131.png", "20240132.png"), None),  # such days are no frames
+        (("a_7.png",), None),
+    ],
+)
+def test_images_that_are_numbered_consecutively_have_the_timecode_of_their_numbers(
+    tmp_path: Path, names: tuple[str, ...], expected: str | None
+) -> None:
+    for name in names:
+        cv2.imwrite(str(tmp_path / name), np.zeros((16, 24, 3), np.uint8))
+    with Video.open(tmp_path) as video:
+        code = video.info.timecode
+    assert (None if code is None else str(code)) == expected
+    assert code is None or code.of_files
 
 
 def test_a_file_without_one_has_none() -> None:
