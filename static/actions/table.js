@@ -502,7 +502,7 @@ const FILE = {
     message: ({ id } = server.file) => ({ do: 'duplicate_session', id }),
   },
   deleteSession: {
-    label: 'Move to the trash', icon: 'trash', title: 'The video stays', always: true, off: whichSession,
+    label: 'Move to the trash', icon: 'trash', title: 'Kept there for 30 days. The video stays', always: true, off: whichSession,
     message: ({ id } = server.file) => ({ do: 'delete_session', id }),
   },
   copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },

@@ -15,7 +15,7 @@ const CROSS_PX = 7;
 
 /** The corners that can be dragged in a view: [{key, handle, at, part, label, …}]; over the picture alone. */
 export function boxCornersIn(view) {
-  if (view.name !== 'main' || ui.tool === 'size') return [];
+  if (view.name !== 'main' || ui.tool === 'size' || !server.pose || !view.eye) return [];
   const all = server.body.parts.length <= FEW_PARTS;
   return server.body.parts
     .filter((part) => part.corners_cm.length && (all || part.name === server.view.selected))

@@ -2,6 +2,8 @@
 
 import { keyOf, labelOf } from '../actions/actions.js';
 import { server } from '../store/state.js';
+import { view as viewNamed } from '../views/views.js';
+import { boxCornersIn } from './boxcorners.js';
 import { interaction } from './interaction.js';
 
 /** A key of the table pressed during a drag, with its words. */
@@ -35,6 +37,10 @@ const RESTING = {
   horizon: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
 };
 
+/** Of a body without hands and feet: a thing. */
+const RESTING_ON_THING = [['Click', 'select; click again for what is behind'], ['Drag', 'move the body, rotate a part']];
+const RESTING_ON_BOX = [['Drag', 'a corner to where you see it: four give the pose'], ['Drag', 'elsewhere, move the box'], LET_GO];
+
 const HOLDING = {
   ring: (axis) => [['Drag', `rotate about ${axis}`], ...carrying(), FINE, DEGREES, FREE, BACK],
   turn: () => [['Drag', 'rotate about its joint'], ...carrying(), ['X Y Z', 'one axis'], FINE, DEGREES, FREE, BACK],
@@ -67,8 +73,13 @@ const ends = () => server.body?.handles.filter(({ kind }) => kind === 'end') ?? 
 export function hintsFor(tool, dragging, layout) {
   const kind = dragging ? (interaction.panning ? 'pan' : interaction.drag?.hint) : null;
   if (!kind && layout === 'free') return IN_FREE_VIEW;
-  const hints = HOLDING[kind]?.((interaction.drag?.axis ?? '').toUpperCase()) ?? RESTING[tool] ?? RESTING.select;
+  const hints = HOLDING[kind]?.((interaction.drag?.axis ?? '').toUpperCase()) ?? restingHints(tool);
   return ends().length ? hints : hints.filter((one) => one !== CARRY);
+}
+
+function restingHints(tool) {
+  if (tool !== 'select' || !server.body || ends().length) return RESTING[tool] ?? RESTING.select;
+  return boxCornersIn(viewNamed('main')).length ? RESTING_ON_BOX : RESTING_ON_THING;
 }
 
 /** What a drag on a part's surface does with a tool. */

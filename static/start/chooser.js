@@ -11,7 +11,7 @@ import { bytes, count, joined, longAgo } from '../controls/words.js';
 import { enterFolder, enterLastFolder } from '../store/folders.js';
 import { videoSuffixes } from '../store/library.js';
 import { smallPicture } from './picture.js';
-import { sorted } from './sorting.js';
+import { heldIn, sorted } from './sorting.js';
 import { takeFiles } from './uploading.js';
 
 const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
@@ -104,9 +104,15 @@ function columns() {
   return html`<div class="fcols">${Object.entries(COLUMNS).map(column)}</div>`;
 }
 
-const folderRow = ({ id, name }) => html`<button class="filerow folder" @click=${() => enterFolder(id)}>
-  <span class="th">${icon('folder')}</span><span class="cut">${name}</span><span></span><span></span>
-</button>`;
+function folderRow({ id, name }) {
+  const held = heldIn(id, ofKind(ui.library?.files ?? [], ui.chooser.kind));
+  // What was not looked through to its end may hold more than is known.
+  const isEmpty = !held && ui.library && !ui.library.more;
+  return html`<button class="filerow folder ${isEmpty ? 'bare' : ''}" @click=${() => enterFolder(id)}>
+    <span class="th">${icon('folder')}</span><span class="cut">${name}</span>
+    <span class="dim num bytes">${held ? `${held}${ui.library.more ? '+' : ''}` : isEmpty ? 'Nothing found' : ''}</span><span></span>
+  </button>`;
+}
 
 function fileRow(file, hasFolder) {
   const size = file.count ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes') : bytes(file.bytes);

@@ -1,4 +1,4 @@
-// The order of the files in a list.
+// The order of the files in a list, and how many lie in a folder.
 
 const BY = {
   name: (one, other) => one.name.localeCompare(other.name, undefined, { numeric: true, sensitivity: 'base' }),
@@ -16,4 +16,14 @@ const BY = {
 export function sorted(files, { by, down } = { by: 'name', down: false }) {
   const way = down ? -1 : 1;
   return [...files].sort((one, other) => way * BY[by](one, other) || BY.name(one, other));
+}
+
+/**
+ * How many of these files lie in a folder or in those inside it.
+ * @param {string} folder  Its id.
+ * @param {{ id: string }[]} files
+ */
+export function heldIn(folder, files) {
+  const inside = folder.endsWith('/') ? folder : `${folder}/`;
+  return files.filter(({ id }) => id.startsWith(inside)).length;
 }

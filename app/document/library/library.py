@@ -110,26 +110,32 @@ class Library:
 
     def recents(self) -> list[Recent]:
         """Sessions opened lately whose files are still there, the newest first."""
-        return [one for one in read_recents(self._book) if Path(one.path).is_file()]
+        return [one for one in read_recents(self._book) if one.is_there]
 
-    def remember(self, path: Path, session: Session, spans: Sequence[Span] | None = None) -> None:
+    def remember(
+        self,
+        path: Path,
+        session: Session,
+        spans: Sequence[Span] | None = None,
+        source: Path | None = None,
+    ) -> None:
         """Put a session first among the recent ones.
 
         spans: the segments as they stand; left out, they are read from the session.
+        source: what it was begun from, where nothing of it is saved yet.
         KeyposeError in one sentence when the disk refuses: no reason to stop.
         """
         if printable(str(path)) != str(path):
             return  # a name that is no text cannot be written down
         segments = spans_of(session) if spans is None else spans
         with self._writing:
-            remember(self._book, Recent.of(path, session, segments, time.time()))
+            remember(self._book, Recent.of(path, session, segments, time.time(), source))
 
     def visit(self, session_path: Path, source: Path, session: Session) -> None:
         """A session was opened, from its own file or from a video whose session is not saved yet.
         It is found again as a recent one; KeyposeError where the disk refuses to keep that."""
         self._visited[id_of(str(session_path.absolute()))] = source
-        if session_path.is_file():
-            self.remember(session_path, session)
+        self.remember(session_path, session, source=None if session_path.is_file() else source)
 
     def forget(self, id: str) -> None:
         """Leave a session out of the recent ones; its files stay."""
@@ -140,23 +146,27 @@ class Library:
 
     def rename(self, id: str, title: str) -> None:
         """Call a session something else; KeyposeError when it cannot be changed."""
-        path = self._recent(id)
+        path = self._saved(id)
         session = rename_session(path, " ".join(title.split()))
         with self._writing:
             rename(self._book, id, name_of(path, session.title))
 
     def duplicate(self, id: str) -> tuple[str, str]:
         """Copy a session beside itself, without its video; the copy's id and name."""
-        path = duplicate_session(self._recent(id))
+        path = duplicate_session(self._saved(id))
         session = load_session(path)
         self.remember(path, session)
         return id_of(str(path.absolute())), name_of(path, session.title)
 
     def delete(self, id: str) -> tuple[str, str]:
-        """Move a session to the trash, without its video; its id there, and its name."""
-        path = self._recent(id)
+        """Move a session to the trash, without its video; its id there, and its name.
+
+        What lies there for too long is gone for good then.
+        """
+        path = self._saved(id)
         name = next((one.name for one in self.recents() if one.id == id), name_of(path, ""))
         in_trash = self._trash.put(path)
+        self._trash.empty_old(time.time())
         self._visited.pop(id, None)
         self.forget(id)
         return in_trash, name
@@ -190,10 +200,18 @@ class Library:
         """Where the session of a video lives; the file may not exist yet."""
         return session_for(video, self.workspace)
 
+    def _saved(self, id: str) -> Path:
+        """The file of a recent session; KeyposeError where it has none yet."""
+        path = self._recent(id)
+        if path.name != SESSION and path.suffix != ".json":
+            raise KeyposeError("Nothing of this session is saved yet. Open it and pose a frame.")
+        return path
+
     def _recent(self, id: str) -> Path:
+        """What to open: a session's file, or what it was begun from."""
         for one in self.recents():
             if one.id == id:
-                return Path(one.path)
+                return Path(one.path) if Path(one.path).is_file() else Path(one.source)
         source = self._visited.get(id)
         if source is not None and source.exists():
             return source
@@ -235,8 +253,14 @@ class Library:
 
     def thumb(self, id: str) -> bytes | None:
         """The JPEG behind /thumb/{id}.jpg, None when there is none; decodes, so use a thread."""
-        known = self._session_of_thumb(id)
-        return None if known is None else self._thumbs.get(id, lambda: of_session(known))
+        known = self._behind_thumb(id)
+        if known is None:
+            return None
+        if known.name != SESSION and known.suffix != ".json":  # nothing of it is saved yet
+            with suppress(OSError):
+                return self._thumbs.of_file(known)
+            return None
+        return self._thumbs.get(id, lambda: of_session(known))
 
     def file_thumb(self, id: str) -> bytes | None:
         """A small JPEG of a file of the folders: its first picture. None when there is none;
@@ -249,12 +273,12 @@ class Library:
         except (KeyposeError, OSError):
             return None
 
-    def _session_of_thumb(self, id: str) -> Path | None:
-        """The session of a picture; ids come from a page, so only known ones lead to a file."""
+    def _behind_thumb(self, id: str) -> Path | None:
+        """What a picture is of; ids come from a page, so only known ones lead to a file."""
         for sample in bundled_samples(self._samples):
             if id == _SAMPLE_THUMB + sample.name:
                 return self._samples / sample.name / SESSION
-        return next((Path(r.path) for r in self.recents() if _thumb_id(r) == id), None)
+        return next((self._recent(r.id) for r in self.recents() if _thumb_id(r) == id), None)
 
 
 def _file_json(f: Found) -> dict[str, Any]:

@@ -27,7 +27,10 @@ Run: TypeAlias = tuple[State, Annotated[int, Field(ge=1)]]
 
 
 class Recent(BaseModel):
-    """A session as the start screen shows it, without opening it."""
+    """A session as the start screen shows it, without opening it.
+
+    source: the video or surfaces that it was begun from, while it has no file of its own.
+    """
 
     model_config = ConfigDict(frozen=True)
 
@@ -40,14 +43,27 @@ class Recent(BaseModel):
     strip: tuple[Run, ...]
     opened_at: float
     fingerprint: str = ""
+    source: str = ""
+
+    @property
+    def is_there(self) -> bool:
+        """Whether it can be opened."""
+        return Path(self.path).is_file() or bool(self.source and Path(self.source).exists())
 
     @property
     def id(self) -> str:
         return id_of(self.path)
 
     @classmethod
-    def of(cls, path: Path, session: Session, spans: Sequence[Span], now_s: float) -> Self:
-        """What is remembered of a session in this file."""
+    def of(
+        cls,
+        path: Path,
+        session: Session,
+        spans: Sequence[Span],
+        now_s: float,
+        source: Path | None = None,
+    ) -> Self:
+        """What is remembered of a session in this file, or of one that is begun from a source."""
         return cls(
             path=str(path.absolute()),
             name=name_of(path, session.title),
@@ -59,6 +75,7 @@ class Recent(BaseModel):
             opened_at=now_s,
             # That what may be exported again is another one now is reported on opening.
             fingerprint=session.video.fingerprint * session.evidence.is_known_by_fingerprint,
+            source="" if source is None else str(source.absolute()),
         )
 
 

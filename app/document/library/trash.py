@@ -18,6 +18,8 @@ from keypose.tracker.files import read_own
 from keypose.tracker.storage.atomic import make_folder, write_file
 
 FOLDER = ".trash"
+KEPT_DAYS = 30
+"""So long a deleted session can be put back; the next one that is deleted ends older ones."""
 _ORIGIN = "origin.json"
 _LARGEST_BYTES = 1 << 20
 _ID = re.compile(r"[0-9a-f]{16}")
@@ -56,6 +58,17 @@ class Trash:
                 (session_path.parent / LOCK).unlink()
                 session_path.parent.rmdir()
         return id
+
+    def empty_old(self, now_s: float) -> None:
+        """Remove for good what has lain there for more than `KEPT_DAYS`; now_s: since 1970.
+
+        What cannot be removed stays, as does all that was not put there by `put`.
+        """
+        with suppress(OSError):
+            for origin in self._folder.glob(f"*/{_ORIGIN}"):
+                age_s = now_s - origin.stat().st_mtime
+                if _ID.fullmatch(origin.parent.name) and age_s > KEPT_DAYS * 86400:
+                    shutil.rmtree(origin.parent, ignore_errors=True)
 
     def restore(self, id: str) -> Path:
         """Put a session's files back where they lay; its path. KeyposeError when they are gone, or

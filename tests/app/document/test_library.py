@@ -18,6 +18,7 @@ from keypose.app.document.library.files import find_files
 from keypose.app.document.library.names import clean_name
 from keypose.app.document.library.recents import strip_of
 from keypose.app.document.library.uploads import Upload
+from keypose.app.document.open import open_for_editing
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.surface.source import holds_meshes
@@ -318,6 +319,41 @@ def test_a_remembered_session_is_shown_with_its_facts(library: Library, home: Pa
     assert recent["strip"] == [["good", 4], ["lost", 4]]
     assert not recent["missing"]
     assert library.find("recent", recent["id"]) == path
+
+
+def test_a_film_that_was_opened_and_not_touched_is_listed_and_opens_again(
+    tmp_path: Path, home: Path
+) -> None:
+    video = clip(home, "jump.mp4")
+    workspace = tmp_path / "place"
+    library = Library(workspace, [home])
+    opened = open_for_editing(video, library.session_for)
+    opened.video.close()
+    library.visit(opened.session_path, video, opened.session)
+    again = Library(workspace, [home])  # as after a restart
+    (recent,) = again.contents()["recents"]
+    assert (recent["name"], recent["keyframes"]) == ("jump", 0)
+    assert again.find("recent", recent["id"]) == video
+    assert again.thumb(recent["thumb"].removeprefix("/thumb/").removesuffix(".jpg")) is not None
+    for change in (again.duplicate, again.delete, lambda id: again.rename(id, "x")):
+        with pytest.raises(KeyposeError, match="Nothing of this session is saved yet"):
+            change(recent["id"])
+    assert video.is_file()
+    video.unlink()
+    assert again.recents() == []
+
+
+def test_once_it_is_saved_such_a_film_leads_to_its_session(tmp_path: Path, home: Path) -> None:
+    video = clip(home, "jump.mp4")
+    library = Library(tmp_path / "place", [home])
+    opened = open_for_editing(video, library.session_for)
+    opened.video.close()
+    library.visit(opened.session_path, video, opened.session)
+    opened.session_path.parent.mkdir()
+    save_session(opened.session, opened.session_path)
+    library.remember(opened.session_path, opened.session)
+    (recent,) = library.recents()
+    assert library.find("recent", recent.id) == opened.session_path
 
 
 def test_the_newest_is_first_and_none_is_shown_twice(library: Library, home: Path) -> None:
