@@ -244,7 +244,7 @@ def test_in_forced_colours_what_colour_tells_is_seen(
     browser: Browser, shared: Desk, scheme: Any
 ) -> None:
     shared.fresh()
-    selected(shared)
+    shared.visitor.do(do="select", part="left_forearm")
     looks = {"forced_colors": "active", "color_scheme": scheme}
     with let_in(browser, drawn=False, size=SIZE, **looks) as context:
         page = opened(context, shared.keypose)

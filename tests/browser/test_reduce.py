@@ -14,7 +14,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
 from tests.browser.conftest import ROOT
-from tests.browser.hands import screen, section, until, until_counted, until_told
+from tests.browser.hands import answered, screen, section, until, until_counted, until_told
 
 PERSON = ROOT / "sample_videos" / "person"
 
@@ -46,6 +46,11 @@ def ghosts(page: Page) -> int:
     return (page.locator("#tsvg path.reduced").get_attribute("d") or "").count("M")
 
 
+def shown_cm(page: Page) -> float:
+    """The tolerance that the slider shows."""
+    return float(page.locator(".reducecard .rng").get_attribute("aria-valuenow") or 0)
+
+
 def begun(page: Page) -> None:
     """Ask for a reduction, and wait until its keyframes are shown."""
     page.keyboard.press("Control+k")
@@ -71,9 +76,9 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     page.locator(".reducecard .rng").focus()
     for _ in range(30):
         page.keyboard.press("ArrowRight")
-    wanted = float(page.locator(".reducecard .rng").get_attribute("aria-valuenow") or 0)
-    assert wanted > 2.5
-    until_told(page, "reduction", lambda told: told["cm"] == wanted and is_found(told))
+    answered(page)
+    until_told(page, "reduction", lambda told: told["cm"] == shown_cm(page) and is_found(told))
+    assert shown_cm(page) > 2.5
     coarse = section(page, "reduction.frames")
     assert 2 <= len(coarse) < len(fine)
     until(lambda: ghosts(page) == len(coarse) - 2)
