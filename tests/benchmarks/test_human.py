@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,10 +11,11 @@ from keypose.app.posing.gesture import Gesture
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import pointer_angle
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import load_session
-from tests.benchmarks.human.clips import Watched, carried, noisy, of_poses
+from tests.benchmarks.human.clips import CARRIED_PX, Watched, carried, noisy, of_poses
 from tests.benchmarks.human.counting import SECONDS, Effort, Ledger
 from tests.benchmarks.human.desk import desk, ring_way
 from tests.benchmarks.human.hand import LOOKS_RIGHT_PX, Hand, px
@@ -108,6 +111,48 @@ def posed_by_hand() -> tuple[Effort, dict[str, float], list[str]]:
         at = there.project(there.shown().pose)
         off = {name: px(np.subtract(uv, at[name])) for name, uv in clip.true[0].items()}
         return there.ledger.effort(1), off, hand.wrong()
+
+
+def test_a_size_is_judged_by_the_picture_alone() -> None:
+    folder = ROOT / "sample_videos" / "person"
+    known = load_session(folder / "session.json")
+    pose = known.keyframes[0].pose(Skeleton.of(known.body))
+    farther = Pose(pose.Rs_parent_part, 1.1 * pose.p_camera_root)
+    bare = known.model_copy(update={"keyframes": known.keyframes[:1]})
+    clip = of_poses("sample", folder / "person.mp4", bare, {known.keyframes[0].frame: farther})
+    with desk(clip, TrackSettings()) as there:
+        hand = Hand.of(there, 0, by_picture=True)
+        assert hand._too_large() == pytest.approx(np.log(1.1), abs=0.01)
+        assert hand._too_close() == pytest.approx(np.log(1.1), abs=0.001)
+    turned = replace(clip, poses={clip.first: Pose(pose.Rs_parent_part, pose.p_camera_root * 2)})
+    with desk(turned, TrackSettings()) as there:
+        assert Hand.of(there, 0, by_picture=True)._too_large() == pytest.approx(
+            np.log(1.1), abs=0.01
+        )
+
+
+def test_marks_that_are_carried_on_are_believed_less() -> None:
+    uv = {"knee": (100.0, 50.0)}
+    clip = Watched(
+        "x",
+        None,
+        Session.model_construct(),
+        0,
+        1,
+        {0: uv, 1: uv},
+        {},
+        {},
+        frozenset({0}),  # type: ignore[arg-type]
+    )
+    assert clip.slack_px(0) == 0.0
+    assert clip.slack_px(1) == CARRIED_PX
+
+
+def test_half_a_clip_is_a_clip() -> None:
+    uv = {"knee": (100.0, 50.0)}
+    clip = Watched("x", None, Session.model_construct(), 0, 9, dict.fromkeys(range(10), uv), {}, {})  # type: ignore[arg-type]
+    half = noisy(clip, 2.0, 0).until(4)
+    assert (half.frames, sorted(half.seen), sorted(half.true)) == (5, [*range(5)], [*range(5)])
 
 
 def test_a_hand_poses_a_person_from_nothing(

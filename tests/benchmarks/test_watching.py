@@ -112,6 +112,14 @@ def test_what_did_not_change_is_not_watched_again() -> None:
     assert FRAMES < played.watched <= FRAMES + 15
 
 
+def test_one_goes_on_from_where_one_stopped_and_then_back_to_what_changed() -> None:
+    played = watch(bump(10, 12, 12, 12) | bump(30, 12, 12, 12), mends=3)
+    assert len(played.stops) == 2
+    gone = [i for i, why in enumerate(played.script) if why == "go where to play from"]
+    assert gone
+    assert min(gone) > played.script.index("put right", played.script.index("put right") + 1)
+
+
 def test_what_nothing_makes_better_is_left_and_the_rest_is_watched() -> None:
     played = Played(bump(10, 12, 12, 12))
     watching = Watching(played)  # type: ignore[arg-type]

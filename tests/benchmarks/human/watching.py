@@ -1,9 +1,10 @@
 """A person who plays the motion, stops where it looks wrong, and is done when nothing does.
 
-They watch the whole of it once and then what their corrections changed. While it plays a joint is
-seen to be wrong if it is so over a fixation, three frames; what is wrong is let run on for at most
-a second, to see where it is worst, and that frame is gone to, judged and corrected. They do not
-know how far off anything is: who sees nothing wrong stops, right or not.
+They watch the whole of it once, going on from where they stopped, and then what their corrections
+changed. While it plays a joint is seen to be wrong if it is so over a fixation, three frames; what
+is wrong is let run on for at most a second, to see where it is worst, and that frame is gone to,
+judged and corrected. They do not know how far off anything is: who sees nothing wrong stops, right
+or not.
 """
 
 from __future__ import annotations
@@ -100,12 +101,12 @@ class Watching:
     # --- what is seen
 
     def _stretches(self) -> Iterator[tuple[int, int]]:
-        """Runs of frames that were not watched as they are now."""
-        new = [frame for frame in sorted(self.desk.clip.seen) if self._is_new(frame)]
-        while new:
-            count = next((i for i, f in enumerate(new) if f - new[0] > i + FIXATION), len(new))
-            yield new[0], new[count - 1]
-            new = [frame for frame in new[count:] if self._is_new(frame)]
+        """Runs of frames that were not watched as they are now: on from the present frame, and then
+        what was changed before it."""
+        while new := [frame for frame in sorted(self.desk.clip.seen) if self._is_new(frame)]:
+            ahead = [frame for frame in new if frame >= self.desk.frame] or new
+            apart = (i for i, f in enumerate(ahead) if f - ahead[0] > i + FIXATION)
+            yield ahead[0], ahead[next(apart, len(ahead)) - 1]
 
     def _is_new(self, frame: int) -> bool:
         before, now = self.seen.get(frame), self._joints(frame)
