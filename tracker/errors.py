@@ -9,6 +9,7 @@ KeyposeError
 ├── SurfaceError    observed surfaces, or one step of them, that cannot be used
 ├── ReductionError  a motion that cannot be reduced to keyframes
 └── FormatError     a reference or motion file that cannot be read or written
+    └── ChoiceError  one that can be read once it is said which of several is meant
 """
 
 from __future__ import annotations
@@ -54,6 +55,21 @@ class ReductionError(KeyposeError):
 
 class FormatError(KeyposeError):
     """A file in an outside format cannot be read or written."""
+
+
+class ChoiceError(FormatError):
+    """A file that can be read once it is said which of several is meant.
+
+    option: what is to be chosen, as the command line calls it.  choices: what there is.
+    """
+
+    def __init__(self, words: str, option: str, choices: Sequence[str]) -> None:
+        super().__init__(words)
+        self.option, self.choices = option, tuple(choices)
+
+    def __reduce__(self) -> tuple[type[ChoiceError], tuple[str, str, tuple[str, ...]]]:
+        """So that it comes whole from another process."""
+        return ChoiceError, (str(self), self.option, self.choices)
 
 
 # --- sentences

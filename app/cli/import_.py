@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -20,20 +19,14 @@ from keypose.app.cli.arguments import (
 )
 from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
 from keypose.app.cli.json_output import print_json
+from keypose.app.export.import_choices import EVERY, KeypointChoices, MotionChoices
 from keypose.tracker.errors import FormatError
 from keypose.tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
-    from keypose.app.export.import_motion import Draft, ImportedMotion
-    from keypose.tracker.formats.joint_motion import JointMotion, World
-    from keypose.tracker.formats.joint_names import Matched
-    from keypose.tracker.geometry.rotations import Array
-    from keypose.tracker.keypoints.keypoints import Keypoints
+    from keypose.app.export.importing import KeypointImport, MotionImport
+    from keypose.tracker.formats.joint_motion import World
     from keypose.tracker.session import Session
-    from keypose.tracker.video.info import VideoInfo
-
-EVERY = 24
-"""Frames from one draft to the next, when none are named."""
 
 WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "z up"}
 
@@ -64,6 +57,15 @@ def add(commands: Subcommands) -> None:
     add_session(command)
     what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
+    both = command.add_argument_group("motion and keypoints")
+    both.add_argument(
+        "--map",
+        metavar="NAME=PLACE",
+        type=_pair,
+        action="append",
+        help="where on the body a joint or keypoint is, if its name does not say: a part, PART.end "
+        "or a landmark; may be repeated",
+    )
     motion = command.add_argument_group("motion")
     motion.add_argument(
         "--names", metavar="MAP.json", type=file_name, help='{"their name": "our joint", …}'
@@ -99,14 +101,6 @@ def add(commands: Subcommands) -> None:
         choices=tuple(LAYOUTS),
         help=f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
     )
-    points.add_argument(
-        "--map",
-        metavar="NAME=PLACE",
-        type=_pair,
-        action="append",
-        help="where on the body a keypoint is, if its name does not say: a part, PART.end or a "
-        "landmark; may be repeated",
-    )
     points.add_argument("--individual", metavar="NAME", help="which of several animals to read")
     points.add_argument("--exchange", action="store_true", help="swap left and right keypoints")
     points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to draft")
@@ -122,31 +116,39 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
+    from keypose.app.export.importing import import_keypoints, import_motion, read_motion
     from keypose.tracker.storage.files import load_session, open_video_of
 
     path: Path = arguments.session
     # Reading it reports one that is not there.
     alone = locked(path, "close it there first") if path.is_file() else nullcontext()
     if arguments.camera:
-        require_no_other(arguments, ("keypoints", *_MOTION, *_KEYPOINTS))
+        require_no_other(arguments, ("keypoints", *_MOTION, *_KEYPOINTS, *_BOTH))
         with alone:
             import_camera(arguments)
         return 0
     _require_of_a_kind(arguments)
-    motion = None if arguments.keypoints else _motion(arguments)
+    choices = None if arguments.keypoints else _motion_choices(arguments)
+    motion = None if choices is None else read_motion(arguments.file, choices)
     with alone:
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             info = video.info
-        if motion is None:
-            _import_keypoints(session, arguments, info)
+        if choices is None or motion is None:
+            chosen = _keypoint_choices(arguments)
+            drafts = import_keypoints(session, arguments.file, chosen, info)
+            _keep_drafts(session, drafts, arguments)
         else:
-            _import_motion(session, motion, arguments, info.times_s)
+            file = arguments.file.name
+            made = import_motion(session, motion, file, choices, info.times_s)
+            _keep_motion(session, made, arguments)
     return 0
 
 
 _MOTION = ("names", "offset_frames", "offset_s", "unit", "world", "fps")
-_KEYPOINTS = ("layout", "map", "individual", "exchange", "frames", "every")
+_KEYPOINTS = ("layout", "individual", "exchange", "frames", "every")
+_BOTH = ("map",)
+"""Options of a motion, of keypoints, of both."""
 
 
 def _require_of_a_kind(arguments: argparse.Namespace) -> None:
@@ -165,39 +167,31 @@ def _require_of_a_kind(arguments: argparse.Namespace) -> None:
 # --- motion
 
 
-def _motion(arguments: argparse.Namespace) -> JointMotion:
-    from dataclasses import replace
-
-    from keypose.tracker.formats.reading import load_motion
-
-    motion = load_motion(arguments.file)
-    if arguments.fps is not None:
-        motion = motion.at_rate(arguments.fps)
-    if arguments.world is not None:
-        motion = replace(motion, world=WORLDS[arguments.world])
-    if arguments.unit == "auto":
-        return replace(motion, unit=None)
-    return motion if arguments.unit is None else motion.in_unit(arguments.unit)
-
-
-def _import_motion(
-    session: Session, motion: JointMotion, arguments: argparse.Namespace, times_s: Array
-) -> None:
-    from keypose.app.export.import_motion import fit_to_session
+def _motion_choices(arguments: argparse.Namespace) -> MotionChoices:
     from keypose.tracker.formats.joint_names import load_names
+
+    return MotionChoices(
+        names=None if arguments.names is None else load_names(arguments.names),
+        places=_places(arguments),
+        offset_frames=arguments.offset_frames,
+        offset_s=arguments.offset_s,
+        unit=arguments.unit,
+        world=None if arguments.world is None else WORLDS[arguments.world],
+        fps=arguments.fps,
+    )
+
+
+def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
     from keypose.tracker.storage.files import save_session
     from keypose.tracker.storage.first_motion import save_first_motion
 
-    names = None if arguments.names is None else load_names(arguments.names)
-    offset_s = _offset_s(arguments, times_s)
-    file = arguments.file.name
-    found = fit_to_session(session, motion, file, times_s, offset_s, names)
-    theirs = {motion.names[i]: ours for i, ours, _ in found.matched.known}
-    saved = save_first_motion(session, arguments.session, found.fit.trajectory, file, theirs)
+    found, file = made.found, arguments.file.name
+    motion = found.fit.trajectory
+    saved = save_first_motion(session, arguments.session, motion, file, made.matched)
     save_session(saved, arguments.session)
     assert saved.first_motion is not None
     written = arguments.session.parent / saved.first_motion.file
-    _print_motion(_facts(found, motion.names, written), arguments.json)
+    _print_motion(_facts(made, written), arguments.json)
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
@@ -205,26 +199,19 @@ def _import_motion(
         note("settings.initial is linear: set it to auto or import for the motion to be used.")
 
 
-def _offset_s(arguments: argparse.Namespace, times_s: Array) -> float:
-    """The video's time at which the file's time 0 lies; beyond the video at its mean rate."""
-    if arguments.offset_frames is None:
-        return arguments.offset_s or 0.0
-    frame, last = arguments.offset_frames, len(times_s) - 1
-    if 0 <= frame <= last:
-        return float(times_s[frame])
-    return float(frame * (times_s[-1] - times_s[0]) / max(last, 1))
-
-
-def _facts(found: ImportedMotion, motion_names: Sequence[str], written: Path) -> dict[str, Any]:
+def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
     import numpy as np
 
+    from keypose.app.export.importing import names_of
+
+    found = made.found
     fit, rms = found.fit, found.fit.rms_m
     worst = int(np.nanargmax(rms))
     return {
         "written": str(written),
         "first_frame": fit.trajectory.first_frame,
         "last_frame": fit.trajectory.last_frame,
-        **_names(found.matched, motion_names),
+        **names_of(found.matched, made.names),
         "size": found.size,
         "scale": found.scale,
         "rms_cm": float(100 * np.sqrt(np.nanmean(rms**2))),
@@ -263,57 +250,29 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 # --- keypoints
 
 
-def _import_keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> None:
-    from keypose.app.export.import_motion import drafts_of, match_keypoints
+def _keypoint_choices(arguments: argparse.Namespace) -> KeypointChoices:
+    return KeypointChoices(
+        layout=arguments.layout,
+        places=_places(arguments),
+        individual=arguments.individual,
+        exchange=arguments.exchange,
+        frames=arguments.frames,
+        every=arguments.every,
+    )
+
+
+def _keep_drafts(session: Session, found: KeypointImport, arguments: argparse.Namespace) -> None:
     from keypose.tracker.storage.files import save_session
 
-    keypoints = _keypoints(session, arguments, info)
-    said = dict(arguments.map or ())
-    if len(said) < len(arguments.map or ()):
-        raise FormatError("--map names a keypoint twice.")
-    known = match_keypoints(session, keypoints, arguments.file.name, said)
-    frames = _wanted_frames(session, keypoints, arguments)
-    drafts = drafts_of(session, keypoints, known, frames, info.times_s)
-    if drafts:
-        every = (*session.drafts, *(draft.keyframe for draft in drafts))
-        ordered = tuple(sorted(every, key=lambda draft: draft.frame))
-        save_session(session.model_copy(update={"drafts": ordered}), arguments.session)
-    _print_drafts(session, drafts, frames, _names(known, keypoints.names), arguments)
+    if found.drafts:
+        save_session(found.added_to(session), arguments.session)
+    _print_drafts(session, found, arguments)
 
 
-def _keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> Keypoints:
-    from keypose.tracker.formats.reading_keypoints import VideoFacts, load_keypoints
+def _print_drafts(session: Session, found: KeypointImport, arguments: argparse.Namespace) -> None:
+    from keypose.app.export.importing import names_of
 
-    video = session.video
-    told = info.container != "images" and not info.variable_rate  # images have no rate of their own
-    facts = VideoFacts(video.frame_count, video.width, video.height, info.fps if told else None)
-    keypoints = load_keypoints(arguments.file, arguments.layout, facts, arguments.individual)
-    return keypoints.exchanged() if arguments.exchange else keypoints
-
-
-def _wanted_frames(
-    session: Session, keypoints: Keypoints, arguments: argparse.Namespace
-) -> list[int]:
-    count = session.video.frame_count
-    if arguments.frames is not None:
-        beyond = [frame for frame in arguments.frames if frame >= count]
-        if beyond:
-            raise FormatError(
-                f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
-            )
-        return sorted(set(arguments.frames))
-    every = arguments.every or EVERY
-    rows = range(0, len(keypoints), every)
-    return [keypoints.first_frame + n for n in rows if keypoints.visibility[n].any()]
-
-
-def _print_drafts(
-    session: Session,
-    drafts: tuple[Draft, ...],
-    frames: list[int],
-    names: dict[str, Any],
-    arguments: argparse.Namespace,
-) -> None:
+    drafts, frames, names = found.drafts, found.frames, names_of(found.known, found.names)
     made = {draft.keyframe.frame for draft in drafts}
     posed = {k.frame for k in (*session.keyframes, *session.drafts)}
     kept = [frame for frame in frames if frame in posed]
@@ -349,13 +308,12 @@ def _print_drafts(
 # --- names
 
 
-def _names(known: Matched, names: Sequence[str]) -> dict[str, Any]:
-    """Which of a file's names are known, for JSON."""
-    return {
-        "convention": known.convention,
-        "matched": {names[i]: ours for i, ours, _ in known.known},
-        "left_out": list(known.left_out),
-    }
+def _places(arguments: argparse.Namespace) -> dict[str, str]:
+    """What --map says."""
+    said = dict(arguments.map or ())
+    if len(said) < len(arguments.map or ()):
+        raise FormatError("--map names a keypoint twice.")
+    return said
 
 
 def _print_names(facts: dict[str, Any], what: str) -> None:

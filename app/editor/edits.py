@@ -170,6 +170,8 @@ def _drag_label(action: do.Drag) -> str:
     if isinstance(handle, Surface) and (handle.tool or action.tool) == "move":
         return "move the body"
     verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
+    if handle.kind == "box_corner":
+        return f"move a corner of {part_label(handle.part).lower()}"
     verb = verbs.get(handle.kind, "move")
     name = getattr(handle, "part", None) or getattr(handle, "name", None)
     return verb if name is None else f"{verb} {part_label(name).lower()}"

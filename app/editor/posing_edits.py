@@ -9,6 +9,7 @@ from keypose.app.editor.body_edits import with_body
 from keypose.app.editor.documents import posed
 from keypose.app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
+from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.pointer_views import pointer_views, up_of
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import draft_at, find, shown_pose
@@ -67,6 +68,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         linked=looks.link,
         angle_before=last.angle_rad if last else None,
         held=Held(_placed(before.doc, pose), pinned_ends(before.doc, state.frame)),
+        placed_corners=corners_placed(before),
     )
 
 

@@ -20,6 +20,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 
 if TYPE_CHECKING:
+    from keypose.app.editor.placed_corners import PosedByCorners
     from keypose.tracker.video.timecode import Timecode
 
 
@@ -59,7 +60,8 @@ class EditorState:
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
     body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
     pins changed last, until it is known anew; dismissed_pins: what was refused of it.  kept: the
-    motion from before it was reduced to keyframes.
+    motion from before it was reduced to keyframes.  posed_by_corners: poses of boxes whose corners
+    were put in their places, the latest last.
     """
 
     doc: Session
@@ -79,6 +81,7 @@ class EditorState:
     dismissed_pins: tuple[Pin, ...] = ()
     timecode: Timecode | None = None
     kept: Trajectory | None = None
+    posed_by_corners: tuple[PosedByCorners, ...] = ()
 
     @property
     def frame_count(self) -> int:

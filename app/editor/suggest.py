@@ -88,16 +88,19 @@ def suggestion(
 def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | None:
     """The keyframe that is expected to mend most, of all segments; None where all is good.
 
+    Where tracking was lost comes before what is to be checked: nobody knows how far off it is.
     What short intervals still show is the keyframes' own error: that much is not to be gained.
     """
     waiting = [track for track in tracks if _is_open(known, track)]
     bad = [track for track in waiting if track.kind != "good"]
-    wrong = [track for track in bad if blames_keys(track)]
-    if wrong:
-        return _about(known, max(wrong, key=_need))
-    worth = [t for t in waiting if not is_past_mending(t) and is_worth_a_keyframe(known, t)]
-    if worth:
-        return _about(known, max(worth, key=lambda track: _gains_by(known, track)))
+    for kinds in (("lost",), ("lost", "check", "good")):
+        wrong = [track for track in bad if track.kind in kinds and blames_keys(track)]
+        if wrong:
+            return _about(known, max(wrong, key=_need))
+        open_ones = [t for t in waiting if t.kind in kinds and not is_past_mending(t)]
+        worth = [track for track in open_ones if is_worth_a_keyframe(known, track)]
+        if worth:
+            return _about(known, max(worth, key=lambda track: _gains_by(known, track)))
     if bad:
         return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
     return None

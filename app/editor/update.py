@@ -11,6 +11,7 @@ from keypose.app.editor import actions as do
 from keypose.app.editor import pasting, pin_edits, posing_edits
 from keypose.app.editor.documents import impossible, require_sound
 from keypose.app.editor.edits import EDITS, label_of
+from keypose.app.editor.placed_corners import with_corners
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState, Stroke
 from keypose.app.posing import Readout
@@ -99,6 +100,8 @@ def end_stroke(state: EditorState) -> EditorState:
     state = _without_stroke(state, stroke)
     if state.doc is stroke.before:
         return state
+    if stroke.readout is not None:
+        state = with_corners(state, stroke.readout.corners)
     return replace(state, history=state.history.after(stroke.before, stroke.label, stroke.frame))
 
 
@@ -122,7 +125,7 @@ def _edit(state: EditorState, action: Any) -> EditorState:
         return state  # it would be applied a second time, to what it has led to
     if action.stroke is None or not _is_under_way(state, action.stroke):
         state = end_stroke(state)
-    before = state if state.stroke is None else state.with_doc(state.stroke.before)
+    before = state if state.stroke is None else _before(state, state.stroke)
     if isinstance(action, do.PastePose):
         action = pasting.with_copied(state, action)
     label = label_of(action)
@@ -137,7 +140,12 @@ def _edit(state: EditorState, action: Any) -> EditorState:
     if doc is state.doc or doc == state.doc:
         return state
     history = state.history.after(state.doc, label, state.frame)
-    return _still_there(replace(state.with_doc(doc), history=history))
+    changed = _still_there(replace(state.with_doc(doc), history=history))
+    return changed if readout is None else with_corners(changed, readout.corners)
+
+
+def _before(state: EditorState, stroke: Stroke) -> EditorState:
+    return replace(state.with_doc(stroke.before), stroke=None)
 
 
 def _changed(

@@ -7,7 +7,7 @@ aligns them with the keyframes' joints; without any, they are put upright before
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -79,16 +79,22 @@ def fit_to_session(
     times_s: Array,
     offset_s: float = 0.0,
     names: Mapping[str, str] | None = None,
+    also: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> ImportedMotion:
     """The motion as poses of the session's body in its camera's frame, at the video's frames.
 
     times_s: (N,) of the video's frames; the motion's time 0 is at `offset_s`.
     names: our joints by the file's names; the usual names when left out.
+    also: places of the body by names in the file, said by a person, beside what is known.
+    progress: told how many frames of how many are fitted.
     FormatError in one sentence where the motion does not suit the session.
     """
     skeleton = Skeleton.of(session.body)
     motion = motion.on_video(file, times_s)
     known = matched(skeleton, motion.names, file, names)
+    if also:
+        known = match_also(skeleton, known, motion.names, file, also)
     _require_joints(known, motion, file)
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
     points = BodyPoints(skeleton, tuple(known.places))
@@ -106,7 +112,8 @@ def fit_to_session(
         )
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
-    fit = fit_motion(session.body, known.places, ps, first, _pose_per_frame(posed, first, len(ps)))
+    near = _pose_per_frame(posed, first, len(ps))
+    fit = fit_motion(session.body, known.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     return ImportedMotion(
         fit, known, size, scale, tuple(reached), _from_keyframes(points, fit, reached)
@@ -136,13 +143,23 @@ def match_keypoints(
 
 
 def drafts_of(
-    session: Session, keypoints: Keypoints, known: Matched, frames: Sequence[int], times_s: Array
+    session: Session,
+    keypoints: Keypoints,
+    known: Matched,
+    frames: Sequence[int],
+    times_s: Array,
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Draft, ...]:
-    """A draft at each of these frames that has keypoints and is neither a keyframe nor a draft."""
+    """A draft at each of these frames that has keypoints and is neither a keyframe nor a draft.
+
+    progress: told how many frames of how many have been looked at.
+    """
     skeleton = Skeleton.of(session.body)
     posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}
     drafts = []
-    for frame in frames:
+    for done, frame in enumerate(frames):
+        if progress is not None:
+            progress(done, len(frames))
         if frame in posed or not keypoints.first_frame <= frame <= keypoints.last_frame:
             continue
         row = frame - keypoints.first_frame

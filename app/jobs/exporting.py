@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import traceback
-from collections.abc import Callable, Iterator
-from contextlib import suppress
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
-from multiprocessing.connection import Connection
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from keypose.app.jobs.process import PATIENCE_S
-from keypose.tracker.errors import KeyposeError
+from keypose.app.jobs.side_process import Progress
 
 if TYPE_CHECKING:
     from keypose.app.export.film import FilmOrder
@@ -23,14 +16,6 @@ if TYPE_CHECKING:
     from keypose.app.render.snapshots import Look
     from keypose.app.render.stills import Still
     from keypose.tracker.session import Session
-
-Drawn: TypeAlias = Callable[[int, int], None]
-"""Told how many pictures of how many are done."""
-
-NICENESS = 10
-"""After the page's server, before the tracker: somebody waits for the file."""
-
-_DIED = "The export stopped unexpectedly. Try again."
 
 
 @dataclass(frozen=True)
@@ -40,7 +25,7 @@ class FilmExport:
     order: FilmOrder
     suffix: str = ".mp4"
 
-    def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
+    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
         from keypose.app.export.film import film_of, film_words, write_film
         from keypose.app.render.poses import KnownPoses
         from keypose.tracker.storage.files import open_video_of
@@ -51,7 +36,7 @@ class FilmExport:
         def seen(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
             for done, picture in enumerate(pictures, start=1):
                 yield picture
-                drawn(done, count)
+                progress(done, count)
 
         with open_video_of(session, path) as video:
             write_film(out, session, video, poses, film, self.order.fps, seen=seen)
@@ -66,12 +51,12 @@ class SheetExport:
     columns: int | None = None
     suffix: str = "-keyframes.png"
 
-    def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
+    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
         from keypose.app.export.keyframe_sheet import sheet_png
         from keypose.tracker.storage.files import open_video_of
 
         with open_video_of(session, path) as video:
-            content, problem = sheet_png(session, path, video, self.look, self.columns, drawn)
+            content, problem = sheet_png(session, path, video, self.look, self.columns, progress)
         out.write_bytes(content)
         return problem or ""
 
@@ -89,7 +74,7 @@ class PicturesExport:
         """Of the file."""
         return f"-{self.frames}.png" if isinstance(self.frames, int) else "-pictures.zip"
 
-    def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
+    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
         from keypose.app.export.pictures import write_pictures
         from keypose.app.render.poses import KnownPoses
         from keypose.app.render.snapshots import png
@@ -104,7 +89,7 @@ class PicturesExport:
         keys = [keyframe.frame for keyframe in session.keyframes]
         frames = keys if self.frames == "keyframes" else list(poses.frames)
         with open_video_of(session, path) as video:
-            write_pictures(out, session, video, poses, frames, self.still, drawn)
+            write_pictures(out, session, video, poses, frames, self.still, progress)
         return ""
 
 
@@ -112,79 +97,20 @@ Export: TypeAlias = FilmExport | SheetExport | PicturesExport
 
 
 @dataclass(frozen=True)
-class ExportState:
-    """How far it is: `done` pictures of `of`, 0 where that is not known yet. words: why it failed,
-    or what should be known of what was written."""
-
-    state: Literal["running", "done", "failed", "cancelled"] = "running"
-    done: int = 0
-    of: int = 0
-    words: str = ""
-
-
-@dataclass
-class ExportProcess:
-    """One export under way. `state` is the newest; it may be read from any thread."""
+class ExportWork:
+    """An export of a saved session to a file; its result is what should be known of what was
+    written."""
 
     export: Export
     session_path: Path
     out: Path
-    state: ExportState = field(default_factory=ExportState)
+    died: str = "The export stopped unexpectedly. Try again."
 
-    def __post_init__(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe(duplex=False)
-        self._process = context.Process(
-            target=_work,
-            args=(self.export, self.session_path, self.out, theirs),
-            name="keypose-export",
-            daemon=True,
-        )
-        self._process.start()
-        theirs.close()  # so that its end is the end of the connection
-        Thread(target=self._receive, args=(ours,), name="exports", daemon=True).start()
+    def do(self, progress: Progress) -> str:
+        from keypose.tracker.storage.files import load_session
 
-    def cancel(self) -> None:
-        """End it, whatever it is doing; at most a second."""
-        if self.state.state == "running":
-            self.state = ExportState("cancelled")
-        for end in (self._process.terminate, self._process.kill):
-            end()
-            self._process.join(PATIENCE_S)
-            if not self._process.is_alive():
-                break
-
-    def _receive(self, reports: Connection) -> None:
-        with reports, suppress(EOFError, OSError):
-            while True:
-                report = reports.recv()
-                if self.state.state == "running":
-                    self.state = report
-        if self.state.state == "running":
-            self.state = ExportState("failed", words=_DIED)
-
-
-def _work(export: Export, session_path: Path, out: Path, reports: Connection) -> None:
-    """In the process."""
-    from keypose.tracker.storage.files import load_session
-
-    with suppress(OSError, AttributeError):
-        os.nice(NICENESS)
-    try:
-        session = load_session(session_path)
-
-        def drawn(done: int, of: int) -> None:
-            reports.send(ExportState("running", done, of))
-
-        words = export.write(session, session_path, out, drawn)
-        reports.send(ExportState("done", words=words))
-    except KeyposeError as error:
-        reports.send(ExportState("failed", words=str(error)))
-    except OSError as error:
-        reports.send(ExportState("failed", words=f"{error.strerror or error}."))
-    except Exception:  # noqa: BLE001 — a fault of ours, which must be told
-        traceback.print_exc()
-        reports.send(ExportState("failed", words=_DIED))
+        session = load_session(self.session_path)
+        return self.export.write(session, self.session_path, self.out, progress)
 
 
 def fps_of(value: float | None) -> Fraction | None:

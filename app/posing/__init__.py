@@ -13,9 +13,18 @@ from keypose.app.posing.angles import (
     with_angles,
     with_reset,
 )
+from keypose.app.posing.box_corners import box_corners
 from keypose.app.posing.dragging import drag
 from keypose.app.posing.facing import Way, facing
-from keypose.app.posing.gesture import Eye, Gesture, InView, Posed, Reach, Readout
+from keypose.app.posing.gesture import (
+    Eye,
+    Gesture,
+    InView,
+    PlacedCorner,
+    Posed,
+    Reach,
+    Readout,
+)
 from keypose.app.posing.handles import BodyHandle, handle_named, handles, lanes
 from keypose.app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
 from keypose.app.posing.labels import axis_labels, part_label, short_label
@@ -47,6 +56,7 @@ __all__ = [
     "Gesture",
     "Held",
     "InView",
+    "PlacedCorner",
     "PointerView",
     "Posed",
     "Reach",
@@ -56,6 +66,7 @@ __all__ = [
     "angles_deg",
     "at_limit",
     "axis_labels",
+    "box_corners",
     "clamp_to_limits",
     "drag",
     "ends_to_hold",

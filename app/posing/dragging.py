@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from keypose.app.posing.box_corners import drag_box_corner
 from keypose.app.posing.gesture import (
     AxesFrame,
+    BoxCorner,
     End,
     Gesture,
     Middle,
+    PlacedCorner,
     Posed,
     Ring,
     Root,
@@ -40,13 +43,14 @@ def drag(
     linked: bool = True,
     angle_before: float | None = None,
     held: Held = NONE_HELD,
+    placed_corners: tuple[PlacedCorner, ...] = (),
 ) -> Posed:
     """The pose, or the body, that a gesture makes of the pose before it.
 
     sights: the four views by name.  limits_on: joint limits count, unless the gesture is free.
     axes_frame: whose axes the rings turn about.  linked: sizes of both sides change together.
     angle_before: the readout's angle_rad after the move before this one, if there was one.
-    held: the ends that stay where they are.
+    held: the ends that stay where they are.  placed_corners: those of boxes that stay.
     BodyError when the body has no such part, handle or size.
     """
     skeleton = Skeleton.of(body)
@@ -54,6 +58,10 @@ def drag(
     view, handle = sights[gesture.view], gesture.handle
     if isinstance(handle, SizeHandle):
         return resize_by_drag(context, view, gesture, handle, linked)
+    if isinstance(handle, BoxCorner):
+        posed = drag_box_corner(context, view, gesture, handle, placed_corners)
+        kept = _held(held, view, gesture, handle.part)
+        return with_held_ends(context, posed, kept, Moved(handle.part))
     taken = _taken(body, gesture, handle)
     held = _held(held, view, gesture, taken)
     if isinstance(taken, BodyHandle):

@@ -77,8 +77,16 @@ class SizeHandle(_Plain):
     side: Literal["joint", "end"] | None = None
 
 
+class BoxCorner(_Plain):
+    """A corner of a box, 0 to 7 as `Box.marks` has them: what was placed so stays there."""
+
+    kind: Literal["box_corner"]
+    part: Name
+    index: Annotated[int, Field(ge=0, le=7)]
+
+
 Handle: TypeAlias = Annotated[
-    Ring | Root | End | Middle | Surface | SizeHandle, Field(discriminator="kind")
+    Ring | Root | End | Middle | Surface | SizeHandle | BoxCorner, Field(discriminator="kind")
 ]
 
 
@@ -126,13 +134,23 @@ class Reach:
     radius_m: float
 
 
+@dataclass(frozen=True)
+class PlacedCorner:
+    """A corner of a box, and the pixel (u, v) of the main view where somebody put it."""
+
+    part: str
+    index: int
+    uv: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class Readout:
     """What to show beside the pointer: "Bend" "96.9°" "+14.5".
 
     axis, angle_rad: the turn since the gesture began, of rings and turned surfaces; give it back
     as `angle_before` with the next move, and turns beyond half a circle are counted on.
-    unreached: names of the ends that were to stay and cannot.
+    unreached: names of the ends that were to stay and cannot.  corners: of a box, where they were
+    put by this gesture and those before.
     """
 
     label: str
@@ -145,6 +163,7 @@ class Readout:
     out_of_reach: bool = False
     depth_m: float | None = None
     unreached: tuple[str, ...] = ()
+    corners: tuple[PlacedCorner, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

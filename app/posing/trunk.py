@@ -92,10 +92,10 @@ class _Trunk:
 
     def solved(self) -> Pose:
         """The pose that agrees best with all that is asked for."""
-        skeleton = _turning(self.context.skeleton, self.handle.movers)
+        skeleton = turning(self.context.skeleton, self.handle.movers)
         terms = [*self._places(skeleton), *self._priors(skeleton)]
         if self.context.limits_on:
-            terms.append(self._limits())
+            terms.append(limits_as_posed(self.context))
         problem = OnePose(skeleton, terms)
         return self._carried(least_squares(problem, self.context.pose, CRITERIA).state)
 
@@ -149,15 +149,18 @@ class _Trunk:
             RootPosition(pose.p_camera_root, away[None] / FARTHER_SIGMA_M),
         ]
 
-    def _limits(self) -> JointLimits:
-        limits = Limits.of(self.context.skeleton.body)
-        posed, _ = limits.excess(self.context.pose.Rs_parent_part)
-        return JointLimits(limits, LIMIT_SIGMA_RAD, posed)
+
+def limits_as_posed(context: GestureContext) -> JointLimits:
+    """Joint limits, but for what is beyond one already, which may stay there."""
+    limits = Limits.of(context.skeleton.body)
+    posed, _ = limits.excess(context.pose.Rs_parent_part)
+    return JointLimits(limits, LIMIT_SIGMA_RAD, posed)
 
 
-def _turning(skeleton: Skeleton, names: tuple[str, ...]) -> Skeleton:
+def turning(skeleton: Skeleton, names: tuple[str, ...], shifts: bool = True) -> Skeleton:
     """The body of which some parts turn every way, and the root shifts."""
     parts = [skeleton.body.index(name) for name in names]
-    dofs = [(0, 0, axis) for axis in range(3)] + [(i, 1, axis) for i in parts for axis in range(3)]
+    dofs = [(0, 0, axis) for axis in range(3) if shifts]
+    dofs += [(i, 1, axis) for i in parts for axis in range(3)]
     part, turns, axis = (np.array(column) for column in zip(*dofs, strict=True))
     return replace(skeleton, dof_part=part, dof_turns=turns, dof_axis=axis)

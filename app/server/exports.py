@@ -7,7 +7,6 @@ import importlib.util
 import secrets
 import shutil
 import tempfile
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -27,12 +26,13 @@ from keypose.app.export.drawable import (
 from keypose.app.export.film import FilmOrder
 from keypose.app.jobs.exporting import (
     Export,
-    ExportProcess,
+    ExportWork,
     FilmExport,
     PicturesExport,
     SheetExport,
     fps_of,
 )
+from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.render.films import FilmView
 from keypose.app.render.snapshots import Look
 from keypose.app.render.stills import Still
@@ -152,7 +152,8 @@ class Exports:
         self._store = store
         self._id = ""
         self._name = ""
-        self._process: ExportProcess | None = None
+        self._process: SideProcess | None = None
+        self._out = Path()
         self._beginning = asyncio.Lock()
 
     def routes(self) -> list[Route]:
@@ -170,7 +171,7 @@ class Exports:
         process, self._process = self._process, None
         if process is not None:
             await asyncio.to_thread(process.cancel)
-            await asyncio.to_thread(shutil.rmtree, process.out.parent, ignore_errors=True)
+            await asyncio.to_thread(shutil.rmtree, self._out.parent, ignore_errors=True)
 
     async def _possible(self, _: Request) -> Response:
         return _json({"missing": missing_here()})
@@ -197,35 +198,36 @@ class Exports:
         await self.close()
         folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-export-"))
         export = order.export
-        out = folder / f"export{Path(export.suffix).suffix}"
-        self._process = await asyncio.to_thread(ExportProcess, export, path, out)
+        self._out = folder / f"export{Path(export.suffix).suffix}"
+        work = ExportWork(export, path, self._out)
+        self._process = await asyncio.to_thread(SideProcess, work)
         self._id = secrets.token_hex(8)
         self._name = f"{self._store.name}{export.suffix}"
         return _json({"id": self._id})
 
-    def _under_way(self, request: Request) -> ExportProcess | None:
+    def _under_way(self, request: Request) -> SideProcess | None:
         return self._process if request.path_params["id"] == self._id else None
 
     async def _state(self, request: Request) -> Response:
         process = self._under_way(request)
-        return _gone() if process is None else _json(asdict(process.state))
+        return _gone() if process is None else _json(_told(process.state))
 
     async def _cancel(self, request: Request) -> Response:
         process = self._under_way(request)
         if process is None:
             return _gone()
         await asyncio.to_thread(process.cancel)
-        state = asdict(process.state)
+        state = _told(process.state)
         await self.close()
         return _json(state)
 
     async def _file(self, request: Request) -> Response:
         process = self._under_way(request)
-        if process is None or process.state.state != "done" or not process.out.is_file():
+        if process is None or process.state.state != "done" or not self._out.is_file():
             return _gone()
         headers = {**headers_for("data"), "Cache-Control": "no-store"}
         return FileResponse(
-            process.out, headers=headers, filename=self._name, content_disposition_type="inline"
+            self._out, headers=headers, filename=self._name, content_disposition_type="inline"
         )
 
 
@@ -239,6 +241,12 @@ def missing_here() -> dict[str, str]:
     if not can_write_films():
         missing["film"] = FILM_REMEDY
     return missing
+
+
+def _told(state: WorkState) -> dict[str, Any]:
+    """What a page is told of an export; done, what should be known of what was written."""
+    words = state.result if state.state == "done" else state.words
+    return {"state": state.state, "done": state.done, "of": state.of, "words": words}
 
 
 async def _body(request: Request) -> bytes:

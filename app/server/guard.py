@@ -46,8 +46,8 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
         (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
-        (r"/motion", {"format", "filter_hz", "fps", "first", "last"}),
-        (r"/upload", {"name"}),
+        (r"/motion", {"format", "filter_hz", "fps", "first", "last", "rig", "unit"}),
+        (r"/upload|/imports", {"name"}),
         (r"/folder|/file\.jpg", {"at"}),
     )
 )

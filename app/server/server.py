@@ -28,6 +28,7 @@ from keypose.app.server.browsers import NAME as BROWSERS
 from keypose.app.server.browsers import Browsers
 from keypose.app.server.exports import Exports
 from keypose.app.server.guard import PROTOCOL, Guard, headers_for
+from keypose.app.server.imports import Imports
 from keypose.app.server.library_routes import LibraryRoutes
 from keypose.app.server.outputs import Outputs
 from keypose.app.server.page_files import PageFiles
@@ -65,6 +66,7 @@ class Server:
         self._shelf = LibraryRoutes(library)
         self._outputs = Outputs(self.store, self._surfaces)
         self._exports = Exports(self.store)
+        self._imports = Imports(self.store)
         self.guard = Guard(
             self._application(),
             browsers=Browsers(library.workspace / BROWSERS),
@@ -85,6 +87,7 @@ class Server:
                 Route("/frame/{index:int}.jpg", self._frame),
                 *self._outputs.routes(),
                 *self._exports.routes(),
+                *self._imports.routes(),
                 *self._shelf.routes(),
                 Mount("/static", PageFiles(directory=STATIC)),
             ],
@@ -117,6 +120,7 @@ class Server:
             await self._uvicorn.serve(sockets=[listener])
         finally:
             await self._exports.close()
+            await self._imports.close()
             await self.store.stop()
 
     # --- pages

@@ -12,7 +12,7 @@ import secrets
 import time
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from keypose.app.editor import actions
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
+from keypose.app.export.importing import Import
 from keypose.app.jobs import ReduceOrder
 from keypose.app.jobs.failure import failure_message
 from keypose.app.render.video_frames import Frames
@@ -33,6 +34,7 @@ from keypose.app.store.draft_learner import DraftLearner
 from keypose.app.store.examiner import Examiner
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
+from keypose.app.store.imported import ImportOutcome, with_import
 from keypose.app.store.keypoint_finder import KeypointFinder
 from keypose.app.store.pose_library import PoseLibrary
 from keypose.app.store.preview import WAITING, SizesPreview
@@ -61,8 +63,24 @@ from keypose.tracker.errors import (
     one_sentence,
 )
 from keypose.tracker.reduction.result import Reduction
+from keypose.tracker.session import Session
 from keypose.tracker.storage.chronicle import mark_of
 from keypose.tracker.video import VideoInfo
+
+
+@dataclass(frozen=True, eq=False)
+class ImportTarget:
+    """What a file is imported into: the session as it is now, and what is known of its video."""
+
+    doc: Session
+    session_path: Path
+    video: VideoInfo
+
+    @property
+    def content(self) -> bytes:
+        """The session as JSON."""
+        return self.doc.model_dump_json().encode()
+
 
 CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
 """What a tab may call itself."""
@@ -394,6 +412,28 @@ class Store:
     def show_ahead(self, edit: EditorState) -> None:
         """Go on from what was tracked ahead."""
         self._edit_to(edit)
+
+    # --- files from elsewhere
+
+    def import_target(self) -> ImportTarget:
+        """What a file would be imported into now; Refused where nothing can be."""
+        edit, opened = self._app_state.edit, self._opened
+        if edit is None or opened is None:
+            raise Refused("Open a video first.")
+        self._writer.lock.require_writable()
+        self._require_no_preview()
+        return ImportTarget(edit.settled, opened.session_path, opened.video.info)
+
+    def take_import(self, target: ImportTarget, found: Import, file: str) -> ImportOutcome:
+        """Go on with what was imported; KeyposeError where the session is another one by now."""
+        now = self.import_target()
+        edit = self._app_state.edit
+        if edit is None or now.session_path != target.session_path:
+            raise Refused("Another session was opened meanwhile: import again.")
+        given = (found, file, target.session_path)
+        after, outcome = with_import(target.doc, end_stroke(edit), *given)
+        self._edit_to(after)
+        return outcome
 
     def _show_before(self, on: bool) -> None:
         fit, preview = self._app_state.fit, self._app_state.preview

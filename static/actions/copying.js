@@ -99,14 +99,27 @@ export async function pasteWith(how) {
 
 // --- by its keys the browser tells by itself what is on the clipboard
 
-const PATIENCE_MS = 300;
+const PATIENCE_MS = 1000; // a browser that has much to do is late with it
 /** @type {{ mirrored: boolean, timer: number } | null} */
 let awaited = null;
+let isOverdue = false;
 
 /** Ctrl V was pressed: what is on the clipboard comes next; in a browser that tells nothing, nothing. */
 export function awaitPaste(mirrored) {
   clearTimeout(awaited?.timer);
-  awaited = { mirrored, timer: setTimeout(() => settle(''), PATIENCE_MS) };
+  isOverdue = false;
+  awaited = { mirrored, timer: setTimeout(giveUp, PATIENCE_MS) };
+}
+
+function giveUp() {
+  settle('');
+  isOverdue = true;
+}
+
+/** The browser tells what is on its clipboard. Told too late, it would be pasted a second time. */
+export function hearPaste(text) {
+  if (isOverdue) isOverdue = false;
+  else settle(text);
 }
 
 /** `isElsewhere()`: whether what is pasted belongs to a field of text. */
@@ -114,7 +127,7 @@ export function mountPaste(isElsewhere) {
   document.addEventListener('paste', (event) => {
     if (isElsewhere() || !server.file) return;
     event.preventDefault();
-    settle(event.clipboardData?.getData('text/plain') ?? '');
+    hearPaste(event.clipboardData?.getData('text/plain') ?? '');
   });
 }
 

@@ -32,6 +32,7 @@ export const SYNONYMS = {
   pasteMirrored: 'flip symmetric opposite mirror clipboard',
   copyPrevious: 'hold repeat same last pose',
   copyNext: 'same following pose',
+  importFile: 'bvh c3d trc csv npz amass smpl mocap openpose mediapipe coco sleap deeplabcut chan load motion keypoints camera',
   addPart: 'bone limb prop racket tool new',
   deletePart: 'remove bone limb',
   drawBox: 'detect person automatic pose estimation draft',

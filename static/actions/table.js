@@ -35,6 +35,7 @@ import { addPart, carrier, deleteTitle, whyNotDeletePart } from './parts.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
+import { chooseImport } from './importing.js';
 import { beginReduction, whyNotReduce } from './reducing.js';
 import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from './review.js';
 import { deleteAny, deleteLabel, nudge, selectAll, selectHere, whyNotDeleteAny, whyNotNudge, whyNotSelect, whyNotSelectAll } from './selection.js';
@@ -491,6 +492,9 @@ const whichSession = (session = server.file) => (session ? '' : 'Open a session 
 /** @satisfies {Record<string, Action>} */
 const FILE = {
   openFile: { label: 'Open…', icon: 'folder', run: () => openChooser('any') },
+  importFile: {
+    label: 'Import…', icon: 'up', title: 'Motion, 2D keypoints or a camera from another program', run: chooseImport,
+  },
   openRecent: { label: (recent) => recent.name, icon: 'film', message: ({ id }) => ({ do: 'open', kind: 'recent', id }) },
   renameSession: { label: 'Rename', icon: 'pen', always: true, off: whichSession, run: ({ id } = server.file) => setUi('renaming', id) },
   duplicateSession: {

@@ -7,8 +7,8 @@ import { setUi, ui, watch } from '../store/state.js';
 
 /** @typedef {import('../store/shapes.js').Watched} Watched */
 
-/** @type {('sheet' | 'chooser' | 'search' | 'exporting')[]} */
-const SHEETS = ['sheet', 'chooser', 'search', 'exporting'];
+/** @type {('sheet' | 'chooser' | 'search' | 'exporting' | 'importing')[]} */
+const SHEETS = ['sheet', 'chooser', 'search', 'exporting', 'importing'];
 
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);

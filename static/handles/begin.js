@@ -26,7 +26,7 @@ export function beginOnTarget(view, press, target) {
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const carries = movesWhole();
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const movesAll = ['root', 'corner'].includes(target.kind) || carries;
+  const movesAll = ['root', 'corner'].includes(target.kind) || target.isRoot || carries;
   const place = { ...view.inMessage(), ...limbOnly(movesAll) };
   const messageAt = (at, keys) => ({
     do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free, carry: carries || keys.carry,

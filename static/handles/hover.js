@@ -122,13 +122,11 @@ function askNext() {
   });
 }
 
-/** Parts under a place, front to back, and the outline of the first. */
+/** Parts under a place, front to back, and the outline of the first; none where the line is lost. */
 export async function pick(view, x, y) {
   const none = { parts: [], outline: [] };
-  // An answer that never comes, when the line drops, must not stop the questions.
-  const late = new Promise((resolve) => setTimeout(resolve, 1500, none));
   const answer = ask({ ask: 'pick', ...view.inMessage(), at: view.toView([x, y]) });
-  return { ...none, ...(await Promise.race([answer.catch(() => none), late])) };
+  return { ...none, ...(await answer.catch(() => none)) };
 }
 
 function show({ view, x, y }, { parts, outline }) {

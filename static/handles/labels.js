@@ -4,7 +4,9 @@
 import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
+import { view as viewNamed } from '../views/views.js';
 import { drawBoxSize } from './box.js';
+import { boxCornersIn } from './boxcorners.js';
 import { interaction } from './interaction.js';
 import { drawKeypointName } from './keypoints.js';
 import { drawPlaceName } from './reviewmarks.js';
@@ -69,13 +71,17 @@ function besideRing(view, gesture) {
 function besideGrip(view, gesture) {
   const target = interaction.drag?.target;
   const anchor = server.body.handles.find(({ name }) => target?.key === `grip:${name}`)?.anchor;
-  const point = server.pose.points[anchor ?? gesture.part];
+  const point = cornerPoint(target) ?? server.pose.points[anchor ?? gesture.part];
   if (!point) return null;
   const [x, y] = view.project(point);
   const middle = gesture.reach ? view.project(gesture.reach.centre)[0] : x - 1;
   // Away from the limb, which the eye needs.
   return beside(view, x, y + (gesture.reach ? 26 : 0), AWAY, x < middle);
 }
+
+/** Where the dragged corner of a box is now. */
+const cornerPoint = (target) =>
+  target?.kind === 'box_corner' ? boxCornersIn(viewNamed('main')).find(({ key }) => key === target.key)?.point : null;
 
 /** Right or left of a place as wished; at the border of the view below it. */
 function beside(view, x, y, away, left) {

@@ -4,6 +4,7 @@ import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { ui } from '../store/state.js';
 import { ALL_VIEWS, view as viewNamed } from '../views/views.js';
+import { drawBoxCorners } from './boxcorners.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
@@ -43,6 +44,7 @@ function overlay(view) {
     ${drawLimb(view)}
     ${drawReach(view, targets.grips)}
     ${drawPlace(view)}
+    ${drawBoxCorners(view, targets.corners)}
     ${drawGrips(view, targets.grips)}
     ${drawOffline(view)}
     ${drawPinMarks(view)}

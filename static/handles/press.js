@@ -42,6 +42,7 @@ const RIGHT_DOWN = 2;
  * @property {Promise<{ parts: string[] }> | null} picked  Where there is none: the parts there, front to back.
  * @property {[PointerEvent, number, number]} [newest]  While asking: the last move.
  * @property {boolean} [released]  Released while asking.
+ * @property {number} releasedAt  In the milliseconds of performance.now(); 0 until it is.
  */
 
 /** @type {Press | null} */
@@ -118,7 +119,7 @@ function down(view, event) {
   event.preventDefault();
   document.activeElement?.blur?.();
   view.over.setPointerCapture(event.pointerId);
-  press = { view, id: event.pointerId, button: event.button, x, y, state: 'still', target: null, picked: null };
+  press = { view, id: event.pointerId, button: event.button, x, y, state: 'still', target: null, picked: null, releasedAt: 0 };
   begin(view, event, x, y);
 }
 
@@ -163,6 +164,7 @@ function hoverAt(view, event, x, y) {
 function up(view, event) {
   fingers.delete(event.pointerId);
   if (!press || press.id !== event.pointerId || press.view !== view) return;
+  press.releasedAt = event.timeStamp;
   // The answer which part it was is still on its way: the drag ends when it has begun.
   if (press.state === 'asking') press.released = true;
   else finish(...place(view, event));
@@ -231,9 +233,9 @@ function finish(x, y) {
   setCursor(done.view, null);
 }
 
-function finishClick({ view, x, y, target, picked }) {
-  // The time of the release counts, not that of the answer which parts were there.
-  const at = { x, y, time: performance.now() };
+function finishClick({ view, x, y, target, picked, releasedAt }) {
+  // The time of the release counts, however late the page comes to it or hears which parts were there.
+  const at = { x, y, time: releasedAt };
   if (target) {
     click(view, at, target, []);
     if (interaction.chosen) renameHandle();

@@ -1,6 +1,7 @@
 // Everything that can be grabbed in a view, and which of it a pointer means.
 
 import { server, ui } from '../store/state.js';
+import { boxCornersIn } from './boxcorners.js';
 import { gripsIn } from './grips.js';
 import { interaction } from './interaction.js';
 import { keypointsIn, ringAt } from './keypoints.js';
@@ -27,12 +28,13 @@ export const isReady = (view) => Boolean(
 
 /** All targets of a view by kind; empty before a file is open. */
 export function targetsIn(view) {
-  if (!isReady(view)) return { grips: [], rings: [], sizes: [], masks: [], trail: [], keypoints: [] };
+  if (!isReady(view)) return { grips: [], corners: [], rings: [], sizes: [], masks: [], trail: [], keypoints: [] };
   const keypoints = keypointsIn(view);
   // Where a ring lies on a handle of the body the ring is meant, so that handle is not there.
   const grips = gripsIn(view).filter(({ kind, at }) => kind === 'root' || !ringAt(keypoints, ...at, 1));
   return {
     grips,
+    corners: boxCornersIn(view),
     rings: ringsIn(view),
     sizes: sizesIn(view),
     masks: masksIn(view),
@@ -51,11 +53,11 @@ const chosenIn = ({ name }) => (interaction.chosen?.view === name ? interaction.
 /** The targets that a pointer at (x, y) may mean, in the order in which further presses lead to them. */
 export function stackAt(view, x, y, touch = false) {
   if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return [];
-  const { grips, rings, sizes, masks, trail, keypoints } = targetsIn(view);
+  const { grips, corners, rings, sizes, masks, trail, keypoints } = targetsIn(view);
   const finger = touch ? FINGER : 1;
   const keypoint = ringAt(keypoints, x, y, finger);
   if (keypoint) return [keypoint];
-  const found = [...grips, ...sizes, ...masks, ...trail, ...rings]
+  const found = [...grips, ...corners, ...sizes, ...masks, ...trail, ...rings]
     .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
     .filter(({ miss }) => miss <= 1)
     .sort((a, b) => a.miss - b.miss);

@@ -15,6 +15,8 @@ const DEGREES = hint('snapAngle');
 const CENTIMETRES = hint('snapLength');
 const FREE = hint('free');
 const CARRY = hint('carry');
+/** With it the corners that were placed before do not stay. */
+const LET_GO = [keyOf('carry'), 'let go of the other corners'];
 const LIMB = ['Double-click', 'select the limb'];
 
 const RESTING = {
@@ -40,6 +42,7 @@ const HOLDING = {
   end: () => [['Drag', 'pull, elbow or knee stays'], CARRY, DEPTH, FINE, CENTIMETRES, BACK],
   joint: () => [['Drag', 'swing the joint, its end stays'], CARRY, FINE, BACK],
   corner: () => [['Drag', 'the trunk follows, the limbs stay'], CARRY, DEPTH, FINE, BACK],
+  box_corner: () => [['Drag', 'to where it is seen; placed corners stay'], LET_GO, FINE, BACK],
   size: () => [['Drag', 'longer or thicker'], FINE, CENTIMETRES, BACK],
   mask: () => [['Drag', 'move'], FINE, BACK],
   keypoint: () => [['Drag', 'to where the joint is seen; the pose stays'], FINE, BACK],

@@ -3,6 +3,7 @@
 import { mountAddress } from './address.js';
 import { mountBanner } from './banner.js';
 import { mountExportDialog } from './export_dialog.js';
+import { mountImportDialog } from './import_dialog.js';
 import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
@@ -35,6 +36,7 @@ export function mount() {
   mountSearch();
   mountChooser();
   mountExportDialog();
+  mountImportDialog();
   mountToasts();
   mountLine();
   mountAddress();

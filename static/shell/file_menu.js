@@ -30,6 +30,7 @@ function items() {
   const others = (ui.library?.recents ?? []).filter((r) => r.path !== server.file.path && !r.missing);
   return [
     menuItem('openFile'),
+    menuItem('importFile', undefined, { right: 'motion, keypoints, camera' }),
     ...(others.length ? [heading('Recent'), ...others.slice(0, RECENT).map(recent)] : []),
     line,
     note(facts()),

@@ -89,7 +89,7 @@ function escape() {
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 
 /** Under an open sheet the page does not change; the key that opened it closes it. */
-const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser || ui.search || ui.exporting);
+const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser || ui.search || ui.exporting || ui.importing);
 
 // Space plays when it is released, unless a drag has used it to move the picture.
 const space = { isUsed: false };

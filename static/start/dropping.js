@@ -20,7 +20,7 @@ function overlay() {
   if (!server.file) return nothing;
   if (ui.upload) return html`<div class="copying">${uploadCard()}</div>`;
   if (!ui.dropping) return nothing;
-  return html`<div class="veil"><div>Drop the video to open it. ${server.file.name} is saved.</div></div>`;
+  return html`<div class="veil"><div>Drop a video to open it, or motion, keypoints or a camera to import them into ${server.file.name}.</div></div>`;
 }
 
 function over(event) {

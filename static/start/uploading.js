@@ -1,26 +1,25 @@
 // Bringing a video from elsewhere on the computer into Keypose's folder, with progress and Cancel.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { importFile, isImported } from '../actions/importing.js';
 import { icon } from '../controls/icons.js';
 import { keyHeader } from '../store/key.js';
 import { send } from '../store/link.js';
-import { ui, setUi } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { isVideoName } from '../store/library.js';
 
 const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
 
-/** Endings of what `keypose import` reads. */
-const IMPORTED = ['.bvh', '.trc', '.c3d', '.csv', '.npz', '.pt', '.pth', '.h5', '.hdf5', '.slp'];
-
 let request = null;
 
-/** Take what was dropped or chosen: one video. */
+/** Take what was dropped or chosen: one video, or one file to import into the open session. */
 export function takeFiles(files) {
   const video = files.find(({ name }) => isVideoName(name));
   if (!video) {
-    refuse(files[0]);
+    if (server.file && files[0] && isImported(files[0].name)) importFirst(files);
+    else refuse(files[0]);
     return;
   }
   if (request) {
@@ -91,6 +90,18 @@ function openUploaded({ status, response }, file) {
   return reply.words || `${file.name} was not copied. The server answered ${status}.`;
 }
 
+/** OpenPose writes a file for each frame. */
+function importFirst(files) {
+  if (files.length === 1) importFile(files[0]);
+  else if (files.every(({ name }) => name.endsWith('_keypoints.json'))) {
+    const words = 'OpenPose’s folder is imported in a terminal, while the session is closed: keypose import SESSION FOLDER --keypoints';
+    toast({ kind: 'check', words });
+  } else {
+    toast({ kind: 'info', words: `One file at a time. Importing ${files[0].name}.` });
+    importFile(files[0]);
+  }
+}
+
 function refuse(file) {
   if (file) toast({ kind: 'check', words: whyNotVideo(file.name) });
 }
@@ -98,13 +109,10 @@ function refuse(file) {
 /** What to do with a file that is no video, by its name.
  * @param {string} name */
 export function whyNotVideo(name) {
-  const lower = name.toLowerCase();
-  if (lower.endsWith('.json')) {
+  if (name.toLowerCase().endsWith('.json')) {
     return `${name} is opened where it lies. Its video and its motion lie beside it: Open a session…`;
   }
-  if (IMPORTED.some((ending) => lower.endsWith(ending))) {
-    return `${name} is not a video. Motion and keypoints are imported in a terminal, while the session is closed: keypose import SESSION ${name}, with --keypoints for 2D keypoints.`;
-  }
+  if (isImported(name)) return `${name} is not a video. Open the video first, then drop it here again to import it.`;
   return `${name} is not a video. Keypose opens ${KINDS}.`;
 }
 

@@ -35,12 +35,12 @@ export function sendDue() {
   for (const message of due(line)) socket.send(JSON.stringify(message));
 }
 
-/** Ask something that concerns this tab alone; rejects when the line is down. */
+/** Ask something that concerns this tab alone; rejects when the line is down, or lost before the answer. */
 export function ask(question) {
   if (!isOpen()) return Promise.reject(new Error('not connected'));
   const id = ++questionCount;
-  return new Promise((resolve) => {
-    questions.set(id, resolve);
+  return new Promise((resolve, reject) => {
+    questions.set(id, { resolve, reject });
     socket.send(JSON.stringify({ ...question, id }));
   });
 }
@@ -84,7 +84,7 @@ function onOpen() {
 
 function onClose() {
   setUi('connected', false);
-  questions.clear();
+  dropQuestions();
   setTimeout(lookForServer, AGAIN_MS);
 }
 
@@ -122,8 +122,15 @@ function giveUp() {
   for (const event of ['onopen', 'onmessage', 'onclose']) silent[event] = null;
   silent.close();
   setUi('connected', false);
-  questions.clear();
+  dropQuestions();
   lookForServer();
+}
+
+/** The line is lost: what was asked on it is not answered any more. */
+function dropQuestions() {
+  const unanswered = [...questions.values()];
+  questions.clear();
+  for (const { reject } of unanswered) reject(new Error('the line was lost'));
 }
 
 function receive(message) {
@@ -133,7 +140,7 @@ function receive(message) {
     sendDue();
   }
   if (message.t === 'reply') {
-    questions.get(message.id)?.(message);
+    questions.get(message.id)?.resolve(message);
     questions.delete(message.id);
     return;
   }

@@ -86,6 +86,7 @@
  * @property {string[]} landmarks
  * @property {string} shape
  * @property {Size[]} sizes
+ * @property {Point[]} corners_cm  Of a box, in its frame, x slowest and z fastest; none of others.
  */
 
 /**
@@ -157,6 +158,7 @@
  * @property {Point} root
  * @property {Record<string, Axis[]>} at_limit
  * @property {Gesture | null} gesture
+ * @property {{ part: string, index: number, uv: Spot }[]} corners  Of boxes, where they were put.
  */
 
 /**
@@ -586,6 +588,7 @@
  * @property {(Job & { kind: string }) | null} [ended]
  * @property {string} [theme]
  * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
+ * @property {Importing | null} [importing]  The file that is being imported, while the dialog is open.
  * @property {any} [exporting]  What is chosen in the dialog of exports, while it is open.
  * @property {{ id: string, what: string, done: number, of: number } | null} [exportJob]  The export under way.
  * @property {Record<string, string>} [exportMissing]  What cannot be exported here, with what mends it.
@@ -631,6 +634,39 @@
  * @property {boolean} [reviewLeft]  It was closed before its end.
  * @property {boolean} [reviewDone]  The places that were answered are listed.
  * @property {string | null} [reviewHeld]  A row that keeps its height while the pointer is on the list.
+ */
+
+/**
+ * A file that is being imported.
+ * @typedef {object} Importing
+ * @property {'reading' | 'choosing' | 'importing' | 'failed'} stage
+ * @property {string} id  Empty until the server has it.
+ * @property {string} name
+ * @property {Recognised | null} found
+ * @property {string} words  Why it could not be read or imported.
+ * @property {number} done
+ * @property {number} of
+ * @property {ImportChoices} choices
+ */
+
+/**
+ * What a file holds, as `app/export/recognising.py` says it.
+ * @typedef {{ kind: 'motion' | 'keypoints' | 'camera', program: string, facts: any }} Recognised
+ */
+
+/**
+ * What is chosen in the dialog of imports; empty where it is left to the file.
+ * @typedef {object} ImportChoices
+ * @property {string} start
+ * @property {string} fps
+ * @property {string} unit
+ * @property {string} world
+ * @property {string} places  "theirs = ours, …".
+ * @property {string} layout
+ * @property {string} individual
+ * @property {boolean} exchange
+ * @property {string} every
+ * @property {string} frames
  */
 
 /** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */

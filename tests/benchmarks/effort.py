@@ -4,7 +4,14 @@ A scripted person (`human/`) sees pictures and joints in them, with errors of 2 
 with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
 Actions are clicks, keys and drags; looks are counted beside them. The times are of the
 keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
-frame that is judged. What is done once a clip is told as it is; the rest for 1,800 frames.
+frame that is judged, 1/15 s one that is watched. What is done once a clip is told as it is; the
+rest for 1,800 frames. What is begun once a clip and not before the first frame, such as keyframes
+at both ends, weighs a short clip down: a further frame costs what a clip costs beyond its first
+half.
+
+"watched" plays the motion and is done when nothing looks wrong (`human/watching.py`); that is how
+it is expected to be worked. "now" goes from place to place as the review lists them, never plays
+anything, and is told by somebody else when all is right: kept to compare with.
 
 Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
 are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
@@ -35,6 +42,7 @@ from tests.benchmarks.human.hand import Hand, px
 from tests.benchmarks.human.strategies import (
     NOW,
     STRATEGIES,
+    WATCHED,
     Outcome,
     Strategy,
     go,
@@ -51,9 +59,11 @@ from tests.browser.shared import let_in, opened
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
 COLUMNS = (
-    "right", "keyframes", "clicks", "keys", "drags", "looks", "seconds", "first keyframe",
-    "s a frame after", "actions for 1800", "minutes for 1800",
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "frames watched", "seconds",
+    "first keyframe", "s a frame after", "actions for 1800", "minutes for 1800",
 )  # fmt: skip
+LONG_CLIP = 60
+"""From so many frames on a clip is worked in its first half as well."""
 WIDE = COLUMNS[1:]
 CAUSES = 12
 ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
@@ -99,7 +109,7 @@ def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
     began = time.process_time()
     with desk(noisy(clip, SIGMA_PX, seed), strategy.settings) as there:
         there.tracks = strategy.tracks
-        strategy.work(Hand.of(there, seed))
+        strategy.work(Hand.of(there, seed, strategy.by_picture))
         done = there.ledger.effort(clip.frames)
         return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
 
@@ -135,8 +145,10 @@ def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> 
             continue
         trials = [trial(clip, strategy, seed) for seed in range(seeds)]
         _row(table, strategy, trials)
-        if strategy is NOW:
-            _causes(report, clip.name, trials)
+        if strategy in (NOW, WATCHED):
+            _causes(report, f"{clip.name}, {strategy.name}", trials)
+        if strategy is WATCHED and clip.frames >= LONG_CLIP:
+            _further_frame(report, clip, seeds, trials)
 
 
 def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
@@ -145,7 +157,7 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
     actions = Over(tuple(t.effort.scaled_actions() for t in trials))
     minutes = Over(tuple(t.effort.scaled_minutes() for t in trials))
     expected = []
-    if strategy is NOW:
+    if strategy is WATCHED:
         expected = [
             Expected("actions", actions.median, MOST_ACTIONS),
             Expected("minutes", minutes.median, MOST_MINUTES),
@@ -157,6 +169,18 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
     told = (keyframes, *counts, seconds, first, then, actions, minutes)
     cells = (f"{right} of {len(trials)}", *told)
     table.row(strategy.name, *cells, expected=expected)
+
+
+def _further_frame(report: Report, clip: Watched, seeds: int, trials: list[Trial]) -> None:
+    """What a frame costs once the work has begun: the clip against its first half."""
+    half = clip.until((clip.first + clip.last) // 2)
+    begun = [trial(half, WATCHED, seed) for seed in range(seeds)]
+    frames = clip.frames - half.frames
+    more = [(a.effort, b.effort) for a, b in zip(trials, begun, strict=True)]
+    table = report.table(f"{clip.name}: what a further frame costs", "seconds", "actions", wide=())
+    seconds = float(np.median([a.seconds - b.seconds for a, b in more])) / frames
+    actions = float(np.median([a.actions - b.actions for a, b in more])) / frames
+    table.row(f"  {half.frames} to {clip.frames} frames", seconds, actions)
 
 
 def _causes(report: Report, name: str, trials: list[Trial]) -> None:

@@ -243,8 +243,11 @@ def _verdicts(report: Report, ways: dict[str, Way], told: list[Record], kept: _K
     report.note(
         "\nwrong: more than 10 px off on a person 400 px tall; left out: by a curve that was"
     )
-    report.note("fitted to the other clips; calibration: mean distance of told and true share")
-    columns = ("AUROC", "left out", "Brier", "calibration", "wrong %")
+    report.note(
+        "fitted to the other clips, > 15 px: of joints as far off; calibration: mean distance"
+    )
+    report.note("of told and true share")
+    columns = ("AUROC", "left out", "> 15 px", "Brier", "calibration", "wrong %")
     table = report.table("do verdicts tell, by joint", *columns)
     segments = report.table("by segment", "segments", "under 5 px", "said good %", "good true %")
     for name in ways:
@@ -254,7 +257,8 @@ def _verdicts(report: Report, ways: dict[str, Way], told: list[Record], kept: _K
         share = 100 * float(np.mean([record.wrong for record in some]))
         for telling in TELLINGS:
             found = judged(some, telling)
-            cells = (found.auroc, found.left_out, found.brier, found.calibration, share)
+            clips = (found.left_out, found.very_far)
+            cells = (found.auroc, *clips, found.brier, found.calibration, share)
             table.row(f"{name}: {telling}", *cells)
             kept.add("told", {"way": name, "telling": telling, **found.__dict__})
         whole = by_segment(some)

@@ -88,6 +88,17 @@ def test_a_telling_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:
     assert judged(some, "t").auroc == 1.0
 
 
+def test_what_is_lost_is_told_apart_from_what_is_merely_wrong() -> None:
+    some = [
+        _record(c, 0, "check", px, told)
+        for c in "ab"
+        for px, told in ((1.0, 1.0), (9.0, 2.0), (11.0, 1.5), (30.0, 3.0))
+    ]
+    found = judged(some, "t")
+    assert found.left_out == pytest.approx(0.75)
+    assert found.very_far == 1.0
+
+
 def test_a_left_out_clip_is_ordered_within_itself_however_often_it_is_wrong() -> None:
     rare = [_record("a", 0, "check", px, px) for px in (1.0, 2.0, 3.0, 30.0)]
     often = [_record("b", 0, "check", 10 * px, px) for px in (0.5, 2.0, 3.0, 4.0)]

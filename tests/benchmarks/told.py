@@ -21,7 +21,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.tracking.result import SegmentResult
 from tests.benchmarks.clips import Clip, place
-from tests.benchmarks.measures import FAR_PX, marks_between
+from tests.benchmarks.measures import FAR_PX, VERY_FAR_PX, marks_between
 
 Telling = Callable[[SegmentResult, int, int, Skeleton], float]
 """Of a segment, a frame, and the joint where a part begins: how little the result trusts it."""
@@ -129,12 +129,14 @@ class Told:
 
     auroc: over all clips.  The others are of probabilities by a curve fitted to the other clips.
     left_out: AUROC within the clip that was left out, the mean over clips.
+    very_far: the same of joints that are further off than `VERY_FAR_PX`.
     brier: mean squared error.  calibration: mean distance, over ten equal groups, of the mean
     probability from the share that is wrong.
     """
 
     auroc: float
     left_out: float
+    very_far: float
     brier: float
     calibration: float
 
@@ -146,16 +148,22 @@ def judged(some: Sequence[Record], telling: str) -> Told:
     overall = auroc(told, wrong)
     logits = left_out(told, wrong, clips)
     if not np.isfinite(logits).all():
-        return Told(overall, np.nan, np.nan, np.nan)
-    p = np.asarray(expit(logits))
-    within = [auroc(logits[clips == clip], wrong[clips == clip]) for clip in np.unique(clips)]
-    known = [one for one in within if np.isfinite(one)]
+        return Told(overall, np.nan, np.nan, np.nan, np.nan)
+    p, lost = np.asarray(expit(logits)), np.array([r.scaled_px > VERY_FAR_PX for r in some])
     return Told(
         overall,
-        float(np.mean(known)) if known else np.nan,
+        _within(logits, wrong, clips),
+        _within(logits, lost, clips),
         float(((p - wrong) ** 2).mean()),
         miscalibration(p, wrong),
     )
+
+
+def _within(logits: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> float:
+    """The mean AUROC of those clips that have right joints and wrong ones."""
+    within = [auroc(logits[clips == clip], wrong[clips == clip]) for clip in np.unique(clips)]
+    known = [one for one in within if np.isfinite(one)]
+    return float(np.mean(known)) if known else np.nan
 
 
 def left_out(told: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> Array:

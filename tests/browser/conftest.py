@@ -12,9 +12,9 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
+from tests.browser.late import new_context
 
 SCREENS = ROOT / "out" / "screens"
-SECONDS_TO_START = 60
 
 
 @pytest.fixture(scope="package")
@@ -55,12 +55,12 @@ def keypose(sample: Path, tmp_path: Path) -> Iterator[Keypose]:
 @pytest.fixture
 def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
     """The page, opened and ready; anything the browser complains about fails the test."""
-    context = browser.new_context(viewport={"width": 1440, "height": 900})
+    context = new_context(browser, viewport={"width": 1440, "height": 900})
     tab = context.new_page()
     complaints: list[str] = []
     tab.on("pageerror", lambda error: complaints.append(str(error)))
     tab.goto(keypose.address)
-    tab.wait_for_selector("html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000)
+    tab.wait_for_selector("html[data-ready]", state="attached")
     yield tab
     context.close()
     assert not complaints, complaints

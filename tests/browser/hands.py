@@ -16,6 +16,15 @@ SCREENS = ROOT / "out" / "screens"
 Spot: TypeAlias = tuple[float, float]
 """Pixels of the window."""
 
+_WHEN_FADED = """
+() => Promise.allSettled(
+  document.getAnimations()
+    .filter(({ effect }) => Number.isFinite(effect.getComputedTiming().endTime))
+    .map(({ finished }) => finished),
+).then(() => null)
+"""
+_IS_CAUGHT_UP = "async () => (await import('/static/store/edits.js')).isCaughtUp()"
+
 
 def section(page: Page, path: str) -> Any:
     """What the server has told the page: "view.frame"."""
@@ -46,20 +55,18 @@ def until_counted(page: Page, selector: str, count: int) -> None:
     until(lambda: page.locator(selector).count() == count, f"{count} of {selector}")
 
 
-def at_rest(page: Page, path: str) -> Any:
-    """A section's value once nothing that was sent is still on its way."""
-    while True:
-        before = page.evaluate("() => window.keypose.server.ack"), section(page, path)
-        page.wait_for_timeout(300)
-        if before == (page.evaluate("() => window.keypose.server.ack"), section(page, path)):
-            return before[1]
-
-
 def settled(page: Page) -> None:
     """Wait until the page has drawn what it was told."""
     page.evaluate(
         "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
     )
+
+
+def answered(page: Page) -> None:
+    """Wait until the server has dealt with all that was done at the page, and the page shows it."""
+    settled(page)  # what is sent once per redraw is on its way
+    until(lambda: page.evaluate(_IS_CAUGHT_UP), "the answer")
+    settled(page)
 
 
 def spot(page: Page, point: str, view: str = "main") -> Spot:
@@ -90,6 +97,12 @@ def drag(page: Page, start: Spot, end: Spot, steps: int = 8, drop: bool = True) 
     page.mouse.move(*end, steps=steps)
     if drop:
         page.mouse.up()
+
+
+def faded(page: Page) -> None:
+    """Wait until nothing fades in or out any more; what goes on for ever is not waited for."""
+    settled(page)
+    page.evaluate(_WHEN_FADED)
 
 
 def screen(page: Page, name: str) -> None:

@@ -12,9 +12,9 @@ from typing import Any
 from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.hands import section, settled, until
+from tests.browser.hands import answered, section, settled, until
+from tests.browser.late import new_context
 
-SECONDS_TO_START = 60
 SIZE = (1280, 720)
 
 
@@ -42,7 +42,7 @@ def let_in(
     """A browser of its own, in which no script may fail. Its pages can do without viser's pictures,
     which software draws slowly."""
     viewport = {"width": size[0], "height": size[1]}
-    context = browser.new_context(viewport=viewport, **more)  # type: ignore[arg-type]
+    context = new_context(browser, viewport=viewport, **more)
     complaints: list[str] = []
     context.on("weberror", lambda error: complaints.append(str(error.error)))
     if not drawn:
@@ -57,7 +57,7 @@ def opened(context: BrowserContext, keypose: Keypose) -> Page:
     """One more tab with the page, ready for use."""
     page = context.new_page()
     page.goto(keypose.address)
-    page.wait_for_selector("html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000)
+    page.wait_for_selector("html[data-ready]", state="attached")
     page.wait_for_selector("#main canvas.vid[data-frame]")
     return page
 
@@ -73,21 +73,31 @@ class Desk:
 
     @property
     def served(self) -> dict[str, Any]:
-        """The newest of every section, as the server tells it to others."""
-        self.visitor.do(do="end_stroke", stroke="-")  # whatever was told before has come now
-        return self.visitor.seen
+        """The newest of every section, as the server tells it to others once it has dealt with all
+        that was done at the page; what a page does without a line is not waited for."""
+        if self.page.evaluate("() => window.keypose.ui.connected"):
+            answered(self.page)
+        return self._told
 
     def agreed(self, name: str) -> Any:
-        """A section once page and server say the same."""
-        until(lambda: section(self.page, name) == self.served[name], name)
+        """A section once the server has dealt with all that was done, and both say the same."""
+        answered(self.page)
+        until(lambda: section(self.page, name) == self._told[name], name)
         return section(self.page, name)
+
+    @property
+    def _told(self) -> dict[str, Any]:
+        """The newest of every section, as the server tells it to others now."""
+        self.visitor.do(do="end_stroke", stroke="-")  # whatever was told before has come now
+        return self.visitor.seen
 
     def fresh(self) -> None:
         """Everything as it was when the server began, the page with its usual tool and windows."""
         page, visitor = self.page, self.visitor
         page.mouse.up()
         page.keyboard.press("Escape")
-        while self.served["undo"]["undo"] is not None:
+        answered(page)
+        while self._told["undo"]["undo"] is not None:
             visitor.do(do="undo")
         visitor.do(do="go", frame=0)
         visitor.do(do="select", part=None)
@@ -101,18 +111,27 @@ class Desk:
         page.evaluate(
             "() => ['main', 'top', 'side', 'front'].forEach((n) => window.keypose.view(n).fit())"
         )
-        for name in ("pose", "view", "keys", "body", "masks", "undo"):
-            self.agreed(name)
         page.mouse.move(2, 2)
+        answered(page)
+        for name in ("pose", "view", "keys", "body", "masks", "undo"):
+            until(lambda name=name: section(page, name) == self._told[name], name)  # type: ignore[misc]
         settled(page)
 
 
 @contextmanager
 def desk(
-    browser: Browser, folder: Path, *, drawn: bool = False, size: tuple[int, int] = SIZE
+    browser: Browser,
+    folder: Path,
+    *,
+    drawn: bool = False,
+    size: tuple[int, int] = SIZE,
+    late: bool = True,
 ) -> Iterator[Desk]:
     """A page to work at, with everything that belongs to it."""
-    with served(folder) as (keypose, session), let_in(browser, drawn=drawn, size=size) as context:
+    with (
+        served(folder) as (keypose, session),
+        let_in(browser, drawn=drawn, size=size, late=late) as context,
+    ):
         visitor = Visitor(keypose)
         yield Desk(opened(context, keypose), visitor, keypose, session)
         visitor.leave()

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import section, until
-from tests.browser.shared import SECONDS_TO_START, let_in
+from tests.browser.shared import let_in
 
 SAMPLES = ROOT / "sample_videos"
 
@@ -29,7 +29,7 @@ def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
     with let_in(browser, drawn=False) as context:
         tab = context.new_page()
         tab.goto(keypose.address)
-        tab.wait_for_selector("html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000)
+        tab.wait_for_selector("html[data-ready]", state="attached")
         send = "async (a) => (await import('/static/store/link.js')).send(a)"
         tab.evaluate(send, {"do": "close"})
         until(lambda: section(tab, "file") is None, "the start screen")

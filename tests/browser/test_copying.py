@@ -53,7 +53,7 @@ def test_keyframes_are_copied_as_text_and_pasted_from_the_playhead_on(at: Desk) 
     _go(at, 30)
     page.keyboard.press("Control+v")
     until_told(page, "keys.frames", lambda now: now == [0, 24, 30, 48, 54, 72])
-    assert page.evaluate("() => window.keypose.ui.timeKeys") == [30, 54]
+    until(lambda: page.evaluate("() => window.keypose.ui.timeKeys") == [30, 54], "the pasted ones")
     assert at.agreed("undo")["undo"] == "paste 2 keyframes"
 
 

@@ -14,7 +14,9 @@ from playwright.sync_api import Browser, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.hands import (
+    answered,
     between,
+    faded,
     screen,
     section,
     settled,
@@ -65,7 +67,7 @@ def complaints(page: Page) -> list[str]:
     found: list[str] = []
     for theme in ("light", "dark"):
         themed(page, theme)
-        page.wait_for_timeout(200)  # what fades in is there
+        faded(page)
         found += [f"{theme}: {problem}" for problem in page.evaluate(RUN_AXE)]
     return found
 
@@ -170,9 +172,9 @@ def test_axe_finds_nothing_in_the_guide_to_a_pose(shared: Desk) -> None:
     until(lambda: page.locator("#guide h3").count(), "the guide")
     for _ in range(6):
         assert complaints(page) == [], title(page)
-        page.wait_for_timeout(600)
+        step = title(page)
         button(page, "Next").click()
-        settled(page)
+        until(lambda step=step: title(page) != step, f"the step after {step}")  # type: ignore[misc]
     assert complaints(page) == []
     page.keyboard.press("Escape")
 
@@ -246,7 +248,7 @@ def test_in_forced_colours_what_colour_tells_is_seen(
         page.mouse.move(2, 2)
         for name, found in SEEN.items():
             page.get_by_role("tab", name=name.title(), exact=True).click()
-            settled(page)
+            faded(page)
             screen(page, f"forced-{scheme}-{name}")
             faint = {what: c for what in (*found, *ALWAYS) if (c := contrast(page, what)) < 3}
             assert faint == {}
@@ -317,7 +319,6 @@ def test_a_second_press_and_tab_lead_to_the_handle_behind_and_a_drag_takes_it(
     page.mouse.down()
     page.mouse.move(place[0] + 30, place[1] + 6, steps=4)
     page.mouse.up()
-    after = until_told(page, "pose", lambda pose: pose["stroke"] is None)["points"]
     shared.agreed("pose")
     pulled = second.lower().replace(" ", "_")
     other = first.lower().replace(" ", "_")
@@ -350,6 +351,7 @@ def named(page: Page) -> str:
 def put_together(at: Desk) -> tuple[float, float]:
     """Pull the right hand onto the left one; where both are seen."""
     at.visitor.do(do="go", frame=0)
+    at.agreed("pose")
     there = spot(at.page, "left_hand")
     for _ in range(3):
         here = spot(at.page, "right_hand")
@@ -357,7 +359,6 @@ def put_together(at: Desk) -> tuple[float, float]:
         at.page.mouse.down()
         at.page.mouse.move(*there, steps=4)
         at.page.mouse.up()
-        until_told(at.page, "pose.stroke", lambda stroke: stroke is None)
         at.agreed("pose")
     at.page.keyboard.press("v")
     return between(at.page, "left_hand", "right_hand")
@@ -398,8 +399,9 @@ def test_a_first_pose_is_made_and_tracked_with_the_keyboard_alone(
         page.keyboard.press("]")
         until_told(page, "view.selected", lambda part: part != "waist")
         focus(page, "Bend")
+        bend = section(page, "pose.angles")
         page.keyboard.press("ArrowRight")
-        until_told(page, "pose.stroke", lambda stroke: stroke is not None)
+        until_told(page, "pose.angles", lambda angles: angles != bend)
         until_told(page, "pose.stroke", lambda stroke: stroke is None)  # else Esc would cancel it
         page.keyboard.press("Escape")
         page.keyboard.press("k")
@@ -413,6 +415,7 @@ def test_a_first_pose_is_made_and_tracked_with_the_keyboard_alone(
         until_told(page, "job.state", lambda state: state == "done")
         until_counted(page, "#tsvg .playhead", 1)
         page.keyboard.press("n")
+        answered(page)
         assert section(page, "segments")[0]["state"] in ("good", "check", "lost")
 
 

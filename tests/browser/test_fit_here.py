@@ -28,9 +28,6 @@ SIZE = (1440, 900)
 TURNS = {"right_forearm": -7.0, "left_upper_arm": 5.0, "right_thigh": 4.0, "left_shin": 6.0}
 """Degrees about x, as a hand that was in a hurry would leave them."""
 
-SECONDS_TO_FIT = 240
-"""The loops may have to be compiled first."""
-
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
@@ -78,7 +75,7 @@ def shin_cm(desk: Desk) -> float:
 
 def fitted(page: Page) -> None:
     """Wait for the card that tells what a fit did."""
-    until_told(page, "fit", bool, SECONDS_TO_FIT)
+    until_told(page, "fit", bool)
     until_counted(page, ".fitcard", 1)
 
 
@@ -103,7 +100,7 @@ def test_f_lays_a_keyframe_onto_what_the_picture_shows(at: Desk) -> None:
     assert section(page, "undo.undo") == "fit the pose"
     screen(page, "fit-1-card")
     held_before(page, "fit-2-before")
-    assert section(page, "pose.points") == root["points"]
+    until_told(page, "pose.points", lambda points: points == root["points"])
     page.mouse.up()
     until(lambda: section(page, "pose.points") == after["points"], "what was fitted")
     page.keyboard.press("Control+z")
@@ -135,7 +132,6 @@ def test_a_frame_between_keyframes_becomes_a_draft_and_esc_closes_the_card(at: D
     until(
         lambda: section(page, "fit") or page.locator(".toast").count(),
         "the fit",
-        SECONDS_TO_FIT,
     )
     assert section(page, "keys.drafts") == [FRAME + 2]
     page.keyboard.press("Escape")
@@ -159,7 +155,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     before = at.agreed("body")
     page.get_by_role("tab", name="Body").click()
     page.get_by_role("button", name="Fit sizes").click()
-    until_told(page, "sizes_preview", bool, SECONDS_TO_FIT)
+    until_told(page, "sizes_preview", bool)
     page.get_by_text("Preview of new sizes").wait_for()
     page.get_by_text("New sizes fit better.").wait_for()
     screen(page, "fit-3-sizes")
@@ -179,7 +175,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     until(lambda: section(page, "body") == after, "the new sizes")
     page.keyboard.press("Enter")
     until_told(page, "sizes_preview", lambda preview: preview is None)
-    assert section(page, "undo.undo") == "fit the sizes"
+    assert at.agreed("undo")["undo"] == "fit the sizes"
     assert at.agreed("body") == after
     page.keyboard.press("Control+z")
     until(lambda: at.agreed("body") == before, "the body as it was")
@@ -191,7 +187,7 @@ def test_new_sizes_that_are_discarded_with_esc_change_nothing(at: Desk) -> None:
     before = at.agreed("body")
     page.get_by_role("tab", name="Body").click()
     page.get_by_role("button", name="Fit sizes").click()
-    until_told(page, "sizes_preview", bool, SECONDS_TO_FIT)
+    until_told(page, "sizes_preview", bool)
     page.keyboard.press("Escape")
     until_told(page, "sizes_preview", lambda preview: preview is None)
     assert at.agreed("body") == before
@@ -231,7 +227,7 @@ def test_tracking_waits_for_a_fit_and_goes_on_after_it(at: Desk) -> None:
     fitted(page)
     page.evaluate("() => document.documentElement.dataset.theme = 'light'")
     screen(page, "fit-9-after-light")
-    until_told(page, "job.state", lambda state: state == "done", SECONDS_TO_FIT)
+    until_told(page, "job.state", lambda state: state == "done")
     assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
 
 

@@ -62,7 +62,7 @@ def pull(page: Page, button: str, start: list[float], by: tuple[float, float]) -
 
 
 def test_the_right_button_turns_it_about_the_selected_part(page: Page) -> None:
-    assert page.is_visible("#morbit")
+    until(lambda: page.is_visible("#morbit"), "the hint")
     before, pivot = eye(page), "waist"
     selected = section(page, "view.selected")
     if selected:
@@ -135,7 +135,7 @@ def test_its_key_again_or_1_or_the_camera_in_it_leads_back(page: Page) -> None:
     page.keyboard.press("1")
     assert page.evaluate(layout) == "main"
     until(lambda: not page.is_visible("#free"), "the camera's view")
-    assert page.is_visible("[data-view=top]")
+    until(lambda: page.is_visible("[data-view=top]"), "the small views")
 
 
 def test_its_picture_is_saved_as_one_looks(page: Page, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import drag, section, settled, spot, until, until_told
+from tests.browser.hands import answered, drag, section, settled, spot, until, until_told
 from tests.browser.shared import Desk, desk
 from tests.browser.test_surface import SAMPLE, arms
 
@@ -51,20 +51,17 @@ def button(page: Page, words: str) -> Locator:
 
 
 def up_to(page: Page, wanted: str) -> None:
-    """Press Next until this step is shown."""
-    until(lambda: title(page) == wanted or went_on(page), wanted)
-
-
-def went_on(page: Page) -> bool:
-    button(page, "Next").click()
-    return False
+    """Press Next until this step is shown, and its card has its place."""
+    while (step := title(page)) != wanted:
+        button(page, "Next").click()
+        until(lambda step=step: title(page) != step, f"the step after {step}")  # type: ignore[misc]
+    settled(page)
 
 
 def pulled(page: Page, point: str, by: tuple[float, float], view: str = "main") -> None:
     x, y = spot(page, point, view)
     drag(page, (x, y), (x + by[0], y + by[1]), steps=4)
-    until_told(page, "pose.stroke", lambda stroke: stroke is None)
-    settled(page)
+    answered(page)
 
 
 def corner(page: Page) -> tuple[float, float]:
@@ -101,7 +98,6 @@ def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
     drag(guided, (x, y), (x + 9, y), drop=False)
     until_told(guided, "pose.stroke", lambda stroke: stroke is not None)
     guided.keyboard.press("Escape")
-    until_told(guided, "pose.stroke", lambda stroke: stroke is None)
     guided.mouse.up()
     assert not at.agreed("guide")["done"]["hips"]
     assert title(guided) == "Drag the waist onto the hips"
@@ -118,7 +114,7 @@ def test_the_guide_closes_when_a_session_is_opened_that_has_keyframes(
         before = section(page, "file.path")
         own.visitor.do(do="open", kind="sample", id="box")
         until_told(page, "file", lambda file: file and file["path"] != before)
-        assert section(page, "guide.first") is False
+        until_told(page, "guide.first", lambda first: first is False)
         until(lambda: not page.locator("#guide h3").count(), "the guide gone")
 
 
@@ -180,7 +176,7 @@ def test_the_reading_of_a_drag_is_not_hidden_by_the_card(guided: Page) -> None:
     guided.locator("#main .hud .flt").wait_for()
     guided.locator("#guide .coach.behind").wait_for()
     guided.mouse.up()
-    until_told(guided, "pose.stroke", lambda stroke: stroke is None)
+    answered(guided)
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
 
 
@@ -205,7 +201,7 @@ def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
     middle = box["x"] + box["width"] / 2
     drag(guided, (middle, box["y"] + 40), (middle + 9, box["y"] + box["height"] - 60))
     until_told(guided, "camera.up_origin", lambda origin: origin == "drawn")
-    assert guided.evaluate("() => window.keypose.ui.tool") == "rotate"
+    until(lambda: guided.evaluate("() => window.keypose.ui.tool") == "rotate", "the tool before")
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
 
 

@@ -35,7 +35,6 @@ from tests.browser.hands import (
 from tests.browser.shared import let_in, opened
 
 UNSURE = JOINTS.index("right_elbow")
-SECONDS_TO_TRACK = 300
 PROJECTED = """
 (point) => window.keypose.view('main').project(window.keypose.server.pose.points[point])
 """
@@ -145,14 +144,14 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
         return page.evaluate(PROJECTED, "left_hand")[:2]
 
     page.keyboard.press("t")
-    until(lambda: segment()["state"] in ("good", "check"), "the segment", SECONDS_TO_TRACK)
+    until(lambda: segment()["state"] in ("good", "check"), "the segment")
     x, y = ring(page)
     drag(page, (x, y), (x + 24, y + 12))
     until(lambda: segment()["state"] == "outdated", "the segment to be outdated")
     assert [each["state"] for each in section(page, "segments")[1:]].count("outdated") == 0
     at = keypoint(page)["at"]
     page.keyboard.press("t")
-    until(lambda: segment()["state"] in ("good", "check", "lost"), "the segment", SECONDS_TO_TRACK)
+    until(lambda: segment()["state"] in ("good", "check", "lost"), "the segment")
     wanted = page.evaluate("(at) => window.keypose.view('main').fromView(at)", at)
     # One frame against all its neighbours: smoothness keeps some of the way.
     assert np.linalg.norm(np.subtract(hand(), wanted)) < np.linalg.norm((24, 12)) / 3

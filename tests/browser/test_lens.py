@@ -85,7 +85,7 @@ def test_a_film_that_says_nothing_begins_with_a_guess_that_a_key_replaces(page: 
     until(lambda: chosen(page) == "Phone, main", "the card")
     assert page.evaluate("() => window.keypose.ui.layout") == "main"  # 1 did not choose a view
     until_counted(page, ".fan text.here", 1)
-    assert "26 mm · 69°" in page.locator(".fan").inner_text()
+    until(lambda: "26 mm · 69°" in page.locator(".fan").inner_text(), "the angle of view")
     screens(page, "lens-1")
 
 
@@ -126,7 +126,7 @@ def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(p
     page.keyboard.press("Enter")
     until(lambda: title(page) == "Draw a box around the person", "the next step")
     until_told(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
-    assert page.evaluate("() => window.keypose.ui.tool") == "box"
+    until(lambda: page.evaluate("() => window.keypose.ui.tool") == "box", "the tool")
     for wanted in ("Pose every frame", "Confirm the draft"):
         page.locator("#guide .foot .btn", has_text="Skip").click()
         until(lambda wanted=wanted: title(page) == wanted, wanted)
@@ -143,15 +143,15 @@ def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) 
     drag(page, (x, y), (x + 90, y + 300))
     settled(page)
     page.locator("#guide .filesays.good").wait_for()
-    assert page.locator("#guide .coach.behind").count() == 0
-    assert page.locator("#guide .foot .pri").inner_text().startswith("Draft 73 frames")
+    until_counted(page, "#guide .coach.behind", 0)
+    page.locator("#guide .foot .pri", has_text="Draft 73 frames").wait_for()
 
 
 def test_posing_by_hand_is_one_press_away(page: Page) -> None:
     page.keyboard.press("Enter")
     page.locator("#guide").get_by_role("button", name="Pose by hand instead").click()
     until(lambda: title(page) == "Drag the waist onto the hips", "the first step by hand")
-    assert page.evaluate("() => window.keypose.ui.tool") == "move"
+    until(lambda: page.evaluate("() => window.keypose.ui.tool") == "move", "the tool")
 
 
 def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page) -> None:
@@ -167,4 +167,6 @@ def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page
     tab.get_by_role("button", name="Lens", exact=True).click()
     tab.get_by_text("35 mm eq.").wait_for()
     page.get_by_role("tab", name="Body").click()
-    assert tab.get_by_role("checkbox", name="With focal length").is_checked()
+    until(
+        tab.get_by_role("checkbox", name="With focal length").is_checked, "the guess to be fitted"
+    )

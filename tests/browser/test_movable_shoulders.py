@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser
 
-from tests.browser.hands import drag, screens, spot
+from tests.browser.hands import drag, screens, spot, until
 from tests.browser.shared import Desk, desk
 
 
@@ -23,9 +23,9 @@ def test_shoulders_move_once_they_are_asked_to_and_arms_keep_theirs(shared: Desk
     page = shared.page
     page.get_by_role("tab", name="Body").click()
     box = page.get_by_role("checkbox", name="Movable shoulders")
-    expect(box).to_have_attribute("aria-checked", "false")
+    until(lambda: box.get_attribute("aria-checked") == "false", "the switch")
     box.click()
-    expect(box).to_have_attribute("aria-checked", "true")
+    until(lambda: box.get_attribute("aria-checked") == "true", "the switch")
     before = shared.agreed("pose")["angles"]
     assert before["left_clavicle"] == pytest.approx([0, 0, 0], abs=1e-6)
     screens(page, "shoulders-1-body-tab")
@@ -53,8 +53,8 @@ def test_the_export_menu_says_that_motion_is_filtered(shared: Desk) -> None:
     page = shared.page
     page.get_by_role("button", name="Export").click()
     box = page.get_by_role("menuitemcheckbox", name="Low-pass filter, 6 Hz")
-    expect(box).to_have_attribute("aria-checked", "false")
+    until(lambda: box.get_attribute("aria-checked") == "false", "the switch")
     box.click()
-    expect(box).to_have_attribute("aria-checked", "true")
+    until(lambda: box.get_attribute("aria-checked") == "true", "the switch")
     screens(page, "export-filter")
     page.keyboard.press("Escape")

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page
 from tests.browser.hands import (
     SCREENS,
     Spot,
-    at_rest,
+    answered,
     drag,
     screens,
     section,
@@ -22,7 +22,6 @@ from tests.browser.hands import (
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
-SECONDS_TO_TRACK = 240
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +62,8 @@ def _keyed_arm(page: Page) -> int:
     until_told(page, "pose.frame", lambda now: now == frame)
     settled(page)
     _pull(page, "right_hand", (24, -10))
-    until_told(page, "keys.drafts", lambda drafts: drafts == [frame])
+    answered(page)
+    assert section(page, "keys.drafts") == [frame]
     page.keyboard.press("Shift+K")
     until_told(page, "keys.parts", lambda parts: [part["frame"] for part in parts] == [frame])
     return frame
@@ -124,13 +124,14 @@ def test_with_live_on_the_limb_is_tracked_at_once_and_the_rest_stays_where_it_wa
     page.keyboard.press("/")
     until_told(page, "pose.frame", lambda now: now == 12)
     page.keyboard.press("Shift+T")
-    until_told(page, "pose.source", lambda source: source == "tracked", SECONDS_TO_TRACK)
-    until_told(page, "job.state", lambda state: state == "done", SECONDS_TO_TRACK)
+    until_told(page, "pose.source", lambda source: source == "tracked")
+    until_told(page, "job.state", lambda state: state == "done")
     at.visitor.do(do="live", on=True)
+    at.agreed("view")
     before = spot(page, "left_foot")
     _pull(page, "right_hand", (24, -10))
     until_told(page, "keys.drafts", lambda drafts: drafts == [12])
-    at_rest(page, "pose.points.right_hand")
+    answered(page)
     dropped = spot(page, "right_hand")
     page.keyboard.press("Shift+K")
     until_told(page, "keys.parts", lambda parts: len(parts) == 1)
@@ -138,10 +139,9 @@ def test_with_live_on_the_limb_is_tracked_at_once_and_the_rest_stays_where_it_wa
         page,
         "segments[0].state",
         lambda state: state in ("good", "check", "lost"),
-        SECONDS_TO_TRACK,
     )
-    until_told(page, "pose.source", lambda source: source == "tracked", SECONDS_TO_TRACK)
-    settled(page)
+    until_told(page, "pose.source", lambda source: source == "tracked")
+    at.agreed("pose")
     assert spot(page, "right_hand") == pytest.approx(dropped, abs=0.5)
     assert spot(page, "left_foot") == pytest.approx(before, abs=0.01)
     screens(page, "part-keyframe-live")

@@ -40,7 +40,7 @@ def tracked(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Itera
     with desk(browser, tmp_path_factory.mktemp("pictures")) as made:
         made.visitor.do(do="settings", quality="preview")
         made.visitor.do(do="track", what="all")
-        until(lambda: made.served["job"]["state"] == "done", "the track", 120)
+        until(lambda: made.served["job"]["state"] == "done", "the track")
         yield made
 
 

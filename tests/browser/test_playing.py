@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import screen, section, until, until_told
+from tests.browser.hands import answered, screen, section, until, until_told
 from tests.browser.shared import let_in, opened, served
 
 LATE = """
@@ -43,8 +43,7 @@ def keypose(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Keypose]:
 def _played(page: Page) -> list[int]:
     """The pictures that were seen from here to the end."""
     page.evaluate(RECORD)
-    page.keyboard.press("Space")
-    until(lambda: page.evaluate("() => window.keypose.ui.playing"), "playing")
+    page.keyboard.press("Space")  # it plays by now: where few frames are left that is soon over
     until(lambda: not page.evaluate("() => window.keypose.ui.playing"), "the end")
     return list(page.evaluate("() => window.seen"))
 
@@ -72,7 +71,7 @@ def test_pictures_go_forward_only_and_end_with_the_last(
         assert seen == sorted(seen)
         assert seen[-1] == last
         until_told(page, "view.frame", lambda frame: frame == last)
-        page.wait_for_timeout(700)  # whatever is still on its way has come by then
+        answered(page)
         assert section(page, "view.frame") == last
         again = _played(page)  # from the end it begins anew
         assert again == sorted(again)
@@ -117,6 +116,7 @@ def test_a_loop_stays_between_in_and_out_point_until_it_is_stopped(
         screen(page, "timeline-loop")
         page.keyboard.press("k")  # while it plays: no keyframe is added
         until(lambda: not _ui(page, "playing"), "the end")
+        answered(page)
         seen = page.evaluate("() => window.seen")
         assert set(seen) <= set(range(10, 17))
         assert 10 not in section(page, "keys.frames")
@@ -138,20 +138,20 @@ def test_backward_pictures_go_backward_only_and_l_turns_them_round(
         _go(keypose, page, 14)
         page.evaluate(RECORD)
         page.keyboard.press("Shift+Space")
-        until(lambda: _ui(page, "playing"), "playing")
         until(lambda: not _ui(page, "playing"), "the end")
         seen = page.evaluate("() => window.seen")
         assert seen == sorted(seen, reverse=True)
         assert seen[-1] == 0
-        _go(keypose, page, 60)
+        page.keyboard.press("Shift+L")  # round and round: it does not end before it is turned
         page.keyboard.press("Space")
-        until(lambda: _ui(page, "playing"), "playing")
         page.keyboard.press("j")
         until(lambda: _ui(page, "shuttle") == -1, "backward")
         page.keyboard.press("l")
         until(lambda: _ui(page, "shuttle") == 1, "forward")
-        assert section(page, "view.live") == live, "while it plays L is no switch"
+        page.keyboard.press("k")
         until(lambda: not _ui(page, "playing"), "the end")
+        answered(page)
+        assert section(page, "view.live") == live, "while it plays L is no switch"
 
 
 def test_the_out_point_is_dragged_on_the_ruler_and_snaps_to_keyframes(

@@ -17,8 +17,6 @@ from tests.browser.conftest import ROOT
 from tests.browser.hands import screen, section, until, until_counted, until_told
 
 PERSON = ROOT / "sample_videos" / "person"
-SECONDS_TO_REDUCE = 240
-"""The loops may have to be compiled first."""
 
 
 @pytest.fixture
@@ -53,7 +51,7 @@ def begun(page: Page) -> None:
     page.locator("#search[open] input").fill("unbake")
     until_counted(page, "#search [role=option]", 1)
     page.keyboard.press("Enter")
-    until_told(page, "reduction", is_found, SECONDS_TO_REDUCE)
+    until_told(page, "reduction", is_found)
     until_counted(page, ".reducecard", 1)
 
 

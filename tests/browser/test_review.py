@@ -81,7 +81,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     strip.get_by_role("button", name="Continue").click()
     until(lambda: current(page) == "Left forearm")
     page.keyboard.press("Enter")
-    page.get_by_text("Nothing left above 5 px so far").wait_for(timeout=20_000)
+    page.get_by_text("Nothing left above 5 px so far").wait_for()
     screens(page, "review-3-ended")
     page.keyboard.press("Control+z")
     until(lambda: current(page) == "Left forearm")
@@ -102,7 +102,7 @@ def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     assert keyed[0]["frame"] == 10
     assert "right_forearm" in keyed[0]["parts"]
     assert section(page, "keys.frames") == [0, 24, 48, 72]
-    page.get_by_text("Corrected").wait_for(timeout=20_000)
+    page.get_by_text("Corrected").wait_for()
     assert section(page, "undo.undo").startswith("move")
     screens(page, "review-4-corrected")
     page.keyboard.press("Control+z")
@@ -127,7 +127,7 @@ def test_before_tracking_it_says_what_to_do_first(page: Page) -> None:
     page.keyboard.press("Delete")
     until_told(page, "keys.frames", lambda keys: keys == [24, 48, 72])
     page.keyboard.press("Shift+R")
-    page.get_by_text("Nothing to review. Track first.").wait_for(timeout=20_000)
+    page.get_by_text("Nothing to review. Track first.").wait_for()
     screens(page, "review-5-empty")
     page.keyboard.press("Escape")
     until_counted(page, "section.review", 0)

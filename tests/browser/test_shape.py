@@ -52,7 +52,7 @@ def radius_cm(page: Page) -> float:
 def test_a_capsule_is_chosen_in_the_inspector_drawn_in_every_view_and_sized(
     page: Page, sample: Path
 ) -> None:
-    until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
+    until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
     page.evaluate(
         """async (part) => {
           const { send } = await import('/static/store/link.js');

@@ -1,4 +1,4 @@
-"""A drag goes on while the server does not answer, and what it came to is sent once it does."""
+"""While the server does not answer a drag goes on, and a click waits: both count once it does."""
 
 from __future__ import annotations
 
@@ -9,16 +9,23 @@ from math import dist
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.hands import section, spot, until
+from tests.browser.hands import between, section, spot, until, until_told
 from tests.browser.shared import Desk, desk
 
 REACH_PX = 3.0
 
 
-@pytest.fixture
-def at(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("silence")) as made:
         yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page as if it had just been opened."""
+    shared.fresh()
+    return shared
 
 
 def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at: Desk) -> None:
@@ -51,4 +58,19 @@ def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at
     until(lambda: section(page, "undo.undo") is not None, "one step")
     page.keyboard.press("Control+z")
     until(lambda: dist(spot(page, "left_hand"), start) < REACH_PX, "the hand where it was")
-    assert section(page, "undo.undo") is None
+    until_told(page, "undo.undo", lambda step: step is None)
+
+
+def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: Desk) -> None:
+    page, process = at.page, at.keypose.process
+    at.visitor.do(do="select", part="head")
+    at.agreed("view")
+    place = between(page, "right_shin", "right_foot")
+    process.send_signal(signal.SIGSTOP)
+    try:
+        page.mouse.click(*place)
+        page.get_by_text("Connection lost.").wait_for()
+        assert section(page, "view.selected") == "head"
+    finally:
+        process.send_signal(signal.SIGCONT)
+    until_told(page, "view.selected", lambda part: part == "right_shin")

@@ -30,7 +30,7 @@ FIXED = """() => {
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("steady")) as made:
+    with desk(browser, tmp_path_factory.mktemp("steady"), late=False) as made:
         # What is pressed here is not done.
         made.page.evaluate(SET_UP)
         made.page.evaluate(

@@ -17,14 +17,12 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.files import load_session, open_video_of
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.hands import drag, screen, section, settled, until, until_told
+from tests.browser.hands import answered, drag, faded, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1440, 900)
 SMALL = ("top", "side", "front")
-SECONDS_TO_FIT = 240
-"""The loops may have to be compiled first."""
 
 _SKINS = """
 (name) => {
@@ -81,7 +79,7 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 def fitted(shared: Desk) -> Desk:
     """The arms once their one segment has been fitted, by the key."""
     shared.page.keyboard.press("t")
-    until_told(shared.page, "segments", lambda all: all[0]["state"] in DONE, SECONDS_TO_FIT)
+    until_told(shared.page, "segments", lambda all: all[0]["state"] in DONE)
     return shared
 
 
@@ -139,8 +137,8 @@ def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
     page = fitted.page
     (segment,) = section(page, "segments")
     assert (segment["first"], segment["last"], segment["state"]) == (0, 18, "good")
-    assert page.locator("#mhead").inner_text().endswith("Good")
-    assert "All good" in page.locator(".sug").inner_text()
+    until(lambda: page.locator("#mhead").inner_text().endswith("Good"), "the verdict")
+    page.locator(".sug", has_text="All good").wait_for()
     assert "Fit" in page.locator("#top .btn.pri").first.inner_text()
     page.locator("#insp [role=tab]").last.click()
     settled(page)
@@ -188,9 +186,8 @@ def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str,
     page.locator(f"#mtint [data-tint={tint}]").click()
     until_told(page, "view.tint", lambda now: now == tint)
     until(lambda: page.evaluate(_PIXELS) != before, "another picture")
-    assert high in page.locator("#mtint .ramp").inner_text()
+    page.locator("#mtint .ramp", has_text=high).wait_for()
     until_seen(page, box_of(at.session, 9))
-    page.wait_for_timeout(600)  # the small views draw at leisure
     screen(page, f"surface-{tint}")
 
 
@@ -279,7 +276,7 @@ def test_a_hand_drag_moves_the_body_in_the_surface(at: Desk) -> None:
     page = at.page
     before = section(page, "pose.root")
     page.keyboard.press("g")
-    settled(page)
+    answered(page)
     x, y = page.evaluate(
         """() => {
           const view = window.keypose.view('main');
@@ -289,7 +286,8 @@ def test_a_hand_drag_moves_the_body_in_the_surface(at: Desk) -> None:
         }"""
     )
     drag(page, (x, y), (x + 40, y + 10))
-    until_told(page, "pose.root", lambda root: root[0] > before[0] + 0.01)
+    answered(page)
+    assert section(page, "pose.root")[0] > before[0] + 0.01
     page.keyboard.press("v")
 
 
@@ -300,7 +298,7 @@ def test_the_page_is_as_clear_on_a_small_screen_and_by_day(at: Desk) -> None:
     at.agreed("view")
     page.set_viewport_size({"width": 1280, "height": 720})
     page.evaluate("() => { document.documentElement.dataset.theme = 'light'; }")
-    page.wait_for_timeout(900)
+    faded(page)
     screen(page, "surface-light-1280x720")
     head, tints = (page.locator(name).bounding_box() for name in ("#mhead", "#mtint"))
     assert head is not None

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Visitor
 from tests.browser.cable import Cable, cable
-from tests.browser.hands import drag, section, spot, until, until_told
+from tests.browser.hands import answered, drag, section, spot, until, until_told
 from tests.browser.shared import Desk, let_in, opened, served
 
 SHARED = ("file", "camera", "views", "body", "view", "pose", "keys", "segments", "undo", "masks")
@@ -66,7 +66,7 @@ def wired(
     ):
         visitor = Visitor(keypose)
         page = opened(context, keypose)
-        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
         yield Desk(page, visitor, keypose, session), laid
         visitor.leave()
 
@@ -119,7 +119,7 @@ def status(page: Page) -> str:
 
 def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
     one = at.page
-    assert _alike(one, other)
+    until(lambda: _alike(one, other), "the same state")
     until_told(one, "tabs", lambda count: count == 3)
     until(lambda: "3 tabs open" in status(one), "the count")
     start = spot(one, "left_hand")
@@ -127,6 +127,8 @@ def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
     until(
         lambda: _alike(one, other) and section(other, "undo.undo") == "move left hand", "the edit"
     )
+    answered(one)
+    until(lambda: _alike(one, other), "the same state")
     np.testing.assert_allclose(spot(other, "left_hand"), spot(one, "left_hand"), atol=0.5)
     other.keyboard.press("ArrowRight")
     until(lambda: section(one, "view.frame") == 1, "the frame")
@@ -157,13 +159,14 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     until_told(at.page, "undo.undo", lambda label: label == "move the body")
     at.page.keyboard.press("w")
     until_told(at.page, "view.mode", lambda mode: mode != "both")
+    answered(at.page)
     before, place = _all(at.page), spot(at.page, "waist")
     at.page.reload()
     at.page.wait_for_selector("html[data-ready]", state="attached")
     at.page.wait_for_selector("#main canvas.vid[data-frame='1']")
-    assert _all(at.page) == before
+    until(lambda: _all(at.page) == before, "all that was there")
     np.testing.assert_allclose(spot(at.page, "waist"), place, atol=0.5)
-    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views", 300)
+    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views")
     until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
@@ -239,7 +242,7 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
     assert not page.locator(".view.drawn").count()
     context.unroute("**/view/*")
     page.evaluate("() => document.querySelectorAll('iframe.viser').forEach((f) => (f.src = f.src))")
-    until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
+    until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
 
 
 def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
@@ -248,4 +251,4 @@ def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
     with let_in(browser, drawn=True) as context:
         context.add_init_script(SLOW)
         page = opened(context, at.keypose)
-        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views")

@@ -13,7 +13,7 @@ from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import load_session
 from tests.browser.hands import (
-    at_rest,
+    answered,
     between,
     drag,
     screen,
@@ -44,8 +44,9 @@ def _looks_around(page: Page) -> None:
     assert ruler is not None
     y = ruler["y"] + 8
     drag(page, (ruler["x"] + ruler["width"] * 0.3, y), (ruler["x"] + ruler["width"] * 0.6, y))
-    until_told(page, "view.frame", lambda f: f > 30)
-    frame = at_rest(page, "view.frame")
+    answered(page)
+    frame = section(page, "view.frame")
+    assert frame > 30
     screen(page, "02-scrubbed")
     page.keyboard.press("ArrowRight")
     until_told(page, "view.frame", lambda f: f == frame + 1)
@@ -65,7 +66,7 @@ def _selects_and_turns(page: Page) -> None:
     until(lambda: section(page, "pose.gesture"), "the reading")
     screen(page, "04-turning")
     page.mouse.up()
-    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    answered(page)
     after = section(page, "pose.angles.right_shin")
     assert np.abs(np.subtract(after, before)).max() > 1
     assert section(page, "undo.undo") == "turn right shin"
@@ -80,7 +81,7 @@ def _pulls_a_hand(page: Page) -> None:
     until(lambda: section(page, "pose.gesture"), "the reading")
     screen(page, "05-hand")
     page.mouse.up()
-    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    answered(page)
     np.testing.assert_allclose(spot(page, "left_hand"), end, atol=1.5)
     assert section(page, "keys.drafts") == [1]
 
@@ -119,7 +120,7 @@ def _tracks(page: Page) -> None:
     page.keyboard.press("t")
     until_told(page, "segments", lambda segments: any(s["state"] == "tracking" for s in segments))
     screen(page, "08-tracking")
-    until_told(page, "job.state", lambda state: state == "done", 120)
+    until_told(page, "job.state", lambda state: state == "done")
     assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
     page.keyboard.press("End")
     page.keyboard.press("Shift+ArrowLeft")
@@ -145,13 +146,12 @@ def _exports(page: Page, folder: Path) -> None:
 
 
 def _comes_back(page: Page, sample: Path) -> None:
-    before = _all(page)
+    answered(page)
     until_told(page, "saved.state", lambda state: state == "saved")
+    before = _all(page)
     page.reload()
-    page.wait_for_selector("html[data-ready]", state="attached", timeout=60_000)
-    settled(page)
-    after = _all(page)
-    assert after == before
+    page.wait_for_selector("html[data-ready]", state="attached")
+    until(lambda: _all(page) == before, "all that was there")
     screen(page, "11-reloaded")
     assert len(load_session(sample).keyframes) == 4
 

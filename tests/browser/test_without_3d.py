@@ -5,7 +5,7 @@ from __future__ import annotations
 from playwright.sync_api import Browser
 
 from tests.app.serving import Keypose
-from tests.browser.hands import at_rest, drag, screen, section, spot, until
+from tests.browser.hands import answered, drag, screen, section, spot, until
 from tests.browser.shared import let_in, opened
 
 WITHOUT = """
@@ -29,4 +29,5 @@ def test_a_browser_without_3d_says_so_and_still_poses(browser: Browser, keypose:
         before = section(page, "pose.points")["left_hand"]
         x, y = spot(page, "left_hand")
         drag(page, (x, y), (x + 20, y))
-        assert at_rest(page, "pose.points")["left_hand"] != before
+        answered(page)
+        assert section(page, "pose.points")["left_hand"] != before

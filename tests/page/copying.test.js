@@ -2,8 +2,8 @@
 
 import './browser.js';
 import assert from 'node:assert/strict';
-import { beforeEach, test } from 'node:test';
-import { copiedIn, framesFrom, nothingCopied, pasteText } from '../../static/actions/copying.js';
+import { beforeEach, mock, test } from 'node:test';
+import { awaitPaste, copiedIn, framesFrom, hearPaste, nothingCopied, pasteText } from '../../static/actions/copying.js';
 import { server, ui } from '../../static/store/state.js';
 
 const pose = { keypose: 'pose', version: 1, keys: [{ after: 0, root_m: [0, 0, 3], rotations_wxyz: {} }] };
@@ -46,4 +46,20 @@ test('without a clipboard that can be read one copies first', () => {
   assert.equal(nothingCopied(), 'Copy a pose first (Ctrl C)');
   server.clipboard = true;
   assert.equal(nothingCopied(), '');
+});
+
+test('a browser that is late to tell what is on its clipboard does not paste twice', () => {
+  const pastes = (act) => {
+    ui.toasts = [];
+    act();
+    return said().length;
+  };
+  mock.timers.enable({ apis: ['setTimeout'] });
+  awaitPaste(false);
+  assert.equal(pastes(() => mock.timers.tick(60_000)), 1);
+  assert.equal(pastes(() => hearPaste('a poem')), 0);
+  awaitPaste(false);
+  assert.equal(pastes(() => hearPaste('a poem')), 1);
+  assert.equal(pastes(() => mock.timers.tick(60_000)), 0);
+  mock.timers.reset();
 });

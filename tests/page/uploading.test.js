@@ -7,9 +7,9 @@ import './browser.js';
 
 const { whyNotVideo } = await import('../../static/start/uploading.js');
 
-test('motion and keypoints of other programs are told how they are imported', () => {
+test('what belongs to a session is imported once one is open', () => {
   for (const name of ['Walk.BVH', 'dogDLC.h5', 'hmr4d_results.pt', 'poses.npz']) {
-    assert.match(whyNotVideo(name), new RegExp(`keypose import SESSION ${name}, with --keypoints`));
+    assert.match(whyNotVideo(name), new RegExp(`${name} is not a video. Open the video first`));
   }
 });
 

@@ -173,7 +173,7 @@ def _people(file: str, table: Table, individual: str | None) -> People:
     told, nothing = [mine.get((name, "likelihood")) for name in names], np.full(len(values), np.nan)
     sure = [nothing if i is None else values[:, i] for i in told]
     rows = person_numbers(file, uv.reshape(len(values), -1, 2), np.stack(sure, axis=1))
-    return People(_by_frame(file, index, rows), names)
+    return People(_by_frame(file, index, rows), names, program="DeepLabCut")
 
 
 def _require_table(file: str, table: Table) -> None:

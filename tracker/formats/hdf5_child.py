@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from keypose.tracker.errors import FormatError
+from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.formats import deeplabcut, hdf5, sleap
 from keypose.tracker.formats.people import People
 from keypose.tracker.surface.files.child import limit_memory, limit_time
@@ -52,10 +52,13 @@ def people_of_hdf5(file: str, content: bytes, individual: str | None) -> People:
 def _people(file: str, answer: Any) -> People:
     """What the child says; the numbers are checked as those of every file are."""
     if isinstance(answer, dict) and isinstance(answer.get("refused"), str):
-        raise FormatError(answer["refused"][:500])
+        words, choices = answer["refused"][:500], answer.get("individuals")
+        if isinstance(choices, list):
+            raise ChoiceError(words, "individual", [str(choice) for choice in choices])
+        raise FormatError(words)
     try:
         frames = {int(frame): list(persons) for frame, persons in answer["frames"]}
-        return People(frames, tuple(map(str, answer["names"])))
+        return People(frames, tuple(map(str, answer["names"])), program=str(answer["program"]))
     except (KeyError, TypeError, ValueError):
         raise FormatError(f"{file} is damaged: copy or export it anew.") from None
 
@@ -79,10 +82,14 @@ def main() -> None:
     limit_time(SECONDS)
     try:
         people = read_here(file, content, individual)
+    except ChoiceError as why:
+        json.dump({"refused": str(why), "individuals": why.choices}, answers)
     except FormatError as why:
         json.dump({"refused": str(why)}, answers)
     else:
-        json.dump({"names": people.names, "frames": list(people.frames.items())}, answers)
+        frames = list(people.frames.items())
+        told = {"names": people.names, "frames": frames, "program": people.program}
+        json.dump(told, answers)
     answers.close()
 
 

@@ -60,7 +60,8 @@ def read_people(path: Path, individual: str | None = None) -> People:
     except OSError as error:
         raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
     if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
-        people = People({_number(path.name, 0): _openpose_people(path.name, data)})
+        frames = {_number(path.name, 0): _openpose_people(path.name, data)}
+        people = People(frames, program="OpenPose")
     else:
         people = (_mediapipe if _has_landmarks(data) else _coco)(path.name, data)
     return _single(path.name, individual, people)
@@ -90,6 +91,15 @@ def _number(name: str, otherwise: int) -> int:
 
 
 # --- SLEAP, DeepLabCut
+
+
+def is_table_of_keypoints(file: str, content: bytes) -> bool:
+    """Whether a table is one of SLEAP or DeepLabCut; FormatError where it is none at all."""
+    try:
+        first = rows_of(file, content.decode("utf-8-sig"))[0]
+    except UnicodeDecodeError:
+        raise FormatError(f"{file} is not text, as a table has to be.") from None
+    return deeplabcut.is_table(first) or sleap.is_table([head.strip() for head in first])
 
 
 def _table(file: str, content: bytes, individual: str | None) -> People:
@@ -134,7 +144,7 @@ def _openpose(folder: Path) -> People:
         _number(file.name, i): _openpose_people(file.name, _json(file, LARGEST_PERSON_BYTES))
         for i, file in enumerate(files)
     }
-    return People(frames)
+    return People(frames, program="OpenPose")
 
 
 def _openpose_people(file: str, data: Any) -> list[Any]:
@@ -169,7 +179,7 @@ def _coco(file: str, data: Any) -> People:
         if one.get("keypoints"):
             sizes.update(_size(image))
     names = _category_names(given.get("categories"))
-    return People(frames, names, sizes=frozenset(sizes), fps=_fps(given))
+    return People(frames, names, sizes=frozenset(sizes), fps=_fps(given), program="COCO")
 
 
 def _category_names(categories: Any) -> tuple[str, ...] | None:
@@ -204,7 +214,13 @@ def _mediapipe(file: str, data: Any) -> People:
     frames: dict[int, list[Any]] = {}
     for place, one in enumerate(listed):
         frames.setdefault(_frame(file, one, place), []).extend(_landmark_people(file, one))
-    return People(frames, layout="MEDIAPIPE_33", sizes=frozenset(_size(about)), fps=_fps(about))
+    return People(
+        frames,
+        layout="MEDIAPIPE_33",
+        sizes=frozenset(_size(about)),
+        fps=_fps(about),
+        program="MediaPipe",
+    )
 
 
 def _frame(file: str, frame: Any, place: int) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.errors import ChoiceError, FormatError, listed
 from keypose.tracker.geometry.rotations import Array
 
 MOST_NUMBERS = 10_000_000
@@ -26,6 +26,7 @@ class People:
     layout: the one layout that this kind of file has, or None.
     sizes:  width and height of the pictures, where the file gives them.
     fps:    the video's, where the file gives it.
+    program: which one's files look like this.
     """
 
     frames: Mapping[int, Sequence[Any]]
@@ -33,6 +34,13 @@ class People:
     layout: str | None = None
     sizes: frozenset[tuple[float, float]] = frozenset()
     fps: float | None = None
+    program: str = ""
+
+    @property
+    def most_at_once(self) -> int:
+        """How many there are in the frame that has the most."""
+        shown = (sum(p not in (None, []) for p in persons) for persons in self.frames.values())
+        return max(shown, default=0)
 
 
 def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None) -> str:
@@ -44,9 +52,8 @@ def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None)
     if wanted is None:
         if len(individuals) == 1:
             return individuals[0]
-        raise FormatError(
-            f"{file} has {len(individuals)} individuals, {shown}: choose with --individual."
-        )
+        words = f"{file} has {len(individuals)} individuals, {shown}: choose with --individual."
+        raise ChoiceError(words, "individual", individuals)
     if wanted not in individuals:
         raise FormatError(f"{file} has no individual {wanted!r}; it has {shown}.")
     return wanted

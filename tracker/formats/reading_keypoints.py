@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.errors import ChoiceError, FormatError, listed
 from keypose.tracker.formats.keypoint_files import read_people
 from keypose.tracker.formats.people import People
 from keypose.tracker.geometry.rotations import Array
@@ -56,7 +56,14 @@ def load_keypoints(
     individual: which one, in files that tell individuals apart.
     FormatError in one sentence.
     """
-    people, file = read_people(path, individual), path.name
+    return keypoints_of(path.name, read_people(path, individual), layout, video)
+
+
+def keypoints_of(
+    file: str, people: People, layout: str | None = None, video: VideoFacts | None = None
+) -> Keypoints:
+    """The keypoints of the people that a file lists, the surest of them in every frame; as
+    `load_keypoints`."""
     tables = _surest_person_by_frame(file, people)
     _require_frames(file, sorted(tables), video)
     _require_rate(file, people.fps, video)
@@ -152,10 +159,9 @@ def _names(file: str, people: People, layout: str | None, uv: Array) -> tuple[st
     if layout is None:
         told = told_layout(layouts, uv)
         if told is None:
-            raise FormatError(
-                f"{file} has {count} keypoints a person, which may be "
-                f"{' or '.join(layouts)}: choose with --layout."
-            )
+            may_be = " or ".join(layouts)
+            words = f"{file} has {count} keypoints a person, which may be {may_be}"
+            raise ChoiceError(f"{words}: choose with --layout.", "layout", layouts)
         return LAYOUTS[told]
     if layout not in LAYOUTS:
         raise FormatError(f"There is no layout {layout!r}; there are {listed(list(LAYOUTS))}.")

@@ -53,7 +53,7 @@ def read_analysis(root: Group, individual: str | None) -> People:
             raise FormatError(f"{file}: its point_scores do not have the shape of its tracks.")
         scores = told[i].T
     rows = person_numbers(file, uv, scores)
-    return People({n: [row] for n, row in enumerate(rows)}, tuple(names))
+    return People({n: [row] for n, row in enumerate(rows)}, tuple(names), program="SLEAP")
 
 
 def _ordered(root: Group, name: str, axes: tuple[str, ...]) -> NDArray[np.float64]:
@@ -102,7 +102,7 @@ def read_table(file: str, rows: list[list[str]], individual: str | None) -> Peop
     found: dict[int, list[Any]] = {}
     for frame, row in zip(frames, person_numbers(file, uv, scores), strict=True):
         found.setdefault(frame, []).append(row)
-    return People(found, tuple(names))
+    return People(found, tuple(names), program="SLEAP")
 
 
 def _scores(file: str, rows: list[list[str]], heads: list[str], name: str) -> Array:

@@ -7,7 +7,7 @@ two keyframes. Every part may turn in every way here, as in a keyframe; see `fre
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -83,10 +83,12 @@ def fit_motion(
     ps_camera_joint: Array,
     first_frame: int,
     near: Sequence[Pose | None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Fit:
     """The motion whose places come nearest to positions (N, J, 3), NaN where not known.
 
     near: a pose for each frame to stay near where the positions do not decide, or None.
+    progress: told how many frames of how many are done.
     """
     skeleton = free_skeleton(body)
     points, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
@@ -101,6 +103,8 @@ def fit_motion(
         before = _fit_frame(points, limits, positions, priors, rms[n - 1] if n else 0.0)
         R[n], t[n] = before.pose.Rs_parent_part, before.pose.p_camera_root
         rms[n], converged[n] = _rms(points, before.pose, positions), before.converged
+        if progress is not None:
+            progress(n + 1, N)
     return Fit(Trajectory(first_frame, R, t), frozen(rms), converged)
 
 

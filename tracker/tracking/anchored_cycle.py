@@ -20,7 +20,7 @@ from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
-from keypose.tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
+from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
@@ -192,7 +192,7 @@ def joint_evidence(
         anchors.parts,
         np.where(anchors.known, away, np.nan),
         anchors.visibility,
-        np.max(apart, axis=0) / height if apart else np.full(away.shape, UNKNOWN),
+        np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
         height,
         keyed,
     )

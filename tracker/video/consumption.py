@@ -29,7 +29,9 @@ _TRIES = 24
 """Other endings, all of which must change nothing. One is enough in nearly every sound packet; in
 one that is all but empty several may happen to mean the same picture."""
 
-_PARAMETERS = 7
+_PARAMETERS, _KEY_SLICE, _NEEDED = 7, 5, 0x60
+"""Kinds of units of H.264, and the bits that say whether other pictures are built on one: on the
+slice of a key they always are (ITU-T H.264, 7.4.1)."""
 _BASELINE, _EXTENDED = 66, 88
 """Profiles of H.264 that may hold slices twice, of which the decoder passes over one."""
 
@@ -74,6 +76,24 @@ class Coding:
         source = data + packet
         heads = (source[unit.start : unit.start + 2] for unit in _start_code_units(source))
         return next((head[1] for head in heads if head[0] & 31 == _PARAMETERS), None)
+
+    def without_stray(self, packet: bytes) -> bytes:
+        """The packet without what is marked as a key's slice and cannot be one.
+
+        Some programs that cut films write a note of the encoder without its first byte. Decoders
+        pass over it, and the picture beside it is whole.
+        """
+        length = self.length_bytes
+        if self.codec != "h264" or not length:
+            return packet
+        stray = [
+            unit
+            for unit in _length_prefixed_units(packet, length)
+            if packet[unit.start] & 31 == _KEY_SLICE and not packet[unit.start] & _NEEDED
+        ]
+        for unit in reversed(stray):
+            packet = packet[: unit.start - length] + packet[unit.end :]
+        return packet
 
     def is_slice(self, head: bytes) -> bool:
         """Whether a unit that begins like this is part of the picture that is shown."""

@@ -225,12 +225,23 @@ class _Reading:
             packet.opaque = self._order
             if packet.is_keyframe:
                 self._keys.add(self._order)
+            packet = self._without_stray(packet)
             number = self._number_of(packet.pts) if is_timed else None
             yield _Step("packet", self._order, number)
             if packet.is_corrupt or self._is_misread(packet):
                 yield _Step("lost", self._order, number)
             yield from self._decoded(packet, number)
         yield from self._decoded(None, None)
+
+    def _without_stray(self, packet: av.Packet[VideoStream]) -> av.Packet[VideoStream]:
+        given = bytes(packet)
+        data = self._coding.without_stray(given)
+        if len(data) == len(given):
+            return packet
+        rest = cast("av.Packet[VideoStream]", av.Packet(data))
+        rest.pts, rest.dts, rest.time_base = packet.pts, packet.dts, packet.time_base
+        rest.is_keyframe, rest.opaque = packet.is_keyframe, packet.opaque
+        return rest
 
     def _is_misread(self, packet: av.Packet[VideoStream]) -> bool:
         data = bytes(packet)

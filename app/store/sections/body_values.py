@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from keypose.app.posing import axis_labels, handles, part_label, part_sizes, short_label
+from keypose.app.posing import (
+    axis_labels,
+    box_corners,
+    handles,
+    part_label,
+    part_sizes,
+    short_label,
+)
 from keypose.app.posing import lanes as lane_groups
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
@@ -70,6 +77,7 @@ def _part(given: Body, part: Part) -> Json:
         "joint_cm": [round(100 * value, 2) for value in part.joint_m],
         "landmarks": list(part.landmarks),
         "shape": part.shape.kind,
+        "corners_cm": _corners_cm(part),
         "sizes": [
             {
                 "key": size.key,
@@ -83,6 +91,12 @@ def _part(given: Body, part: Part) -> Json:
             for size in part_sizes(given, part.name)
         ],
     }
+
+
+def _corners_cm(part: Part) -> Json:
+    """Of a box, in its part's frame; none of others."""
+    corners = box_corners(part)
+    return [] if corners is None else (100 * corners).round(3).tolist()
 
 
 def side_of(given: Body, name: str) -> str:

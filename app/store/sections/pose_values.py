@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.app.editor.part_edits import keyed_limbs, keyed_words
+from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.posing_edits import angles_at
 from keypose.app.editor.shown import draft_at, shown_pose
 from keypose.app.editor.state import EditorState
@@ -43,6 +44,10 @@ def pose(app_state: AppState) -> Json:
         "root": standing.pose.p_camera_root.round(5).tolist(),
         "at_limit": at_limit(edit.skeleton, standing.pose) if edit.display.limits else {},
         "gesture": _gesture(edit),
+        "corners": [
+            {"part": one.part, "index": one.index, "uv": [float(v) for v in one.uv]}
+            for one in corners_placed(edit)
+        ],
     }
 
 

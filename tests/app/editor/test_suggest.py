@@ -237,6 +237,24 @@ def test_where_tracking_was_lost_a_keyframe_is_asked_for_however_little_is_expec
     assert (found.kind, found.frame) == ("key", 37)
 
 
+def test_where_tracking_was_lost_comes_before_a_check_from_which_more_is_expected() -> None:
+    lost = needing(0, 24, 0.1, 18, Verdict.not_followed(20))
+    check = needing(48, 72, 9, 54, Verdict.check("uncertain", (52, 60), "chest"))
+    found = suggestion(KEYS, 73, fitting(lost, needing(24, 48, 0, 30), check))
+    assert (found.kind, found.frame) == ("key", 18)
+    wrong = needing(48, 50, 0, 49, Verdict.check("keyframe_off_keypoints", (48, 49), "chest"))
+    keys = (0, 24, 48, 50)
+    found = suggestion(keys, 73, fitting(lost, needing(24, 48, 0, 30), wrong, keys=keys))
+    assert (found.kind, found.frame) == ("key", 18)
+
+
+def test_of_what_was_lost_the_one_that_a_keyframe_mends_most_comes_first() -> None:
+    less = needing(0, 24, 2, 18, Verdict.not_followed(20))
+    more = needing(48, 72, 5, 57, Verdict.not_followed(60))
+    found = suggestion(KEYS, 73, fitting(less, needing(24, 48, 9, 30), more))
+    assert (found.kind, found.frame) == ("key", 57)
+
+
 def test_what_even_short_intervals_show_is_the_keyframes_own_error() -> None:
     keys = (0, 6, 30)
     long = needing(6, 30, 2, 15)

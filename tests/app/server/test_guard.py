@@ -399,11 +399,12 @@ def test_an_unknown_word_in_the_address_is_refused(path: str, query: str) -> Non
 @pytest.mark.parametrize(
     ("path", "query"),
     [
-        ("/motion", "format=bvh&filter_hz=6&fps=25&first=0&last=9"),
+        ("/motion", "&".join(f"{name}=1" for name in Motion.model_fields)),
         ("/picture.png", "view=free&frame=3&azimuth=1&elevation=2&mode=wire&opacity=1&tint=clay"),
         ("/folder", "at=0/films"),
         ("/file.jpg", "at=0/films/jump.mp4"),
         ("/upload", "name=jump.mp4"),
+        ("/imports", "name=walk.bvh"),
     ],
 )
 def test_every_word_that_the_page_asks_with_is_known_and_needs_the_key(

@@ -46,8 +46,12 @@ JOINTS = ("head_top", *(f"{side}_{part}" for side in ("left", "right") for part 
     "upper_arm", "forearm", "hand", "thigh", "shin", "foot",
 )))  # fmt: skip
 """What is seen of a rendered person: as much as is marked of real ones."""
-CLIPS = ("balance", "walk", "person", "stride", "throw")
-STRETCHES = {"walk": (40, 70), "person": (0, 90), "stride": (24, 96), "throw": (47, 119)}
+CLIPS = ("balance", "walk", "person", "stride", "throw", "speech")
+CARRIED_PX = 4.0
+"""How far off marks are that were carried on: between what is told above for either way."""
+STRETCHES = {
+    "walk": (40, 70), "person": (0, 90), "stride": (24, 96), "throw": (47, 119), "speech": (0, 180),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +80,17 @@ class Watched:
     @property
     def frames(self) -> int:
         return self.last - self.first + 1
+
+    def slack_px(self, frame: int) -> float:
+        """How far off the marks of a frame are."""
+        return 0.0 if frame in self.marked else CARRIED_PX
+
+    def until(self, last: int) -> Watched:
+        """The clip without what comes after a frame."""
+        return replace(
+            self, last=last, seen={f: at for f, at in self.seen.items() if f <= last},
+            true={f: at for f, at in self.true.items() if f <= last},
+        )  # fmt: skip
 
     @property
     def box(self) -> tuple[int, tuple[float, float, float, float]]:

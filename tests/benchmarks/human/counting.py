@@ -8,6 +8,12 @@ times", 2001). So a click takes P + 2 B. A drag of a handle is decided on, point
 carried and released, M + 2 P + 2 B, which agrees with the 2–4 s that animators take. A frame is
 judged in 2 s: one decision and the looks at head, hands and feet that it rests on. What the
 computer takes is not counted: tracking goes on while the person does.
+
+A motion is watched at 15 frames a second, a film of 30 at half its speed: a fixation lasts 0.2 to
+0.3 s (Rayner, "Eye movements in reading and information processing: 20 years of research",
+Psychological Bulletin 124(3), 1998), three or four frames then, and what sticks out of its
+surroundings is found at a glance, however much there is around it (Treisman and Gelade, "A
+feature-integration theory of attention", Cognitive Psychology 12(1), 1980).
 """
 
 from __future__ import annotations
@@ -17,14 +23,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias, get_args
 
-Kind: TypeAlias = Literal["click", "key", "drag", "judged"]
+Kind: TypeAlias = Literal["click", "key", "drag", "judged", "watched"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 KEY_S, POINT_S, BUTTON_S, DECIDE_S, JUDGE_S = 0.28, 1.1, 0.1, 1.35, 2.0
+WATCHED_S = 1 / 15
+"""A frame of a motion that is played."""
+LOOKED: Final = ("judged", "watched")
+"""What is no action: to look."""
 SECONDS: Final[dict[Kind, float]] = {
     "click": POINT_S + 2 * BUTTON_S,
     "key": KEY_S,
     "drag": DECIDE_S + 2 * POINT_S + 2 * BUTTON_S,
     "judged": JUDGE_S,
+    "watched": WATCHED_S,
 }
 LONG_FRAMES = 1800
 """Of a minute at 30 frames a second: what efforts are told for."""
@@ -51,7 +62,7 @@ class Effort:
     @property
     def actions(self) -> int:
         """Clicks, keys and drags; to look is none."""
-        return sum(act.kind != "judged" for act in self.acts)
+        return sum(act.kind not in LOOKED for act in self.acts)
 
     @property
     def seconds(self) -> float:

@@ -54,14 +54,20 @@ TRUNK = (*HIPS, *SHOULDERS, "head_top")
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """One person's hand at a desk."""
+    """One person's hand at a desk.
+
+    by_picture: whether they look at the picture as it is: a body counts as too small or too large
+    by how it is seen, not by how far away it is understood to be; and where marks are carried on
+    from other frames, what these are off by is not taken for the body's.
+    """
 
     desk: Desk
     random: np.random.Generator
+    by_picture: bool = False
 
     @classmethod
-    def of(cls, desk: Desk, seed: int) -> Hand:
-        return cls(desk, np.random.default_rng([seed, 7]))
+    def of(cls, desk: Desk, seed: int, by_picture: bool = False) -> Hand:
+        return cls(desk, np.random.default_rng([seed, 7]), by_picture)
 
     def looks_right(self) -> bool:
         """Whether no joint of the present frame looks wrong."""
@@ -69,9 +75,13 @@ class Hand:
 
     def wrong(self, least_px: float = LOOKS_RIGHT_PX) -> list[str]:
         """The joints that look wrong, the worst first."""
-        unsure = self.desk.clip.unmeasured
+        unsure, least_px = self.desk.clip.unmeasured, least_px + self.slack_px(self.desk.frame)
         off = {n: px(way) for n, way in self.desk.off().items() if n not in unsure}
         return sorted((n for n in off if off[n] > least_px), key=lambda n: -off[n])
+
+    def slack_px(self, frame: int) -> float:
+        """How far off marks are themselves."""
+        return self.desk.clip.slack_px(frame) if self.by_picture else 0.0
 
     def correct(self) -> None:
         """Pose the present frame until it looks right, or nothing more helps."""
@@ -116,13 +126,25 @@ class Hand:
     def _match_size(self) -> None:
         """Farther or nearer until the body is as large as the person: with D held, one drag."""
         desk = self.desk
-        poses = desk.clip.poses[desk.frame], desk.shown().pose
-        farther = float(np.log(np.divide(*(pose.p_camera_root[2] for pose in poses))))
+        farther = self._too_large() if self.by_picture else self._too_close()
         if abs(farther) > SIZE_SHARE:
             farther += float(self.random.normal(0.0, SIZE_SIGMA))
             rise = farther * RISE_TO_E * desk.state.doc.camera.height
             message = self._moved(np.array([0.0, -rise]), depth=True)
             desk.act("drag", "match the size", message)
+
+    def _too_close(self) -> float:
+        """The logarithm of how much farther away than the body the person is understood to be."""
+        poses = self.desk.clip.poses[self.desk.frame], self.desk.shown().pose
+        return float(np.log(np.divide(*(pose.p_camera_root[2] for pose in poses))))
+
+    def _too_large(self) -> float:
+        """The logarithm of how much larger than the person the body is seen: how far their joints
+        are from the middle of all."""
+        drawn, off = self.desk.project(self.desk.shown().pose), self.desk.off()
+        at = np.stack([drawn[n] for n in off])
+        both = at, at + np.stack(list(off.values()))
+        return float(np.log(np.divide(*(np.ptp(uv, axis=0).max() for uv in both))))
 
     def carry(self) -> None:
         """Carry the body to where its hips, or its shoulders, are seen while it is far off."""
@@ -294,12 +316,35 @@ class Hand:
         handle = handle_named(self.desk.state.doc.body, name)
         if handle.anchor not in self.desk.clip.places or abs(self._too_near(handle)) < least_m:
             return
+        if self.by_picture and self._turn_in_depth(handle):
+            return
         slip = float(self.random.normal(0.0, DEPTH_SIGMA_M))
         message = self._farther(handle, self._too_near(handle) + slip)
         found = self._pose_after(message)
         left = None if found is None else self._too_near(handle, found)
+        if self.by_picture and self._gain(message, self._seen_of(handle)) < -LIMB_GAIN:
+            return  # what is seen would no longer be where it is
         if left is not None and abs(left) < NEARER * abs(self._too_near(handle)):
             self.desk.act("drag", "set depth", message)
+
+    def _turn_in_depth(self, handle: BodyHandle) -> bool:
+        """A limb that points to the camera instead of away from it, or its lower part, turned by
+        its menu, where it then is seen as well; whether there was one."""
+        desk, before = self.desk, abs(self._too_near(handle))
+        tries = []
+        for part in handle.limb[:2]:
+            message = do.TurnInDepth(part=part)
+            found = self._pose_after(message)
+            if found is None or self._error(self._seen_of(handle), found) > LOOKS_RIGHT_PX:
+                continue
+            left = abs(self._too_near(handle, found))
+            if left < NEARER * before:
+                tries.append((left, message))
+        if not tries:
+            return False
+        desk.act("click", "turn in depth: the limb's menu")
+        desk.act("click", "turn in depth", min(tries, key=lambda t: t[0])[1])
+        return True
 
     def _bend(self, middle: BodyHandle) -> None:
         """Drag a hand or foot nearer or farther until elbow or knee are where they are seen; about
@@ -329,7 +374,7 @@ class Hand:
             return None
         return min(px(desk.off(pose=pose)[joint]) for pose in (found, then))
 
-    def _pose_after(self, message: do.Drag) -> Pose | None:
+    def _pose_after(self, message: do.Drag | do.TurnInDepth) -> Pose | None:
         """The pose that a drag would lead to; None where it cannot be had."""
         try:
             return shown_pose(self.desk.tried(message)).pose

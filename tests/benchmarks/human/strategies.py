@@ -20,6 +20,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from tests.benchmarks.human.desk import Desk
 from tests.benchmarks.human.hand import TRUNK, Hand, px
+from tests.benchmarks.human.watching import Watching
 from tests.benchmarks.needed import MEDIAN_PX, WORST_PX
 
 Choice: TypeAlias = Callable[[Desk, set[int]], int | None]
@@ -31,20 +32,20 @@ LOOK_EVERY = 8
 GIVE_UP_FRAMES = 3
 """With a keyframe in so many frames, it is given up."""
 MOST_PLACES = 80
-CARRIED_PX = 4.0
-"""How far off marks are that were carried on, see `clips.py`."""
 FITTED_FROM_PX = 40.0
 """A pose that is farther off than this is not one to let the computer fit."""
 
 
 @dataclass(frozen=True)
 class Strategy:
-    """A way to work, what it tracks with, and whether poses may be fitted with F."""
+    """A way to work, what it tracks with, whether anything is tracked, and how sizes are judged,
+    see `Hand`."""
 
     name: str
     settings: TrackSettings
     work: Callable[[Hand], None]
     tracks: bool = True
+    by_picture: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,17 +66,13 @@ def outcome(desk: Desk) -> Outcome:
     by_joint: dict[str, list[float]] = {}
     for frame, joints in desk.clip.true.items():
         at = desk.project(motion_at(desk, frame))
-        slack = _slack(desk, frame)
+        slack = desk.clip.slack_px(frame)
         for name in joints.keys() - desk.clip.unmeasured:
             uv = joints[name]
             off = float(np.linalg.norm(np.subtract(uv, at[name])))
             by_joint.setdefault(name, []).append(max(off - slack, 0.0))
     medians = [float(np.median(px)) for px in by_joint.values()]
     return Outcome(max(medians), max(max(px) for px in by_joint.values()))
-
-
-def _slack(desk: Desk, frame: int) -> float:
-    return 0.0 if frame in desk.clip.marked else CARRIED_PX
 
 
 def motion_at(desk: Desk, frame: int) -> Pose:
@@ -180,6 +177,14 @@ def now(hand: Hand) -> None:
     confirm_draft(hand)
     live(hand.desk)
     review(hand)
+
+
+def by_watching(hand: Hand) -> None:
+    """A box, a draft, both ends as keyframes, and whatever looks wrong while the motion plays."""
+    draft(hand.desk)
+    ends(hand)
+    live(hand.desk)
+    Watching(hand).until_right(put_right)
 
 
 def now_by_places(hand: Hand) -> None:
@@ -359,7 +364,7 @@ def by_truth(desk: Desk, looked: set[int]) -> int | None:
 
 def worst_px(desk: Desk, frame: int) -> float:
     """How far off the worst joint of a frame is."""
-    at, slack = desk.project(motion_at(desk, frame)), _slack(desk, frame)
+    at, slack = desk.project(motion_at(desk, frame)), desk.clip.slack_px(frame)
     measured = desk.clip.true[frame].items()
     off = [px(uv - at[name]) for name, uv in measured if name not in desk.clip.unmeasured]
     return max(off, default=0.0) - slack
@@ -408,8 +413,9 @@ BEFORE = Strategy("before", TrackSettings(), before)
 KEYED = Strategy("whole keyframes", TrackSettings(cues=ALL_CUES, smooth=True), now_by_keyframes)
 PLACES = Strategy("every place", TrackSettings(cues=ALL_CUES, smooth=True), now_by_places)
 NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
+WATCHED = Strategy("watched", NOW.settings, by_watching, by_picture=True)
 RULES = tuple(
     Strategy(f"now, {name}", NOW.settings, now_by(choose))
     for name, choose in (("N", by_advice), ("middle", by_length), ("truth", by_truth))
 )
-STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, PLACES, NOW, *RULES)
+STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, PLACES, NOW, WATCHED, *RULES)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import av
 import pytest
 
 from keypose.tracker.errors import VideoError
@@ -71,6 +72,21 @@ def test_no_frame_of_an_undamaged_film_is_damaged(tmp_path: Path, kind: FilmKind
 
 @pytest.mark.parametrize("film", SAMPLES, ids=lambda path: path.stem)
 def test_no_frame_of_a_sample_is_damaged(film: Path) -> None:
+    with Video.open(film) as video:
+        assert examined(video) == set()
+
+
+def test_an_encoders_note_without_its_first_byte_is_no_damage(tmp_path: Path) -> None:
+    """Some programs that cut films leave it out: what remains looks like a key's slice."""
+    film = write_film(tmp_path, FilmKind("cut.mp4", options={"x264-params": _TENS}))
+    with av.open(str(film)) as container:
+        first = next(bytes(packet) for packet in container.demux(video=0))
+    size = int.from_bytes(first[:4], "big")
+    note = first[4 : 4 + size]
+    assert b"x264" in note
+    # An empty unit makes up for what is left out, so that the file stays as long.
+    cut = (size - 5).to_bytes(4, "big") + note[1 : size - 4] + (1).to_bytes(4, "big") + b"\x0c"
+    film.write_bytes(film.read_bytes().replace(first[: 4 + size], cut))
     with Video.open(film) as video:
         assert examined(video) == set()
 

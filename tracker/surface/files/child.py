@@ -90,8 +90,9 @@ class MeshServer:
         return self._film[1]
 
 
-def limit_memory(extra: int) -> None:
-    """Limit what the process may use beyond what it does now, and let it write no file."""
+def limit_memory(extra: int, written_bytes: int = 0) -> None:
+    """Limit what the process may use beyond what it does now, and let it write no file larger than
+    that."""
     try:
         import resource
     except ImportError:  # a system without such limits: the caps on sizes and time remain
@@ -103,7 +104,7 @@ def limit_memory(extra: int) -> None:
     allowed = pages * resource.getpagesize() + extra
     for kind, value in (
         (resource.RLIMIT_AS, allowed),
-        (resource.RLIMIT_FSIZE, 0),
+        (resource.RLIMIT_FSIZE, written_bytes),
         (resource.RLIMIT_CORE, 0),
     ):
         _lower(kind, value)

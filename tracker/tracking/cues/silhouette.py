@@ -7,6 +7,7 @@ Neither needs the truth, and both grow with the error of a pose.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -38,6 +39,14 @@ SPECK_PX = 3
 """What moves and is narrower than this is noise."""
 FINE_PX = 320.0
 """A body that is larger in the picture is compared at half size, or a quarter."""
+CHANGED = 0.20
+"""Where more than this share of what is around the body moves, or of the rest of the picture, all
+of it has changed, as when the exposure does: a person near by makes up less."""
+TONES = (5.0, 95.0)
+"""Percentiles of a part's brightness at the keyframes: a still pixel between them may be the part
+itself before a background that is as bright."""
+FEWEST_PIXELS = 12
+"""A part that shows fewer at the keyframes tells no tones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +55,9 @@ class SilhouetteMismatch:
 
     uncovered_by_part: (N, P) moving pixels that no part covers, by the part that lies nearest.
     unmoved_by_part: (N, P) pixels of a part that look as the empty scene does.
-    Both are NaN in frames without a background to compare with, as where the picture is missing
-    or the camera does not stand still, and in those whose picture shows nothing of the body.
+    Both are NaN in frames without a background to compare with, as where the picture is missing,
+    has changed all around the body, or the camera does not stand still, and in those whose picture
+    shows nothing of the body.
     """
 
     uncovered_by_part: Array
@@ -95,22 +105,51 @@ def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> Sil
     The clip is one of a loader with `static_camera`; of any other, everything is NaN.
     IndexError where the clip lacks a frame.
     """
-    mesh, parts = BodyMesh.of(scene.skeleton), scene.skeleton.part_count
+    windows = list(_windows(scene, clip, trajectory))
+    parts = scene.skeleton.part_count
+    tones = _tones([window for window in (windows[0], windows[-1]) if window is not None], parts)
+    found = np.full((2, len(trajectory), parts), np.nan)
+    for n, window in enumerate(windows):
+        if window is not None:
+            found[:, n] = _shares(window, tones)
+    return SilhouetteMismatch(*frozen(found))
+
+
+@dataclass(frozen=True, eq=False)
+class _Window:
+    """The picture around the body in one frame, (h, w) each.
+
+    shown: part of every pixel or −1.  use: what a pixel may be used for.  grey: its brightness.
+    extent: of the body, pixels.  elsewhere: share of the rest of the picture that moves.
+    """
+
+    shown: NDArray[np.int16]
+    use: NDArray[np.float32]
+    grey: NDArray[np.float32]
+    extent: float
+    elsewhere: float
+
+
+def _windows(scene: Scene, clip: Clip, trajectory: Trajectory) -> Iterator[_Window | None]:
+    """One for every frame; None where nothing can be compared."""
+    mesh = BodyMesh.of(scene.skeleton)
     level = _level(extent_px(scene, trajectory), clip)
     camera = WorkingSize(level).camera(scene.camera)
     view, Ts = ViewCamera.of(camera), trajectory.transforms(scene.skeleton)
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
     marks = scene.mark_pixels(trajectory) / 2**level
-    found = np.full((2, len(trajectory), parts), np.nan)
-    for n, (slot, uv) in enumerate(zip(slots, marks, strict=True)):
-        use = clip.levels[level][slot, ..., 3]
+    for slot, uv, T in zip(slots, marks, Ts, strict=True):
+        picture = clip.levels[level][slot]
         extent = float((uv.max(axis=0) - uv.min(axis=0)).max())
-        window = _window(uv, 2 * REACH * extent, use.shape)
-        if window is None or not (use == TARGET_ONLY).any():
+        window = _window(uv, 2 * REACH * extent, picture.shape)
+        if window is None or not (picture[..., 3] == TARGET_ONLY).any():
+            yield None
             continue
-        shown = raster(mesh, Ts[n], _within(view, window)).part
-        found[:, n] = _shares(shown, use[window], extent, parts)
-    return SilhouetteMismatch(*frozen(found))
+        shown = raster(mesh, T, _within(view, window)).part
+        grey, use = picture[window][..., 0], picture[window][..., 3]
+        moving, inside = picture[..., 3] == USABLE, use == USABLE
+        rest = max(moving.size - inside.size, 1)
+        yield _Window(shown, use, grey, extent, float(moving.sum() - inside.sum()) / rest)
 
 
 def _level(extent: float, clip: Clip) -> int:
@@ -137,19 +176,40 @@ def _within(view: ViewCamera, window: tuple[slice, slice]) -> ViewCamera:
     return replace(view, centre=centre, **size)
 
 
-def _shares(shown: NDArray[np.int16], use: NDArray[np.float32], extent: float, parts: int) -> Array:
-    """(2, P) uncovered and unmoved shares of one frame; shown (h, w) part of every pixel or −1."""
+def _tones(keyed: Sequence[_Window], parts: int) -> Array:
+    """(P, 2) the range of brightness of every part where it moves at the keyframes; an empty range
+    where that is not known."""
+    tones = np.tile((np.inf, -np.inf), (parts, 1))
+    if not keyed:
+        return tones
+    of = [(w.shown[w.use == USABLE], w.grey[w.use == USABLE]) for w in keyed]
+    shown, grey = (np.concatenate(some) for some in zip(*of, strict=True))
+    for part in range(parts):
+        own = grey[shown == part]
+        if len(own) >= FEWEST_PIXELS:
+            tones[part] = np.percentile(own, TONES)
+    return tones
+
+
+def _shares(window: _Window, tones: Array) -> Array:
+    """(2, P) uncovered and unmoved shares of one frame."""
+    shown, use, extent, parts = window.shown, window.use, window.extent, len(tones)
     covered = shown >= 0
     area = int(covered.sum())
     if not area:
         return np.full((2, parts), np.nan)
     rim = RIM * extent
     outside, nearest = _nearest_part(shown, covered)
+    around = use[outside > REACH * extent] == USABLE
+    if max(window.elsewhere, around.sum() / max(around.size, 1)) > CHANGED:
+        return np.full((2, parts), np.nan)
     kernel = np.ones((SPECK_PX, SPECK_PX), np.uint8)
     moving = cv2.morphologyEx((use == USABLE).astype(np.uint8), cv2.MORPH_OPEN, kernel) > 0
     uncovered = moving & (outside > max(rim, HALO_PX)) & (outside <= REACH * extent)
     inside = cv2.distanceTransform(covered.astype(np.uint8), cv2.DIST_L2, 3)
-    unmoved = (use == TARGET_ONLY) & (inside > max(rim, 1.0))
+    low, high = tones[shown, 0], tones[shown, 1]
+    alike = (low <= window.grey) & (window.grey <= high)
+    unmoved = (use == TARGET_ONLY) & (inside > max(rim, 1.0)) & ~alike
     counts = [np.bincount(p, minlength=parts) for p in (nearest[uncovered], shown[unmoved])]
     return np.array(counts) / area
 

@@ -30,6 +30,27 @@ def test_what_agrees_is_trusted_and_what_does_not_is_not() -> None:
     assert _evidence(0.10, 0.1, 0.15).wrong[2].min() > 0.8
 
 
+def test_a_joint_that_strays_for_a_moment_is_in_doubt_around_it_and_no_other_is() -> None:
+    shape = (41, 3)
+    evidence = JointEvidence(
+        np.array([1, 1, 4]), np.full(shape, 0.01), np.full(shape, 0.95), np.full(shape, 0.01), 200.0
+    )
+    calm = evidence.wrong
+    evidence.distance[20, 1] = 0.1
+    wrong = evidence.wrong
+    assert (wrong[18:23, 1] > 3 * calm[18:23, 1]).all()
+    np.testing.assert_array_equal(wrong[[5, 35]], calm[[5, 35]])
+    np.testing.assert_array_equal(wrong[:, [0, 2]], calm[:, [0, 2]])
+
+
+def test_from_one_start_only_a_joint_near_its_keypoint_is_trusted_and_one_far_from_it_is_not() -> (
+    None
+):
+    near, far = _evidence(apart=np.nan), _evidence(0.1, 0.2, np.nan)
+    assert 0.0 < near.wrong[2, 0] < 0.05
+    assert far.wrong[2, 0] > 5 * near.wrong[2, 0]
+
+
 def test_at_keyframes_nothing_is_wrong_and_a_part_is_as_doubtful_as_its_worst_joint() -> None:
     evidence = _evidence()
     evidence.distance[2, 1] = 0.2

@@ -62,8 +62,9 @@ def covered(motion: Trajectory, camera: Camera = CAMERA) -> NDArray[np.bool_]:
 
 
 def clip_with(moving: NDArray[np.bool_], first_frame: int = 0) -> Clip:
-    """A prepared clip in which exactly these pixels move."""
+    """A prepared clip in which exactly these pixels move, bright before what is dark."""
     level = np.zeros((*moving.shape, 4), np.float32)
+    level[..., 0] = np.where(moving, 200.0, 50.0)
     level[..., 3] = np.where(moving, USABLE, TARGET_ONLY)
     return Clip(first_frame, (level,))
 
@@ -154,6 +155,25 @@ def test_what_moves_far_from_the_body_does_not_count() -> None:
     moving = covered(TRUTH)
     moving[12, 5:60, 250:310] = True
     assert silhouette_mismatch(SCENE, clip_with(moving), TRUTH).total[12] == 0.0
+
+
+def test_where_the_whole_picture_changes_nothing_is_known() -> None:
+    moving = covered(TRUTH)
+    moving[12, :, 180:] = True  # a third of what is around the body
+    moving[15] |= np.indices(moving[15].shape).sum(axis=0) % 3 == 0
+    total = silhouette_mismatch(SCENE, clip_with(moving), TRUTH).total
+    assert np.flatnonzero(np.isnan(total)).tolist() == [12, 15]
+
+
+def test_still_pixels_as_bright_as_the_part_say_nothing_against_it() -> None:
+    wrong = turned(TRUTH, "left_thigh", 50.0, slice(8, 16))
+    clear = silhouette_mismatch(SCENE, CLIP, wrong)
+    level = CLIP.levels[0].copy()
+    level[..., 0] = 200.0
+    alike = silhouette_mismatch(SCENE, Clip(0, (level,)), wrong)
+    assert clear.unmoved[8:16].min() > 0.02
+    assert alike.unmoved.max() == 0.0
+    np.testing.assert_array_equal(alike.uncovered, clear.uncovered)
 
 
 def test_ignored_pixels_do_not_count() -> None:

@@ -40,14 +40,16 @@ def with_arms_raised(truth: Trajectory) -> Trajectory:
 
 
 def clip_that_shows(motion: Trajectory) -> Clip:
-    """Grey pictures in which exactly the pixels of the body move."""
+    """Pictures without gradients in which exactly the pixels of the body move, and are bright."""
     mesh, view = BodyMesh.of(SKELETON), ViewCamera.of(CAMERA)
     shown = np.stack([raster(mesh, T, view).part >= 0 for T in motion.transforms(SKELETON)])
     levels = []
     for level in FILM.segment.clip.levels:
         step = shown.shape[1] // level.shape[1]
-        use = np.where(shown[:, ::step, ::step], USABLE, TARGET_ONLY)
-        levels.append(np.concatenate([level[..., :3], use[..., None]], axis=-1, dtype=np.float32))
+        body = shown[:, ::step, ::step]
+        grey, use = np.where(body, 200.0, level[..., 0]), np.where(body, USABLE, TARGET_ONLY)
+        both = [grey[..., None], level[..., 1:3], use[..., None]]
+        levels.append(np.concatenate(both, axis=-1, dtype=np.float32))
     return Clip(motion.first_frame, tuple(levels))
 
 

@@ -1,0 +1,183 @@
+"""Files from elsewhere brought to a session as somebody chose.
+
+What the command line and the page share. A file holds a recorded motion, 2D keypoints, or a camera;
+`recognising` says which, and `import_file` makes of it what a session takes over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from keypose.app.editor.documents import with_drafts
+from keypose.app.export.import_choices import (
+    EVERY,
+    Choices,
+    KeypointChoices,
+    MotionChoices,
+)
+from keypose.app.export.import_motion import (
+    Draft,
+    ImportedMotion,
+    drafts_of,
+    fit_to_session,
+    match_keypoints,
+)
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_names import Matched
+from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.reading_camera import CameraFile, load_camera
+from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session import Session
+from keypose.tracker.video.info import VideoInfo
+
+Progress: TypeAlias = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionImport:
+    """A motion fitted to the body. names: of all joints in the file."""
+
+    found: ImportedMotion
+    names: tuple[str, ...]
+
+    @property
+    def matched(self) -> dict[str, str]:
+        """Our joints by the file's names."""
+        return {self.names[i]: ours for i, ours, _ in self.found.matched.known}
+
+
+@dataclass(frozen=True, eq=False)
+class KeypointImport:
+    """Drafts made from keypoints. names: of all keypoints in the file; frames: that were asked
+    for."""
+
+    drafts: tuple[Draft, ...]
+    known: Matched
+    names: tuple[str, ...]
+    frames: tuple[int, ...]
+
+    def added_to(self, session: Session) -> Session:
+        """The session with these drafts beside those it has."""
+        added = (draft.keyframe for draft in self.drafts)
+        return with_drafts(session, (*session.drafts, *added))
+
+
+Import: TypeAlias = MotionImport | KeypointImport | CameraFile
+"""What a session takes over."""
+
+
+def import_file(
+    session: Session,
+    path: Path,
+    choices: Choices,
+    video: VideoInfo,
+    progress: Progress | None = None,
+) -> Import:
+    """What the file holds, brought to the session; FormatError in one sentence where it does not
+    suit it. progress: told how many frames of how many are done."""
+    if isinstance(choices, MotionChoices):
+        motion = read_motion(path, choices)
+        return import_motion(session, motion, path.name, choices, video.times_s, progress)
+    if isinstance(choices, KeypointChoices):
+        return import_keypoints(session, path, choices, video, progress)
+    return load_camera(path, (session.camera.width, session.camera.height))
+
+
+# --- motion
+
+
+def read_motion(path: Path, choices: MotionChoices) -> JointMotion:
+    """The motion in a file, as it is chosen to be read."""
+    motion = load_motion(path)
+    if choices.fps is not None:
+        motion = motion.at_rate(choices.fps)
+    if choices.world is not None:
+        motion = replace(motion, world=choices.world)
+    if choices.unit == "auto":
+        return replace(motion, unit=None)
+    return motion if choices.unit is None else motion.in_unit(choices.unit)
+
+
+def import_motion(
+    session: Session,
+    motion: JointMotion,
+    file: str,
+    choices: MotionChoices,
+    times_s: Array,
+    progress: Progress | None = None,
+) -> MotionImport:
+    """A motion fitted to the session's body at the video's frames."""
+    offset_s = _offset_s(choices, times_s)
+    given = (choices.names, choices.places, progress)
+    return MotionImport(
+        fit_to_session(session, motion, file, times_s, offset_s, *given), motion.names
+    )
+
+
+def _offset_s(choices: MotionChoices, times_s: Array) -> float:
+    """The video's time at which the file's time 0 lies; beyond the video at its mean rate."""
+    if choices.offset_frames is None:
+        return choices.offset_s or 0.0
+    frame, last = choices.offset_frames, len(times_s) - 1
+    if 0 <= frame <= last:
+        return float(times_s[frame])
+    return float(frame * (times_s[-1] - times_s[0]) / max(last, 1))
+
+
+# --- keypoints
+
+
+def import_keypoints(
+    session: Session,
+    path: Path,
+    choices: KeypointChoices,
+    video: VideoInfo,
+    progress: Progress | None = None,
+) -> KeypointImport:
+    """Drafts from the keypoints in a file, at the frames that are asked for."""
+    people = read_people(path, choices.individual)
+    keypoints = keypoints_of(path.name, people, choices.layout, video_facts(session, video))
+    if choices.exchange:
+        keypoints = keypoints.exchanged()
+    known = match_keypoints(session, keypoints, path.name, choices.places)
+    frames = _wanted_frames(session, keypoints, choices)
+    drafts = drafts_of(session, keypoints, known, frames, video.times_s, progress)
+    return KeypointImport(drafts, known, keypoints.names, tuple(frames))
+
+
+def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
+    video = session.video
+    told = info.container != "images" and not info.variable_rate  # images have no rate of their own
+    return VideoFacts(video.frame_count, video.width, video.height, info.fps if told else None)
+
+
+def _wanted_frames(session: Session, keypoints: Keypoints, choices: KeypointChoices) -> list[int]:
+    count = session.video.frame_count
+    if choices.frames is not None:
+        beyond = [frame for frame in choices.frames if frame >= count]
+        if beyond:
+            raise FormatError(
+                f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
+            )
+        return sorted(set(choices.frames))
+    rows = range(0, len(keypoints), choices.every or EVERY)
+    return [keypoints.first_frame + n for n in rows if keypoints.visibility[n].any()]
+
+
+# --- names
+
+
+def names_of(known: Matched, names: Sequence[str]) -> dict[str, Any]:
+    """Which of a file's names are known."""
+    return {
+        "convention": known.convention,
+        "matched": {names[i]: ours for i, ours, _ in known.known},
+        "left_out": list(known.left_out),
+    }

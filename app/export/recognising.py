@@ -1,0 +1,179 @@
+"""What a file from elsewhere holds: a recorded motion, 2D keypoints, or a camera."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal, TypeAlias
+
+from keypose.app.export.import_camera import turned_deg, with_camera_file
+from keypose.app.export.import_choices import EVERY
+from keypose.app.export.importing import names_of, video_facts
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import ChoiceError, FormatError
+from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.formats.keypoint_files import (
+    LARGEST_KEYPOINT_BYTES,
+    is_table_of_keypoints,
+    read_people,
+)
+from keypose.tracker.formats.people import People
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.reading_camera import CameraFile, load_camera
+from keypose.tracker.formats.reading_keypoints import keypoints_of
+from keypose.tracker.session import Session
+from keypose.tracker.video.info import VideoInfo
+
+Kind: TypeAlias = Literal["motion", "keypoints", "camera"]
+
+_PROGRAMS: Final[Mapping[str, str]] = {
+    ".bvh": "BVH", ".trc": "TRC", ".c3d": "C3D", ".csv": "CSV", ".npz": "SMPL poses",
+    ".pt": "SMPL poses", ".pth": "SMPL poses", ".json": "Keypose", ".chan": "Nuke",
+    ".glb": "glTF", ".gltf": "glTF",
+}  # fmt: skip
+_CAMERAS: Final = (".chan", ".glb", ".gltf")
+_KEYPOINTS: Final = (".h5", ".hdf5", ".slp")
+_MOTION: Final = (".bvh", ".trc", ".c3d", ".npz", ".pt", ".pth", ".pkl", ".pickle")
+ENDINGS: Final = (*_MOTION, ".csv", *_KEYPOINTS, ".json", *_CAMERAS)
+"""Of the names of files that can be imported."""
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """What a file holds, for somebody who decides how to import it; see `facts` of each kind."""
+
+    kind: Kind
+    program: str
+    facts: Mapping[str, Any]
+
+
+def kind_of(path: Path) -> Kind:
+    """What a file holds, by the ending of its name and, where several have that, by what is in it.
+    FormatError in one sentence where it is nothing that can be imported."""
+    ending = path.suffix.lower()
+    if path.is_dir() or ending in _KEYPOINTS:
+        return "keypoints"
+    if ending in _MOTION:
+        return "motion"
+    if ending in _CAMERAS:
+        return "camera"
+    if ending not in (".csv", ".json"):
+        raise FormatError(
+            f"{path.name} holds nothing that can be imported: a motion (BVH, TRC, C3D, CSV, .npz, "
+            ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF) is expected."
+        )
+    content = _content(path)
+    if ending == ".csv":
+        return "keypoints" if is_table_of_keypoints(path.name, content) else "motion"
+    return _kind_of_json(path.name, content)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_regular(path, LARGEST_KEYPOINT_BYTES)
+    except TooLarge:
+        limit = LARGEST_KEYPOINT_BYTES // 2**20
+        raise FormatError(f"{path.name} is larger than the {limit} MB a file may have.") from None
+    except OSError as error:
+        raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
+
+
+def _kind_of_json(file: str, content: bytes) -> Kind:
+    try:
+        told = json.loads(content)
+    except (ValueError, RecursionError):
+        raise FormatError(f"{file} is not JSON.") from None
+    if isinstance(told, dict) and told.get("format") == "keypose camera":
+        return "camera"
+    if isinstance(told, dict) and "schema_version" in told:
+        raise FormatError(f"{file} is a session: open it where it lies, beside its video.")
+    return "keypoints"
+
+
+def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
+    """What a file holds and how much of it the session can take; FormatError in one sentence where
+    nothing."""
+    kind = kind_of(path)
+    if kind == "motion":
+        return _recognised_motion(session, path, video)
+    if kind == "keypoints":
+        return _recognised_keypoints(session, path, video)
+    return _recognised_camera(session, path)
+
+
+def _recognised_motion(session: Session, path: Path, video: VideoInfo) -> Recognised:
+    motion = load_motion(path)
+    known = matched(Skeleton.of(session.body), motion.names, path.name)
+    times_s = motion.times_s
+    seconds = None if motion.is_per_frame else float(times_s[-1] - times_s[0])
+    first_s = None if motion.is_per_frame else float(times_s[0])
+    facts = {
+        "frames": len(motion),
+        "seconds": seconds,
+        "first_s": first_s,
+        "fps": (len(motion) - 1) / seconds if seconds else None,
+        "unit": motion.unit,
+        "world": motion.world,
+        "video_frames": video.frame_count,
+        "video_seconds": float(video.times_s[-1]),
+        "keyframes": len(session.keyframes),
+        **names_of(known, motion.names),
+    }
+    return Recognised("motion", _PROGRAMS.get(path.suffix.lower(), ""), facts)
+
+
+def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Recognised:
+    """Where it must be said which of several is meant, those are listed, and the rest is told of
+    the first."""
+    people, individuals = _people(path)
+    facts_of = video_facts(session, video)
+    layouts: tuple[str, ...] = ()
+    try:
+        keypoints = keypoints_of(path.name, people, None, facts_of)
+    except ChoiceError as several:
+        layouts = several.choices
+        keypoints = keypoints_of(path.name, people, layouts[0], facts_of)
+    known = matched(Skeleton.of(session.body), keypoints.names, path.name)
+    shown = keypoints.visibility.any(axis=1)
+    facts = {
+        "frames": int(shown.sum()),
+        "first": keypoints.first_frame,
+        "last": keypoints.last_frame,
+        "fps": people.fps,
+        "people": people.most_at_once,
+        "individuals": individuals,
+        "layouts": layouts,
+        "every": EVERY,
+        **names_of(known, keypoints.names),
+    }
+    return Recognised("keypoints", people.program, facts)
+
+
+def _people(path: Path) -> tuple[People, tuple[str, ...]]:
+    """Those in a file, and the names of individuals to choose from: of the first, where there are
+    several."""
+    try:
+        return read_people(path), ()
+    except ChoiceError as several:
+        return read_people(path, several.choices[0]), several.choices
+
+
+def _recognised_camera(session: Session, path: Path) -> Recognised:
+    found = load_camera(path, (session.camera.width, session.camera.height))
+    made = with_camera_file(session, found)
+    return Recognised("camera", _PROGRAMS[path.suffix.lower()], camera_facts(session, made, found))
+
+
+def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str, Any]:
+    """The lens, by how much up is turned, and the floor, of a session with a camera of a file."""
+    camera = made.camera
+    return {
+        "focal_mm": camera.focal_mm,
+        "across_deg": 2 * math.degrees(math.atan(camera.width / 2 / camera.fx)),
+        "turned_deg": turned_deg(session, made),
+        "floor_m": None if found.floor_m is None or made.floor_m is None else -made.floor_m,
+    }

@@ -1,0 +1,173 @@
+"""Boxes posed by their corners: each is dragged to where the picture shows it.
+
+A corner that was dragged stays there while others are. The first carries the box across the
+picture, a second turns it there and brings it nearer or farther, a third tilts it, and from the
+fourth on the pose is the one that agrees best with all of them: of those poses that do so equally
+well the one that is nearest to the pose before. Nothing here is about sizes, which stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from keypose.app.posing.gesture import BoxCorner, Gesture, PlacedCorner, Posed, Readout
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.labels import number_text, part_label
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.trunk import limits_as_posed, turning
+from keypose.tracker.body.body import Part
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.shapes import Box
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.terms import PointsInPicture, PosePrior, RootPosition, Term
+
+CORNER_SIGMA_PX = 1.0
+"""How well a person sees where a corner is."""
+TURN_SIGMA_RAD, SHIFT_SHARE = np.radians(10.0), 3.0
+"""Of the pose before, the shift as a share of the distance: it decides what corners leave open, so
+that the box is rather shifted than turned."""
+DECIDED = 10.0
+"""So many times wider these are where corners leave nothing open."""
+DEPTH_SHARE = 0.001
+"""Of the distance, which parallel rays do not show."""
+NEAREST_M = 0.05
+CRITERIA = Criteria(
+    most_steps=60, longest_step=0.5, settled=1e-6, gain=1e-6, gain_floor=1e-3,
+    damping=Damping(least=1e-9),
+)  # fmt: skip
+DECIDING = 4
+"""So many corners leave nothing open."""
+POOR_PX, BETTER = 2.5, 0.5
+"""Where they are missed by more, root mean square, a box that is seen from its other side is tried,
+and taken where it misses them by less than that share."""
+
+
+def box_corners(part: Part) -> Array | None:
+    """(8, 3) the corners of a box in its part's frame, x slowest and z fastest; None of others."""
+    return part.shape.marks() if isinstance(part.shape, Box) else None
+
+
+def drag_box_corner(
+    context: GestureContext,
+    view: PointerView,
+    gesture: Gesture,
+    handle: BoxCorner,
+    placed: tuple[PlacedCorner, ...],
+) -> Posed:
+    """The box posed so that a corner comes under the pointer and those placed before stay.
+
+    placed: of this part or others; Alt (`carry`) lets go of them.
+    """
+    if view.camera is None or not view.is_films:
+        raise BodyError("Corners of a box are dragged in the camera view.")
+    body = context.skeleton.body
+    part = body.index(handle.part)
+    corners = box_corners(body.parts[part])
+    if corners is None:
+        raise BodyError(f"{part_label(handle.part)} is not a box: it has no corners.")
+    start = context.placed(part, corners[handle.index])
+    u, v = view.moved(start, gesture.from_, gesture.at).tolist()
+    others = () if gesture.carry else _of_others(placed, handle)
+    now = (*others, PlacedCorner(handle.part, handle.index, (u, v)))
+    fit = _Fit.of(context, view, part, corners, now)
+    pose = fit.solved()
+    readout = Readout(
+        label=f"{part_label(handle.part)} corner",
+        value=_count_text(len(now)),
+        change=f"off by {number_text(fit.missed_px(pose), 1)} px" if len(now) >= DECIDING else "",
+        part=handle.part,
+        corners=now,
+    )
+    return Posed(pose, None, readout)
+
+
+def _of_others(placed: tuple[PlacedCorner, ...], handle: BoxCorner) -> tuple[PlacedCorner, ...]:
+    return tuple(one for one in placed if one.part == handle.part and one.index != handle.index)
+
+
+def _count_text(count: int) -> str:
+    return f"{count} of {DECIDING} placed" if count < DECIDING else f"{count} placed"
+
+
+def _prior(skeleton: Skeleton, pose: Pose, is_decided: bool) -> PosePrior:
+    """The pose before."""
+    shift = SHIFT_SHARE * float(pose.p_camera_root[2])
+    sigma = np.where(skeleton.dof_turns == 1, TURN_SIGMA_RAD, shift)
+    return PosePrior.of(pose, (sigma * (DECIDED if is_decided else 1.0)) ** -2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """A box, where some of its corners are seen, and the pose before."""
+
+    context: GestureContext
+    part: int
+    seen: PointsInPicture
+    terms: tuple[Term, ...]
+
+    @classmethod
+    def of(
+        cls,
+        context: GestureContext,
+        view: PointerView,
+        part: int,
+        corners: Array,
+        placed: tuple[PlacedCorner, ...],
+    ) -> _Fit:
+        assert view.camera is not None
+        whole = turning(context.skeleton, (context.skeleton.body.names[part],), shifts=part == 0)
+        points = BodyPoints.single(
+            whole, np.full(len(placed), part), corners[[one.index for one in placed]]
+        )
+        uv = np.array([one.uv for one in placed])
+        scale = np.full(len(placed), 1 / CORNER_SIGMA_PX)
+        seen = PointsInPicture(points, view.camera, uv, scale, NEAREST_M)
+        terms: list[Term] = [seen, _prior(whole, context.pose, len(placed) >= DECIDING)]
+        if not view.is_perspective:
+            terms.append(RootPosition.depth(context.pose.p_camera_root, DEPTH_SHARE))
+        if context.limits_on:
+            terms.append(limits_as_posed(context))
+        return cls(context, part, seen, tuple(terms))
+
+    def solved(self) -> Pose:
+        """The pose that is reached from the one before; from its mirror images where corners that
+        decide are missed there."""
+        near = self._from(self.context.pose)
+        missed = self.missed_px(near)
+        if len(self.seen.uv) < DECIDING or missed < POOR_PX:
+            return near
+        others = [self._from(start) for start in self._mirrored(near)]
+        best = min(others, key=self.missed_px)
+        return best if self.missed_px(best) < BETTER * missed else near
+
+    def missed_px(self, pose: Pose) -> float:
+        """Root mean square distance of the corners from where they were placed, pixels."""
+        p = self.seen.points.at(
+            GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part
+        )
+        off = self.seen.camera.project(p) - self.seen.uv
+        return float(np.sqrt((off**2).sum(-1).mean()))
+
+    def _from(self, start: Pose) -> Pose:
+        problem = OnePose(self.seen.points.skeleton, self.terms)
+        return least_squares(problem, start, CRITERIA).state
+
+    def _mirrored(self, pose: Pose) -> list[Pose]:
+        """Mirrored along the line of sight, and back into a rotation along an axis of the box.
+
+        A face of a box looks nearly the same in both, and more so the farther away it is.
+        """
+        after = GestureContext.of(self.context.skeleton, pose, False)
+        way = after.placed(self.part, self.seen.points.of_part(self.part)[0][1])
+        d = way / np.sqrt(way @ way)
+        mirror = np.eye(3) - 2 * np.outer(d, d)
+        R_parent, R = after.R_camera_parent(self.part), after.R_camera_part(self.part)
+        axes = (np.diag(np.where(np.arange(3) == k, -1.0, 1.0)) for k in range(3))
+        return [after.turned({self.part: R_parent.T @ mirror @ R @ axis}) for axis in axes]

@@ -1,0 +1,245 @@
+"""Files that a page imports: brought, recognised, imported as somebody chose. One at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import secrets
+import shutil
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from keypose.app.document.library.names import clean_name
+from keypose.app.editor.actions.message import Message
+from keypose.app.export.import_choices import (
+    CameraChoices,
+    Choices,
+    KeypointChoices,
+    MotionChoices,
+)
+from keypose.app.jobs.importing import ImportWork, RecogniseWork
+from keypose.app.jobs.side_process import SideProcess, WorkState
+from keypose.app.server.guard import headers_for
+from keypose.app.store.imported import ImportOutcome
+from keypose.app.store.store import ImportTarget, Store
+from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
+from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
+from keypose.tracker.session.settings import FrameIndex
+
+LARGEST_ORDER = 1 << 16
+MOST_PLACES = 400
+
+FIELDS: Final = {
+    "offset-frames": "Start frame", "offset-s": "Start frame", "unit": "Unit", "world": "World",
+    "fps": "Rate", "layout": "Layout", "individual": "Individual", "map": "Names",
+    "names": "Names", "frames": "Frames", "every": "Every",
+}  # fmt: skip
+"""What the page calls the options of the command line."""
+
+Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=200)]
+Places: TypeAlias = Annotated[dict[Name, Name], Field(max_length=MOST_PLACES)]
+
+
+class Motion(Message):
+    """How a motion is imported."""
+
+    kind: Literal["motion"]
+    places: Places = Field(default_factory=dict)
+    offset_frames: Annotated[int, Field(ge=-1_000_000, le=1_000_000)] | None = None
+    unit: Literal["m", "cm", "mm", "auto"] | None = None
+    world: Literal["camera", "y up", "z up"] | None = None
+    fps: Annotated[FiniteFloat, Field(ge=1e-3, le=1e5)] | None = None
+
+    @property
+    def choices(self) -> Choices:
+        return MotionChoices(**self.model_dump(exclude={"kind"}))
+
+
+class KeypointDrafts(Message):
+    """How keypoints are read, and where poses are drafted from them."""
+
+    kind: Literal["keypoints"]
+    places: Places = Field(default_factory=dict)
+    layout: Name | None = None
+    individual: Name | None = None
+    exchange: bool = False
+    frames: Annotated[list[FrameIndex], Field(min_length=1, max_length=2000)] | None = None
+    every: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+
+    @property
+    def choices(self) -> Choices:
+        return KeypointChoices(**self.model_dump(exclude={"kind"}))
+
+
+class CameraFile(Message):
+    """A camera leaves nothing to choose."""
+
+    kind: Literal["camera"]
+
+    @property
+    def choices(self) -> Choices:
+        return CameraChoices()
+
+
+Order: TypeAlias = Annotated[Motion | KeypointDrafts | CameraFile, Field(discriminator="kind")]
+ORDER: TypeAdapter[Motion | KeypointDrafts | CameraFile] = TypeAdapter(Order)
+
+
+class Imports:
+    """The routes of imports, and the one that is under way."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._id = ""
+        self._file = Path()
+        self._target: ImportTarget | None = None
+        self._process: SideProcess | None = None
+        self._stage: Literal["reading", "importing"] = "reading"
+        self._outcome: ImportOutcome | str | None = None
+        self._taking: asyncio.Task[None] | None = None
+        self._beginning = asyncio.Lock()
+
+    def routes(self) -> list[Route]:
+        """Where the page asks for all this."""
+        return [
+            Route("/imports", self._bring, methods=["POST"]),
+            Route("/imports/{id}", self._state),
+            Route("/imports/{id}", self._begin, methods=["POST"]),
+            Route("/imports/{id}", self._leave, methods=["DELETE"]),
+        ]
+
+    async def close(self) -> None:
+        """End what is under way, and leave no files."""
+        process, self._process, self._id = self._process, None, ""
+        if process is not None:
+            await asyncio.to_thread(process.cancel)
+        if self._file.name:
+            await asyncio.to_thread(shutil.rmtree, self._file.parent, ignore_errors=True)
+        self._file = Path()
+
+    async def _bring(self, request: Request) -> Response:
+        """The file, whole; what it holds is looked at from then on."""
+        try:
+            async with self._beginning:
+                if self._stage == "importing" and self._is_running():
+                    words = "Another import is under way. Wait for it or cancel it."
+                    return _json({"words": words}, 409)
+                target = self._store.import_target()
+                await self.close()
+                self._file = await _received(request)
+                work = RecogniseWork(target.content, self._file, target.video)
+                self._stage, self._outcome = "reading", None
+                self._process = await asyncio.to_thread(SideProcess, work)
+                self._id = secrets.token_hex(8)
+                return _json({"id": self._id})
+        except KeyposeError as error:
+            return _json({"words": str(error)}, 400)
+        except ClientDisconnect:
+            return _json({"words": "The file was not brought whole. Choose it again."}, 400)
+
+    async def _begin(self, request: Request) -> Response:
+        """Import it as somebody chose; once more, where that was not possible before."""
+        if request.path_params["id"] != self._id or self._is_running():
+            return _gone()
+        try:
+            order = ORDER.validate_json(await _body(request, LARGEST_ORDER))
+            async with self._beginning:
+                target = self._store.import_target()
+                work = ImportWork(target.content, self._file, target.video, order.choices)
+                self._stage, self._outcome = "importing", None
+                self._process = await asyncio.to_thread(SideProcess, work)
+                self._taking = asyncio.ensure_future(self._take(self._process, target))
+                return _json({})
+        except ValidationError as error:
+            return _json({"words": one_sentence(error)}, 400)
+        except (KeyposeError, ClientDisconnect) as error:
+            return _json({"words": str(error)}, 400)
+
+    async def _take(self, process: SideProcess, target: ImportTarget) -> None:
+        """What was made of it goes into the session, unless somebody has cancelled."""
+        state = await asyncio.to_thread(process.wait)
+        if state.state != "done" or process is not self._process:
+            return
+        try:
+            self._outcome = self._store.take_import(target, state.result, self._file.name)
+        except KeyposeError as error:
+            self._outcome = str(error)
+
+    async def _state(self, request: Request) -> Response:
+        process = self._process
+        if request.path_params["id"] != self._id or process is None:
+            return _gone()
+        if self._stage == "importing":
+            return _json(_imported(process.state, self._outcome))
+        state = process.state
+        told = {"stage": "reading", "state": state.state, "words": page_words(state.words)}
+        return _json(told | ({"found": asdict(state.result)} if state.state == "done" else {}))
+
+    async def _leave(self, request: Request) -> Response:
+        if request.path_params["id"] != self._id:
+            return _gone()
+        await self.close()
+        return _json({})
+
+    def _is_running(self) -> bool:
+        return self._process is not None and self._process.state.state == "running"
+
+
+def _imported(state: WorkState, outcome: ImportOutcome | str | None) -> dict[str, Any]:
+    """Done once the session has it."""
+    told = {"stage": "importing", "state": state.state, "done": state.done, "of": state.of}
+    if isinstance(outcome, ImportOutcome):
+        return {**told, **asdict(outcome)}
+    if outcome is not None:
+        return {**told, "state": "failed", "words": page_words(outcome)}
+    if state.state == "done":
+        return {**told, "state": "running"}
+    return {**told, "words": page_words(state.words)}
+
+
+def page_words(sentence: str) -> str:
+    """A sentence of the command line as the page says it: options are fields of the dialog."""
+    return re.sub(r"--([a-z-]+)", lambda m: f"“{FIELDS.get(m[1], m[1])}”", sentence)
+
+
+async def _received(request: Request) -> Path:
+    """The file that is sent, in a folder of its own; nothing is left of one that is too large."""
+    name = clean_name(request.query_params.get("name", ""))
+    folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-import-"))
+    try:
+        content = await _body(request, LARGEST_KEYPOINT_BYTES)
+        if not content:
+            raise FormatError(f"{name} is empty.")
+        await asyncio.to_thread((folder / name).write_bytes, content)
+    except OSError as error:
+        await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
+        raise FormatError(f"{name} cannot be kept: {error.strerror or error}.") from None
+    except BaseException:
+        await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
+        raise
+    return folder / name
+
+
+async def _body(request: Request, most: int) -> bytes:
+    content = bytearray()
+    async for chunk in request.stream():
+        content += chunk
+        if len(content) > most:
+            raise FormatError(f"More than {most // 2**20 or 1} MB cannot be imported.")
+    return bytes(content)
+
+
+def _gone() -> Response:
+    return _json({"words": "This import is over."}, 404)
+
+
+def _json(content: Any, status: int = 200) -> Response:
+    headers = {**headers_for("data"), "Cache-Control": "no-store"}
+    return JSONResponse(content, status, headers)

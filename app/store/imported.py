@@ -1,0 +1,103 @@
+"""What was imported from a file, taken over as one step that can be undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from keypose.app.editor.documents import require_sound
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.export.import_camera import with_camera_file
+from keypose.app.export.importing import Import, KeypointImport, MotionImport
+from keypose.app.store.identity import unchanged
+from keypose.tracker.errors import SessionError, listed
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.first_motion import save_first_motion
+
+LABEL = "import"
+"""What undo calls it."""
+CHANGED = "The body, the camera or a keyframe was changed meanwhile: import again."
+SHOWN = 8
+"""Frames in a sentence."""
+
+
+@dataclass(frozen=True)
+class ImportOutcome:
+    """What to tell of an import: a sentence, and what else is worth knowing."""
+
+    words: str
+    detail: str = ""
+
+
+def with_import(
+    began: Session, edit: EditorState, found: Import, file: str, session_path: Path
+) -> tuple[EditorState, ImportOutcome]:
+    """The state with what was imported; KeyposeError where that is not possible any more.
+
+    began: what it was fitted to.  A motion is written beside the session.
+    """
+    if not unchanged(_inputs(began), _inputs(edit.doc)):
+        raise Refused(CHANGED)
+    if isinstance(found, MotionImport):
+        make_folder(session_path.parent, error=SessionError)
+        motion = found.found.fit.trajectory
+        doc = save_first_motion(edit.doc, session_path, motion, file, found.matched)
+        outcome = _of_motion(found, file, edit.doc)
+    elif isinstance(found, KeypointImport):
+        if not found.drafts:
+            raise Refused(_no_draft(found, edit.doc))
+        doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
+    else:
+        doc = with_camera_file(edit.doc, found)
+        focal, floor = doc.camera.focal_mm, " and the floor" if found.floor_m is not None else ""
+        words = f"Camera of {file} imported: {focal:.1f} mm, what is up{floor}."
+        outcome = ImportOutcome(words)
+    require_sound(edit.doc, doc, LABEL)
+    history = edit.history.after(edit.doc, LABEL, edit.frame)
+    return replace(edit.with_doc(doc), history=history), outcome
+
+
+def _inputs(doc: Session) -> tuple[object, ...]:
+    return doc.body, doc.camera, doc.up_camera, doc.keyframes, doc.drafts
+
+
+def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
+    found, motion = made.found, made.found.fit.trajectory
+    rms_cm = 100 * float(np.sqrt(np.nanmean(found.fit.rms_m**2)))
+    words = f"{file} imported, frames {motion.first_frame}–{motion.last_frame}."
+    said = [f"Joint error {rms_cm:.1f} cm (rms)."]
+    if found.aligned:
+        said.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
+    if found.scale != 1.0:
+        said.append(f"Scaled to the body: × {found.scale:.3g}.")
+    if doc.settings.initial == "linear":
+        said.append("Track › Initial guess is Linear: set it to Auto for the motion to be used.")
+    else:
+        said.append("Tracking starts from it where it fits the video better than its own guess.")
+    return ImportOutcome(words, " ".join(said))
+
+
+def _of_drafts(found: KeypointImport, file: str) -> ImportOutcome:
+    drafted = [draft.keyframe.frame for draft in found.drafts]
+    doubtful = [d.keyframe.frame for d in found.drafts if d.doubtful or not d.converged]
+    count = "1 draft" if len(drafted) == 1 else f"{len(drafted)} drafts"
+    words = f"{count} made from {file}: {_frames('frame', drafted)}."
+    return ImportOutcome(words, f"Look closely at {_frames('frame', doubtful)}." * bool(doubtful))
+
+
+def _no_draft(found: KeypointImport, doc: Session) -> str:
+    posed = {k.frame for k in (*doc.keyframes, *doc.drafts)}
+    if found.frames and posed.issuperset(found.frames):
+        return "All of these frames are posed already: choose others."
+    return "No draft could be made: too few keypoints are seen at these frames."
+
+
+def _frames(noun: str, frames: tuple[int, ...] | list[int]) -> str:
+    shown = [str(frame) for frame in frames[:SHOWN]]
+    if len(frames) > SHOWN:
+        shown.append(f"{len(frames) - SHOWN} more")
+    return f"{noun}{'' if len(frames) == 1 else 's'} {listed(shown)}"

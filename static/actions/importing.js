@@ -1,0 +1,196 @@
+// Files from elsewhere for the open session: motion, keypoints, a camera. One is brought to the
+// server, which says what it holds; then imported as somebody chose.
+
+import { toast } from '../controls/toasts.js';
+import { bytes } from '../controls/words.js';
+import { keyHeader } from '../store/key.js';
+import { setUi, ui } from '../store/state.js';
+import { fetchOk } from './export.js';
+
+const LOOK_MS = 300;
+const PATIENCE = 20; // looks in a row without an answer, before it is given up
+const LARGEST = 256 * 2 ** 20;
+
+/** Endings of what can be imported, as of `app/export/recognising.py`. */
+export const ENDINGS = [
+  '.bvh', '.trc', '.c3d', '.csv', '.npz', '.pt', '.pth', '.h5', '.hdf5', '.slp', '.json', '.chan', '.glb', '.gltf',
+];
+
+/** @typedef {import('../store/shapes.js').Importing} Importing */
+/** @typedef {import('../store/shapes.js').ImportChoices} ImportChoices */
+
+/** Whether a name is one of what can be imported. @param {string} name */
+export const isImported = (name) => ENDINGS.some((ending) => name.toLowerCase().endsWith(ending));
+
+/** Ask for a file, and import it. */
+export function chooseImport() {
+  const input = document.createElement('input');
+  input.type = 'file';
+  input.accept = ENDINGS.join();
+  input.addEventListener('change', () => input.files?.[0] && importFile(input.files[0]));
+  input.click();
+}
+
+/** Bring a file to the server, and show what it holds. @param {File} file */
+export async function importFile(file) {
+  if (ui.importing?.stage === 'importing') {
+    toast({ kind: 'check', words: `${ui.importing.name} is still being imported. Cancel it first.` });
+    return;
+  }
+  const name = file.name;
+  if (file.size > LARGEST) {
+    toast({ kind: 'check', words: `${name} is too large to import. It has ${bytes(file.size)}, ${bytes(LARGEST)} are allowed.` });
+    return;
+  }
+  show({ stage: 'reading', id: '', name, found: null, words: '', done: 0, of: 0, choices: USUAL });
+  try {
+    const response = await fetchOk(`/imports?${new URLSearchParams({ name })}`, { method: 'POST', body: file });
+    const { id } = await response.json();
+    if (ui.importing?.name !== name) return void leave(id); // closed meanwhile
+    show({ ...ui.importing, id });
+    await follow(id);
+  } catch (error) {
+    fail(error.message);
+  }
+}
+
+/** What the dialog starts with. @type {ImportChoices} */
+export const USUAL = {
+  start: '', fps: '', unit: '', world: '', places: '', layout: '', individual: '', exchange: false, every: '', frames: '',
+};
+
+/** Import it as it is chosen in the dialog. */
+export async function beginImport() {
+  const { importing } = ui;
+  if (!importing?.found || importing.stage === 'importing') return;
+  show({ ...importing, stage: 'importing', words: '', done: 0, of: 0 });
+  try {
+    const order = JSON.stringify(orderOf(importing.found.kind, importing.choices));
+    await fetchOk(`/imports/${importing.id}`, { method: 'POST', body: order });
+    await follow(importing.id);
+  } catch (error) {
+    fail(error.message);
+  }
+}
+
+/** Close the dialog, and end what is under way. */
+export function leaveImport() {
+  const { importing } = ui;
+  setUi('importing', null);
+  if (!importing?.id) return;
+  leave(importing.id);
+  if (importing.stage === 'importing') toast({ kind: 'info', words: 'Import cancelled.' });
+}
+
+/**
+ * The order that the server takes.
+ * @param {'motion' | 'keypoints' | 'camera'} kind
+ * @param {ImportChoices} choices
+ */
+export function orderOf(kind, choices) {
+  if (kind === 'camera') return { kind };
+  const places = placesIn(choices.places);
+  if (kind === 'motion') {
+    return {
+      kind, places, offset_frames: numberOr(choices.start), fps: numberOr(choices.fps),
+      unit: choices.unit || null, world: choices.world || null,
+    };
+  }
+  const frames = framesIn(choices.frames);
+  return {
+    kind, places, layout: choices.layout || null, individual: choices.individual || null, exchange: choices.exchange,
+    frames: frames.length ? frames : null, every: frames.length ? null : numberOr(choices.every),
+  };
+}
+
+/**
+ * What is wrong with the choices, a sentence, or ''.
+ * @param {import('../store/shapes.js').Recognised} found
+ * @param {ImportChoices} choices
+ * @param {number} count  Of the video's frames.
+ */
+export function whyNotBegin({ kind, facts }, choices, count) {
+  if (choices.places.split(',').some((pair) => pair.trim() && !/^[^=]+=\s*\S+$/.test(pair.trim()))) {
+    return 'Names are pairs, such as tailtip = tail.end, with commas between.';
+  }
+  if (kind === 'motion') {
+    if (!/^(-?\d{1,6})?$/.test(choices.start)) return 'The start frame is a whole number; it may be negative.';
+    if (choices.fps !== '' && !(Number(choices.fps) > 0 && Number(choices.fps) <= 1e5)) return 'The rate is a number of frames a second, such as 120.';
+  }
+  if (kind !== 'keypoints') return '';
+  if (facts.individuals.length && !choices.individual) return 'Choose one of the individuals.';
+  if (facts.layouts.length && !choices.layout) return 'Choose the order of the keypoints.';
+  if (!/^\d{0,6}$/.test(choices.every) || choices.every === '0') return 'Poses are drafted every so many frames, such as 24.';
+  const listed = choices.frames.split(',').map((word) => word.trim()).filter(Boolean);
+  if (!listed.every((word) => /^\d{1,7}$/.test(word))) return 'Frames are numbers with commas between, such as 0, 24, 48.';
+  const beyond = listed.find((word) => Number(word) >= count);
+  return beyond ? `There is no frame ${beyond}. The last frame of the video is ${count - 1}.` : '';
+}
+
+const numberOr = (text) => (text === '' ? null : Number(text));
+const framesIn = (text) => text.split(',').map((word) => word.trim()).filter(Boolean).map(Number);
+
+/** "a = b, c=d" as {a: b, c: d}. @returns {Record<string, string>} */
+function placesIn(text) {
+  const pairs = text.split(',').filter((pair) => pair.includes('='));
+  return Object.fromEntries(pairs.map((pair) => {
+    const at = pair.lastIndexOf('=');
+    return [pair.slice(0, at).trim(), pair.slice(at + 1).trim()];
+  }));
+}
+
+// --- what is under way
+
+/** @param {Importing} importing */
+const show = (importing) => setUi('importing', importing);
+
+/** What was not possible is said in the dialog, where it can be mended. */
+function fail(words) {
+  const { importing } = ui;
+  if (!importing) return;
+  show({ ...importing, stage: importing.found ? 'choosing' : 'failed', words });
+}
+
+/** Look how far it is until the stage is over. */
+async function follow(id) {
+  let missed = 0;
+  while (ui.importing?.id === id) {
+    const state = await stateOf(id);
+    missed = state ? 0 : missed + 1;
+    if (missed > PATIENCE) throw new Error('The connection was lost on the way.');
+    if (ui.importing?.id !== id) return; // closed meanwhile
+    if (state && state.state !== 'running') return takeIn(state);
+    if (state) show({ ...ui.importing, done: state.done ?? 0, of: state.of ?? 0 });
+    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+  }
+}
+
+function takeIn(state) {
+  if (state.state !== 'done') fail(state.words);
+  else if (state.stage === 'reading') show({ ...ui.importing, stage: 'choosing', found: state.found });
+  else {
+    const { id } = ui.importing;
+    setUi('importing', null);
+    leave(id);
+    toast({ kind: 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}) });
+  }
+}
+
+async function stateOf(id) {
+  try {
+    const response = await fetch(`/imports/${id}`, { headers: keyHeader() });
+    if (response.status === 404) return { state: 'failed', words: 'Keypose was restarted meanwhile. Import the file again.' };
+    return response.ok ? await response.json() : null;
+  } catch {
+    return null; // the line is down for a moment
+  }
+}
+
+/** The server forgets the file. */
+async function leave(id) {
+  try {
+    await fetch(`/imports/${id}`, { method: 'DELETE', headers: keyHeader() });
+  } catch {
+    // Nobody answers: it ends with the server, or with the next import.
+  }
+}

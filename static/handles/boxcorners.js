@@ -1,0 +1,78 @@
+// The corners of a box that are seen: each is dragged to where the picture shows it, and stays there
+// while others are. Of a body of few parts those of every box, else those of the selected part.
+
+import { svg } from '../vendor/lit-html/lit-html.js';
+import { partNamed } from '../store/parts.js';
+import { server, ui } from '../store/state.js';
+import { isDragged, isHot } from './interaction.js';
+import { gripScale } from './scale.js';
+import { add, axesOf, dot, originOf, pathOf, times } from './space.js';
+
+/** A body of more parts is too full of handles for the corners of all of them. */
+const FEW_PARTS = 3;
+const HALF_PX = 4.5;
+const CROSS_PX = 7;
+
+/** The corners that can be dragged in a view: [{key, handle, at, part, label, …}]; over the picture alone. */
+export function boxCornersIn(view) {
+  if (view.name !== 'main' || ui.tool === 'size') return [];
+  const all = server.body.parts.length <= FEW_PARTS;
+  return server.body.parts
+    .filter((part) => part.corners_cm.length && (all || part.name === server.view.selected))
+    .flatMap((part) => cornersOf(view, part));
+}
+
+function cornersOf(view, part) {
+  const T = server.pose.T[part.name];
+  if (!T) return [];
+  const axes = axesOf(T);
+  const points = part.corners_cm.map((cm) => axes.reduce((sum, axis, k) => add(sum, times(axis, cm[k] / 100)), originOf(T)));
+  const rays = server.camera?.projection === 'telephoto' ? points.map(() => [0, 0, 1]) : points;
+  const label = `${part.label} corner`;
+  return seenCorners(points, rays).map((index) => {
+    const [x, y] = view.project(points[index]);
+    const handle = { kind: 'box_corner', part: part.name, index };
+    return {
+      key: `box-corner:${part.name}:${index}`, kind: 'box_corner', handle, part: part.name, label,
+      limb: [part.name], point: points[index], at: [x, y], isRoot: !part.parent,
+    };
+  }).filter(({ at }) => Number.isFinite(at[0] + at[1]));
+}
+
+/**
+ * Which of the eight corners of a box lie on a side that faces the eye, x slowest and z fastest.
+ * @param {number[][]} points  Where they are.
+ * @param {number[][]} rays  The line of sight to each.
+ */
+export function seenCorners(points, rays) {
+  const bits = [4, 2, 1];
+  return points.flatMap((point, i) => {
+    // Each corner lies on three sides; the edge that leaves a side leads inward.
+    const isSeen = bits.some((bit) => dot(add(points[i ^ bit], point, -1), rays[i]) > 0);
+    return isSeen ? [i] : [];
+  });
+}
+
+export function drawBoxCorners(view, corners) {
+  const placed = view.name === 'main' ? server.pose.corners : [];
+  return svg`<g class="box-corners">
+    ${placed.map((one) => drawPlaced(view, one))}
+    ${corners.map((corner) => drawCorner(view, corner))}
+  </g>`;
+}
+
+function drawCorner(view, corner) {
+  const isPlaced = server.pose.corners.some(({ part, index }) => part === corner.part && index === corner.handle.index);
+  const state = [isPlaced ? 'placed' : '', isDragged(corner) ? 'dragged' : '', isHot(view, corner) ? 'hot' : ''].join(' ');
+  const half = HALF_PX * gripScale(view) * (isDragged(corner) || isHot(view, corner) ? 1.33 : 1);
+  const [x, y] = corner.at;
+  return svg`<rect class="grip box-corner ${state}" x=${x - half} y=${y - half} width=${2 * half} height=${2 * half} data-grip=${corner.key} />`;
+}
+
+/** A cross where a corner was put: the box may not reach it, as where its sizes are others. */
+function drawPlaced(view, { part, uv }) {
+  if (!partNamed(part)) return svg``;
+  const [x, y] = view.fromView(uv);
+  const r = CROSS_PX * gripScale(view);
+  return svg`<path class="placed-at" d="${pathOf([[x - r, y], [x + r, y]])}${pathOf([[x, y - r], [x, y + r]])}" />`;
+}

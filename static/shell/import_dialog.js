@@ -1,0 +1,171 @@
+// The dialog of imports: what was recognised, how to take it over, how far it is.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { beginImport, chooseImport, leaveImport, whyNotBegin } from '../actions/importing.js';
+import { mountDialog } from '../controls/dialogs.js';
+import { checkbox, dropdown, textField } from '../controls/fields.js';
+import { icon } from '../controls/icons.js';
+import { count, range } from '../controls/words.js';
+import { frameCount } from '../store/clip.js';
+import { server, setUi, ui, watch } from '../store/state.js';
+
+/** @typedef {import('../store/shapes.js').ImportChoices} ImportChoices */
+
+const KINDS = { motion: 'Recorded motion', keypoints: '2D keypoints', camera: 'Camera' };
+const SIGNS = { motion: 'track', keypoints: 'ghost', camera: 'camcorder' };
+const UNITS = { m: 'Metres', cm: 'Centimetres', mm: 'Millimetres', auto: 'Scale to the body' };
+const WORLDS = { camera: 'As the camera sees', 'y up': 'Y up', 'z up': 'Z up' };
+const MOST_NAMES = 8;
+
+export function mountImportDialog() {
+  mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? sheet(ui.importing) : nothing) });
+  watch(['file'], () => server.file || setUi('importing', null)); // what it was for is closed
+}
+
+function sheet(importing) {
+  const { stage, name, found } = importing;
+  return html`<form class="in" @submit=${submit} @keydown=${onKey}>
+    <div class="row sheethead">
+      <span class="title cut">Import ${name}</span><span class="sp"></span>
+      <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${leaveImport}>${icon('x')}</button>
+    </div>
+    ${found ? html`${recognised(found)}<div class="exfields" ?inert=${stage === 'importing'}>${FIELDS[found.kind](importing.choices, found.facts)}</div>` : empty(importing)}
+    ${stage === 'importing' || stage === 'reading' ? progress(importing) : foot(importing)}
+  </form>`;
+}
+
+/** @param {Partial<ImportChoices>} changed */
+const change = (changed) => setUi('importing', { ...ui.importing, words: '', choices: { ...ui.importing.choices, ...changed } });
+
+function submit(event) {
+  event.preventDefault();
+  const { stage, found, choices } = ui.importing;
+  if (stage === 'choosing' && !whyNotBegin(found, choices, frameCount())) beginImport();
+}
+
+/** Enter in a field takes its text over first, with which it loses the focus. */
+function onKey(event) {
+  if (event.key === 'Enter' && event.target.matches('input.text')) requestAnimationFrame(() => submit(event));
+}
+
+// --- what was recognised
+
+const empty = ({ stage, words }) => html`<div class="imempty">
+  ${stage === 'failed' ? html`${icon('warn')}<span role="alert">${words}</span>` : html`<span class="dim">Looking at what it holds…</span>`}
+</div>`;
+
+function recognised({ kind, program, facts }) {
+  return html`<div class="imfound">
+    <span class="sign">${icon(SIGNS[kind])}</span>
+    <div>
+      <b>${KINDS[kind]}</b><span class="mut"> · ${program}</span>
+      <div class="num">${SAID[kind](facts)}</div>
+      ${kind === 'camera' ? nothing : names(facts)}
+    </div>
+  </div>`;
+}
+
+const rateOf = (fps) => (fps ? ` at ${Number(fps.toFixed(2))} frames/s` : '');
+
+const SAID = {
+  motion: ({ frames, seconds, fps }) =>
+    seconds === null ? `${count(frames, 'pose')}, one for each frame of the video` : `${count(frames, 'frame')}, ${seconds.toFixed(2)} s${rateOf(fps)}`,
+  keypoints: ({ frames, first, last, fps, people }) => {
+    const several = people > 1 ? `, up to ${people} people: the surest in each frame counts` : '';
+    return `${count(frames, 'frame')} with keypoints, ${first === last ? first : range(first, last)}${rateOf(fps)}${several}`;
+  },
+  camera: ({ focal_mm: focal, across_deg: across, turned_deg: turned, floor_m: floor }) => [
+    `${focal.toFixed(1)} mm on 35 mm film, ${across.toFixed(1)}° across`,
+    turned > 0.001 ? `up turned by ${turned.toFixed(1)}°` : 'up as it is',
+    ...(floor === null ? [] : [`floor ${floor.toFixed(2)} m below the camera`]),
+  ].join(' · '),
+};
+
+function names({ matched, left_out: left, convention }) {
+  const known = Object.keys(matched).length;
+  const shown = left.slice(0, MOST_NAMES).join(', ');
+  const rest = left.length > MOST_NAMES ? ` and ${left.length - MOST_NAMES} more` : '';
+  return html`<div class=${known ? '' : 'checkword'}>${known} of ${known + left.length} names known${known ? html`<span class="mut"> (${convention})</span>` : nothing}</div>
+    ${left.length ? html`<div class="dim imleft" title=${left.join(', ')}>Not used: ${shown}${rest}</div>` : nothing}`;
+}
+
+// --- the fields
+
+const field = (label, content, note = '') =>
+  html`<label class="exlabel">${label}</label><div class="exfield">${content}${note ? html`<span class="dim">${note}</span>` : nothing}</div>`;
+
+const text = (label, name, placeholder = '', most = 9) =>
+  textField({ label, value: ui.importing.choices[name], placeholder, most, act: (value) => change({ [name]: value }) });
+
+function choice(label, name, options, none) {
+  const value = ui.importing.choices[name];
+  const all = [{ id: '', label: none }, ...options];
+  return dropdown({ label, value, kind: 'field', options: all, act: (id) => change({ [name]: id }) });
+}
+
+const entries = (known) => Object.entries(known).map(([id, label]) => ({ id, label }));
+
+const placesField = (example) =>
+  field('Names', html`<span class="imwide">${text('Names', 'places', `theirs = ours, such as ${example}`, 2000)}</span>`);
+
+function motion(choices, { fps, unit, world, keyframes }) {
+  const own = unit ? `As the file says: ${UNITS[unit].toLowerCase()}` : 'Scale to the body';
+  const placed = world ? `As the file says: ${WORLDS[world].toLowerCase()}` : 'Not said by the file';
+  return html`${field('Start frame', text('Start frame', 'start', '0'), 'of the video, where the file begins')}
+    ${field('Rate', text('Rate', 'fps', fps ? String(Number(fps.toFixed(2))) : 'As the video'), 'frames/s')}
+    ${field('Unit', choice('Unit', 'unit', entries(UNITS).filter(({ id }) => unit || id !== 'auto'), own))}
+    ${field('World', choice('World', 'world', entries(WORLDS), placed), keyframes ? 'Keyframes decide' : '')}
+    ${placesField('Hips = pelvis')}`;
+}
+
+function keypoints(choices, { individuals, layouts, every }) {
+  const some = (all) => all.map((id) => ({ id, label: id }));
+  return html`
+    ${individuals.length ? field('Individual', choice('Individual', 'individual', some(individuals), 'Choose…')) : nothing}
+    ${layouts.length ? field('Layout', choice('Layout', 'layout', some(layouts), 'Choose…')) : nothing}
+    ${field('Drafts', html`<span class="dim">every</span>${text('Every', 'every', String(every))}<span class="dim">frames, or at frames</span>${text('Frames', 'frames', '0, 24, 48', 2000)}`)}
+    ${field('Sides', checkbox({ label: 'Swap left and right', on: choices.exchange, act: (exchange) => change({ exchange }) }))}
+    ${placesField('tailtip = tail.end')}`;
+}
+
+const camera = () => html`<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
+
+const FIELDS = { motion, keypoints, camera };
+
+const BECOMES = {
+  motion: 'An initial guess for tracking. Keyframes stay.',
+  keypoints: 'Draft poses to confirm. Keyframes stay.',
+  camera: 'Replaces the lens and what is up.',
+};
+
+// --- below the fields
+
+function foot({ found, choices, words }) {
+  if (!found) {
+    return html`<div class="row sheetfoot"><span class="sp"></span>
+      <button type="button" class="btn" @click=${again}>${icon('folder')}Choose another…</button></div>`;
+  }
+  const off = whyNotBegin(found, choices, frameCount());
+  return html`<div class="row sheetfoot">
+    <span class=${words ? 'checkword imwords' : 'dim'} role=${words ? 'alert' : 'status'}>${words || off || BECOMES[found.kind]}</span><span class="sp"></span>
+    <button class="btn pri ${off ? 'off' : ''}" ?disabled=${Boolean(off)}>${icon('up')}Import</button>
+  </div>`;
+}
+
+function again() {
+  leaveImport();
+  chooseImport();
+}
+
+function progress({ stage, done, of }) {
+  const percent = of ? Math.round((100 * done) / of) : 0;
+  const words = of ? `Frame ${done} of ${of}` : 'Preparing…';
+  const label = stage === 'reading' ? 'Reading' : 'Importing';
+  return html`<div class="row sheetfoot">
+    <div class="job exjob" role="progressbar" aria-label=${label} aria-valuenow=${of ? percent : nothing} aria-valuetext=${words}>
+      <span class="spin">${icon('run')}</span><b>${label}</b><span class="mut num cut">${of ? words : ''}</span><span class="sp"></span>
+      <button type="button" class="btn ghost sm" @click=${leaveImport}>Cancel</button>
+      <span class="bar ${of ? '' : 'sweep'}" style="width:${of ? percent : 30}%"></span>
+    </div>
+  </div>`;
+}

@@ -1,0 +1,212 @@
+"""Imports of a real server: a file is recognised, imported as a step that can be undone, or refused
+in a sentence that loses nothing."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.error import HTTPError
+from urllib.parse import quote
+from urllib.request import ProxyHandler, Request, build_opener
+
+import numpy as np
+import pytest
+
+from keypose.app.cli.main import main
+from keypose.app.server.imports import FIELDS, page_words
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.storage.files import load_session
+from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
+from tests.tracker.formats import recordings
+
+TRUTH, SESSION = recordings.trajectory("person"), recordings.session("person")
+BVH = recordings.bvh_of(Skeleton.of(SESSION.body), TRUTH, 1 / 30).encode()
+PARTS = ("nose", "left_shoulder", "right_shoulder", "left_hip", "right_hip")
+
+
+class Desk:
+    """A server with the person open, another visitor who sees what becomes of it, and its HTTP."""
+
+    def __init__(self, folder: Path) -> None:
+        place = folder / "person"
+        place.mkdir()
+        for name in ("person.mp4", "session.json"):
+            shutil.copy(ROOT / "sample_videos" / "person" / name, place)
+        self.session = place / "session.json"
+        self.keypose = Keypose(str(self.session), "--workspace", str(folder / "workspace"))
+        self.visitor = Visitor(self.keypose)
+
+    def ask(self, path: str, method: str = "GET", body: bytes | None = None) -> tuple[int, Any]:
+        headers = {**self.keypose.entered.headers, "Origin": self.keypose.origin}
+        request = Request(self.keypose.origin + path, body, headers, method=method)
+        try:
+            with build_opener(ProxyHandler({})).open(request, timeout=LONGEST_S) as answer:
+                return answer.status, json.loads(answer.read())
+        except HTTPError as error:
+            return error.code, json.loads(error.read())
+
+    def until_over(self, id: str) -> dict[str, Any]:
+        end = time.monotonic() + LONGEST_S
+        while (state := self.ask(f"/imports/{id}")[1])["state"] == "running":
+            assert time.monotonic() < end, state
+            time.sleep(0.05)
+        return dict(state)
+
+    def recognised(self, name: str, content: bytes) -> tuple[str, dict[str, Any]]:
+        status, answer = self.ask(f"/imports?name={name}", "POST", content)
+        assert status == 200, answer
+        return answer["id"], self.until_over(answer["id"])
+
+    def imported(self, name: str, content: bytes, **choices: Any) -> dict[str, Any]:
+        id, state = self.recognised(name, content)
+        assert state["state"] == "done", state
+        kind = state["found"]["kind"]
+        order = json.dumps({"kind": kind, **choices}).encode()
+        status, answer = self.ask(f"/imports/{id}", "POST", order)
+        assert status == 200, answer
+        return self.until_over(id)
+
+    def undo(self) -> None:
+        self.visitor.do(do="undo")
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    made = Desk(tmp_path_factory.mktemp("imports"))
+    yield made
+    made.visitor.leave()
+    code, words = made.keypose.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+def coco(frames: list[int]) -> bytes:
+    """COCO's list of what a perfect detector sees of the true motion at these frames."""
+    skeleton, names = Skeleton.of(SESSION.body), LAYOUTS["COCO_17"]
+    known = matched(skeleton, names, "a.json")
+    points = BodyPoints(skeleton, tuple(known.places))
+    annotations = []
+    for frame in frames:
+        table = np.zeros((len(names), 3))
+        ps = points.at(pose_transforms(skeleton, TRUTH.pose(frame)))
+        table[known.indices, :2], table[known.indices, 2] = SESSION.camera.project(ps), 1.0
+        annotations.append({"image_id": frame, "keypoints": table.ravel().tolist()})
+    return json.dumps(annotations).encode()
+
+
+def sleap(*names: str) -> bytes:
+    """SLEAP's table of several animals."""
+    rows = [
+        "track,frame_idx,instance.score,"
+        + ",".join(f"{p}.{c}" for p in PARTS for c in ("x", "y", "score"))
+    ]
+    rows += [f"{name},0,1," + ",".join(["10,20,1"] * len(PARTS)) for name in names]
+    return "\n".join(rows).encode()
+
+
+def test_a_motion_is_recognised_and_becomes_the_first_motion_of_the_session(desk: Desk) -> None:
+    id, state = desk.recognised("walk.bvh", BVH)
+    found = state["found"]
+    assert (found["kind"], found["program"]) == ("motion", "BVH")
+    assert found["facts"]["frames"] == len(TRUTH)
+    assert found["facts"]["fps"] == pytest.approx(30, rel=1e-3)
+    assert desk.ask(f"/imports/{id}", "DELETE")[0] == 200
+    state = desk.imported("walk.bvh", BVH)
+    assert state["state"] == "done", state
+    assert state["words"] == f"walk.bvh imported, frames 0–{len(TRUTH) - 1}."
+    assert "Joint error 0.0 cm (rms). Aligned with keyframes 0, 24" in state["detail"]
+    desk.visitor.until(lambda: desk.visitor.seen["undo"]["undo"] == "import")
+    desk.undo()
+
+
+def test_the_first_motion_is_that_of_the_command_line(desk: Desk, tmp_path: Path) -> None:
+    assert desk.imported("walk.bvh", BVH)["state"] == "done"
+    by_page = sorted(path.name for path in desk.session.parent.glob("first-*.npz"))
+    place = tmp_path / "person"
+    place.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
+    (tmp_path / "walk.bvh").write_bytes(BVH)
+    assert main(["import", str(place / "session.json"), str(tmp_path / "walk.bvh")]) == 0
+    reference = load_session(place / "session.json").first_motion
+    assert reference is not None
+    assert reference.file in by_page  # its name is a digest of what it holds
+    desk.undo()
+
+
+def test_keypoints_become_drafts_beside_the_keyframes(desk: Desk) -> None:
+    before = desk.visitor.seen["keys"]["frames"]
+    _, state = desk.recognised("detected.json", coco([10, 24, 36]))
+    assert state["found"]["kind"], state["found"]["program"] == ("keypoints", "COCO")
+    assert state["found"]["facts"]["people"] == 1
+    state = desk.imported("detected.json", coco([10, 24, 36]), frames=[10, 24, 36])
+    assert state["words"] == "2 drafts made from detected.json: frames 10 and 36."
+    assert desk.visitor.seen["keys"]["frames"] == before
+    again = desk.imported("detected.json", coco([10, 24, 36]), frames=[10, 24])
+    assert again["state"] == "failed"
+    assert again["words"] == "All of these frames are posed already: choose others."
+    desk.undo()
+
+
+def test_a_camera_is_shown_before_it_is_taken_over(desk: Desk) -> None:
+    chan = b"1 0 1.5 0 -10 0 0 30"
+    _, state = desk.recognised("shot.chan", chan)
+    assert state["found"]["kind"] == "camera"
+    assert state["found"]["facts"]["turned_deg"] > 1
+    assert desk.imported("shot.chan", chan)["words"].startswith("Camera of shot.chan imported:")
+    desk.undo()
+
+
+def test_of_several_animals_one_is_chosen(desk: Desk) -> None:
+    _, state = desk.recognised("mice.csv", sleap("anna", "bert"))
+    assert state["found"]["facts"]["individuals"] == ["anna", "bert"], state
+    state = desk.imported("mice.csv", sleap("anna", "bert"))
+    assert "choose with “Individual”" in state["words"]
+    assert desk.imported("mice.csv", sleap("anna", "bert"), individual="bert")["state"] == "done"
+    desk.undo()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("points.h5", b"\x89HDF\r\n\x1a\n" + bytes(64), "points.h5"),
+        ("poses.pkl", b"cos\nsystem\n(S'true'\ntR.", "poses.pkl"),
+        ("../../etc/x.bvh", b"", "x.bvh is empty"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_in_a_sentence_and_changes_nothing(
+    desk: Desk, name: str, content: bytes, words: str
+) -> None:
+    before = desk.session.read_bytes()
+    status, answer = desk.ask(f"/imports?name={quote(name)}", "POST", content)
+    state = desk.until_over(answer["id"]) if status == 200 else answer
+    assert words in state["words"], state
+    assert state["words"].endswith(".")
+    assert desk.session.read_bytes() == before
+
+
+def test_what_is_ordered_is_checked(desk: Desk) -> None:
+    id, _ = desk.recognised("walk.bvh", BVH)
+    for order in (
+        {"kind": "motion", "unit": "feet"},
+        {"kind": "nothing"},
+        {"kind": "motion", "out": "/etc"},
+    ):
+        assert desk.ask(f"/imports/{id}", "POST", json.dumps(order).encode())[0] == 400
+    assert desk.ask("/imports/0", "POST", b"{}")[0] == 404
+    assert desk.ask("/imports/0")[0] == 404
+    assert desk.ask(f"/imports/{id}", "DELETE")[0] == 200
+    assert desk.ask(f"/imports/{id}")[0] == 404
+
+
+def test_options_of_the_command_line_are_called_as_the_dialog_calls_them() -> None:
+    assert page_words("Say --world, or --unit auto.") == "Say “World”, or “Unit” auto."
+    assert set(FIELDS.values()) >= {"Start frame", "Rate", "Names", "Individual", "Layout"}

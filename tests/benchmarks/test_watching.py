@@ -1,0 +1,120 @@
+"""The person who plays the motion: what they see, where they stop, and when they are done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from keypose.tracker.geometry.rotations import Array
+from tests.benchmarks.human.counting import Kind, Ledger
+from tests.benchmarks.human.hand import LOOKS_RIGHT_PX
+from tests.benchmarks.human.watching import FIXATION, RUNS_ON, Watching
+
+FRAMES = 40
+
+
+@dataclass
+class Played:
+    """A motion of one joint, and the hand and the desk of who watches it. off_px: by frame."""
+
+    off_px: dict[int, float]
+    ledger: Ledger = field(default_factory=Ledger)
+    script: list[str] = field(default_factory=list)
+    stops: list[int] = field(default_factory=list)
+    frame: int = 0
+    clip: Any = field(
+        default_factory=lambda: SimpleNamespace(
+            seen=dict.fromkeys(range(FRAMES)), unmeasured=frozenset()
+        )
+    )
+
+    @property
+    def desk(self) -> Played:
+        return self
+
+    def off(self, frame: int) -> dict[str, Array]:
+        return {"knee": np.array([self.off_px.get(frame, 0.0), 0.0])}
+
+    def shown(self, frame: int) -> Any:
+        return SimpleNamespace(pose=frame)
+
+    def project(self, frame: int) -> dict[str, Array]:
+        return {"knee": -self.off(frame)["knee"]}
+
+    def act(self, kind: Kind, why: str, *messages: Any) -> None:
+        self.ledger.note(kind, why)
+        self.script.append(why)
+        for message in messages:
+            self.frame = message.frame
+
+    def look(self, frame: int) -> None:
+        self.frame = frame
+
+    def judge(self) -> None:
+        self.ledger.note("judged", "judge a frame")
+        self.stops.append(self.frame)
+
+    def wrong(self) -> list[str]:
+        return ["knee"] if self.off_px.get(self.frame, 0.0) > LOOKS_RIGHT_PX else []
+
+    def slack_px(self, frame: int) -> float:
+        return 0.0
+
+    @property
+    def watched(self) -> int:
+        return self.ledger.effort(FRAMES).count("watched")
+
+
+def watch(wrong: Mapping[int, float], mends: int = 0) -> Played:
+    """Who corrects a frame corrects so many beside it, too."""
+    played = Played(dict(wrong))
+
+    def put_right(_: Any) -> None:
+        played.act("drag", "put right")
+        for frame in range(played.frame - mends, played.frame + mends + 1):
+            played.off_px.pop(frame, None)
+
+    Watching(played).until_right(put_right)  # type: ignore[arg-type]
+    return played
+
+
+def bump(first: int, *px: float) -> dict[int, float]:
+    return dict(enumerate(px, first))
+
+
+def test_a_motion_that_looks_right_is_watched_once() -> None:
+    played = watch({})
+    assert (played.watched, played.stops, played.script) == (FRAMES, [], ["play"])
+
+
+def test_one_stops_where_it_is_worst() -> None:
+    played = watch(bump(10, 8, 9, 14, 20, 14, 9, 8), mends=5)
+    assert played.stops == [13]
+    assert played.script.count("put right") == 1
+
+
+def test_what_is_wrong_for_a_single_frame_is_not_seen() -> None:
+    assert watch(bump(10, 15)).stops == []
+    assert watch(bump(10, 15, 15)).stops != []
+
+
+def test_who_stops_has_not_seen_more_than_a_second_of_it() -> None:
+    played = watch(bump(5, *np.linspace(8.0, 20.0, 30)), mends=30)
+    assert played.stops[0] <= 5 + RUNS_ON + FIXATION // 2
+
+
+def test_what_did_not_change_is_not_watched_again() -> None:
+    played = watch(bump(30, 12, 12, 12, 12, 12), mends=5)
+    assert FRAMES < played.watched <= FRAMES + 15
+
+
+def test_what_nothing_makes_better_is_left_and_the_rest_is_watched() -> None:
+    played = Played(bump(10, 12, 12, 12))
+    watching = Watching(played)  # type: ignore[arg-type]
+    watching.until_right(lambda _: None)
+    assert len(played.stops) == 1
+    assert set(range(FRAMES)) == watching.seen.keys()

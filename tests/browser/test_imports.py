@@ -1,0 +1,61 @@
+"""The dialog of imports: a file is dropped, told what it is, and imported as a step to undo."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from keypose.tracker.body.skeleton import Skeleton
+from tests.browser.hands import until
+from tests.browser.shared import Desk, desk
+from tests.tracker.formats import recordings
+
+DROP = """([name, content]) => {
+  const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name));
+  dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+}"""
+
+
+@pytest.fixture(scope="module")
+def work(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("imports")) as made:
+        yield made
+
+
+def drop(at: Desk, name: str, content: bytes) -> None:
+    at.page.evaluate(DROP, [name, base64.b64encode(content).decode()])
+
+
+def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
+    motion, body = recordings.trajectory("person"), recordings.session("person").body
+    drop(work, "walk.bvh", recordings.bvh_of(Skeleton.of(body), motion, 1 / 30).encode())
+    sheet = work.page.locator("#importing")
+    sheet.get_by_text("Recorded motion").wait_for()
+    sheet.get_by_text(f"{len(motion)} frames").wait_for()
+    start = sheet.get_by_label("Start frame")
+    start.fill("first")
+    start.blur()
+    sheet.get_by_text("The start frame is a whole number").wait_for()
+    assert sheet.get_by_role("button", name="Import", exact=True).is_disabled()
+    start.fill("")
+    start.blur()
+    sheet.get_by_role("button", name="Import", exact=True).click()
+    work.page.get_by_text(f"walk.bvh imported, frames 0–{len(motion) - 1}.").wait_for()
+    until(lambda: not sheet.is_visible(), "the end of the dialog")
+    until(lambda: work.served["undo"]["undo"] == "import", "a step to undo")
+    work.visitor.do(do="undo")
+    until(lambda: work.served["undo"]["undo"] is None, "the session as it was")
+
+
+def test_what_cannot_be_imported_is_said_in_the_dialog_which_asks_for_another(work: Desk) -> None:
+    drop(work, "walk.trc", b"nothing")
+    sheet = work.page.locator("#importing")
+    sheet.get_by_role("alert").get_by_text("walk.trc").wait_for()
+    sheet.get_by_role("button", name="Choose another").wait_for()
+    work.page.keyboard.press("Escape")
+    until(lambda: not sheet.is_visible(), "the end of the dialog")

@@ -1,0 +1,48 @@
+// What the dialog of imports asks of the server, and what it refuses by itself.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import './browser.js';
+
+const { USUAL, isImported, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
+
+const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
+const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
+
+test('what is left to the file is not said', () => {
+  assert.deepEqual(orderOf('motion', USUAL), { kind: 'motion', places: {}, offset_frames: null, fps: null, unit: null, world: null });
+  assert.deepEqual(orderOf('camera', USUAL), { kind: 'camera' });
+});
+
+test('a start frame may be negative, and names are pairs', () => {
+  const order = orderOf('motion', { ...USUAL, start: '-12', places: 'Hips = pelvis, Tail_1=tail.end' });
+  assert.equal(order.offset_frames, -12);
+  assert.deepEqual(order.places, { Hips: 'pelvis', Tail_1: 'tail.end' });
+});
+
+test('frames that are listed count, and not one in so many', () => {
+  const order = orderOf('keypoints', { ...USUAL, every: '10', frames: '0, 24,48' });
+  assert.deepEqual([order.frames, order.every], [[0, 24, 48], null]);
+  assert.equal(orderOf('keypoints', { ...USUAL, every: '10' }).every, 10);
+});
+
+test('what cannot be ordered is said in a sentence', () => {
+  assert.equal(whyNotBegin(MOTION, USUAL, 100), '');
+  assert.match(whyNotBegin(MOTION, { ...USUAL, start: '1.5' }, 100), /whole number/);
+  assert.match(whyNotBegin(MOTION, { ...USUAL, fps: '0' }, 100), /rate/);
+  assert.match(whyNotBegin(MOTION, { ...USUAL, places: 'Hips' }, 100), /pairs/);
+  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, frames: '0, 100' }, 100), /no frame 100.*is 99/);
+  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, every: '0' }, 100), /every so many/);
+});
+
+test('of several individuals one is chosen first', () => {
+  const several = { ...KEYPOINTS, facts: { individuals: ['a', 'b'], layouts: [] } };
+  assert.match(whyNotBegin(several, USUAL, 9), /Choose one/);
+  assert.equal(whyNotBegin(several, { ...USUAL, individual: 'b' }, 9), '');
+});
+
+test('an ending tells what may be imported, whatever its case', () => {
+  assert.ok(['Walk.BVH', 'dogDLC.h5', 'shot.chan'].every(isImported));
+  assert.ok(!isImported('notes.txt'));
+});
