@@ -1,9 +1,4 @@
-"""A limb, or the whole body, turned in depth: what points toward the camera points away from it.
-
-A picture tells depth only up to this mirror image. Every bone is mirrored at the plane across the
-view; what cannot be mirrored, the handedness of each part, goes into an axis the bones do not show:
-of the trunk front and back, of a limb left and right, so that elbows and knees bend as before.
-"""
+"""A limb, or the whole body, turned in depth at the present frame."""
 
 from __future__ import annotations
 
@@ -15,18 +10,9 @@ from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
-from keypose.app.posing.labels import kind_of
-from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
-from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.depth_turn import depths_m, turned_in_depth, turns_round
 
-TRUNK = ("waist", "chest", "neck", "head")
-FLAT_LIMB = np.diag([-1.0, 1.0, 1.0])
-FLAT_TRUNK = np.diag([1.0, 1.0, -1.0])
 LEAST_M = 0.02
 """A limb whose joints lie no farther apart in depth looks the same either way."""
 
@@ -36,74 +22,9 @@ def turn_in_depth(state: EditorState, action: do.TurnInDepth) -> Session:
     skeleton, pose = state.skeleton, shown_pose(state).pose
     top = 0 if action.part is None else state.doc.body.index(action.part)
     name = "The body" if top == 0 else part_label(skeleton.body.names[top])
-    before = _depths_m(skeleton, pose, top)
-    if np.ptp(before) < LEAST_M:
+    if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
         raise Refused(f"{name} lies across the view: it looks the same either way.")
     turned = turned_in_depth(skeleton, state.doc.camera, pose, top)
-    if before @ _depths_m(skeleton, turned, top) > 0:
+    if not turns_round(skeleton, pose, turned, top):
         raise Refused(f"{name} cannot bend the other way. Turn a part further out alone.")
     return posed(state.doc, skeleton, turned, state.frame, state.times_s)
-
-
-def turned_in_depth(skeleton: Skeleton, camera: Camera, pose: Pose, top: int) -> Pose:
-    """The pose with part `top` and all below it mirrored in depth, seen about where it was.
-
-    Of the mirrored poses with hands, feet and head mirrored too, or as they stood to their
-    forearm, shin or neck, the one whose joints bend most as they can.
-    """
-    places = _places(skeleton)
-    uv = camera.project(BodyPoints(skeleton, places).at(pose_transforms(skeleton, pose)))
-    starts = [_mirrored(skeleton, pose, top, ends) for ends in (True, False)]
-    found = fit_picture(skeleton.body, camera, places, uv, np.ones(len(places)), starts).pose
-    if top == 0:
-        return found
-    Rs = np.where(skeleton.below[:, top, None, None], found.Rs_parent_part, pose.Rs_parent_part)
-    return Pose(Rs, pose.p_camera_root)
-
-
-def _mirrored(skeleton: Skeleton, pose: Pose, top: int, ends: bool) -> Pose:
-    """Mirrored about its uppermost joint. ends: whether the last parts of limbs are, too."""
-    below = skeleton.below[:, top]
-    T = pose_transforms(skeleton, pose)
-    ray = T[top, :3, 3] / np.linalg.norm(T[top, :3, 3])
-    mirror = np.eye(3) - 2 * np.outer(ray, ray)
-    is_last = ~np.isin(np.arange(skeleton.part_count), skeleton.parents)
-    Hs, Rs = T[:, :3, :3].copy(), pose.Rs_parent_part.copy()
-    for i in np.flatnonzero(below):
-        parent = skeleton.parents[i]
-        above = np.eye(3) if parent < 0 else Hs[parent]
-        if ends or not is_last[i] or i == top:
-            Hs[i] = mirror @ T[i, :3, :3] @ _flat(skeleton, i)
-            Rs[i] = above.T @ Hs[i]
-        else:
-            Hs[i] = above @ Rs[i]
-    return Pose(Rs, pose.p_camera_root)
-
-
-def _flat(skeleton: Skeleton, part: np.intp) -> Array:
-    return FLAT_TRUNK if kind_of(skeleton.body.names[part]) in TRUNK else FLAT_LIMB
-
-
-def _places(skeleton: Skeleton) -> tuple[BodyPoint, ...]:
-    """Every joint and landmark."""
-    origin = (0.0, 0.0, 0.0)
-    joints = [((i, origin),) for i in range(skeleton.part_count)]
-    parts = enumerate(skeleton.body.parts)
-    return (*joints, *(((i, p),) for i, part in parts for p in part.landmarks.values()))
-
-
-def _depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:
-    """How much farther than a part's joint those that hang on it are, and their landmarks; of the
-    whole body, where its limbs hang on the trunk."""
-    places = _places(skeleton)
-    parts = np.array([place[0][0] for place in places])
-    p = BodyPoints(skeleton, places).at(pose_transforms(skeleton, pose))
-    ray = p[top] / np.linalg.norm(p[top])
-    on_trunk = np.array([_hangs_on_trunk(skeleton, part) for part in parts])
-    inside = on_trunk if top == 0 and on_trunk.any() else skeleton.below[parts, top]
-    return np.asarray((p[inside] - p[top]) @ ray)
-
-
-def _hangs_on_trunk(skeleton: Skeleton, part: int) -> bool:
-    names, parent = skeleton.body.names, int(skeleton.parents[part])
-    return parent >= 0 and kind_of(names[parent]) in TRUNK and kind_of(names[part]) not in TRUNK

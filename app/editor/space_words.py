@@ -14,6 +14,7 @@ _SENTENCES: Final[Mapping[str, str]] = {
     "off_floor": "{part} leaves the floor by {cm} cm, {frames}",
     "below_floor": "{part} goes {cm} cm into the floor, {frames}",
     "keyframe_depth": "At keyframe {go} {part} stands {cm} cm {way} than nearby",
+    "mirrored": "At keyframe {go} {part} may point the wrong way in depth",
     "leans": "The body leans {deg}° out of balance, {frames}",
     "shakes": "{part} shakes with {acceleration} m/s², {frames}",
 }
@@ -22,7 +23,7 @@ _SENTENCES: Final[Mapping[str, str]] = {
 def space_sentence(found: SpaceFinding) -> str:
     """Such as "Left foot slides 9 cm, 40–55"."""
     part = part_label(found.part)
-    if found.kind == "keyframe_depth":
+    if found.kind in ("keyframe_depth", "mirrored"):
         part = f"the {part[:1].lower()}{part[1:]}"
     return _SENTENCES[found.kind].format(
         part=part,

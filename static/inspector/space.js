@@ -26,6 +26,13 @@ const REMEDIES = {
       send({ do: 'floor', under: part });
     },
   },
+  turn: {
+    label: 'Turn in depth',
+    act: ({ part, go }) => {
+      goTo(go);
+      send({ do: 'turn_in_depth', part });
+    },
+  },
   soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },

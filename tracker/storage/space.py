@@ -62,6 +62,7 @@ def solved(
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
     judged = Judged(
         skeleton,
+        problem.camera,
         found.motion,
         problem.motion,
         problem.frames_per_second,

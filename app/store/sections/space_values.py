@@ -16,11 +16,12 @@ _REMEDIES: Final = {
     "off_floor": "pin",
     "below_floor": "floor",
     "keyframe_depth": "soften",
+    "mirrored": "turn",
     "leans": "",
     "shakes": "smooth",
 }
 _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
-                   "leans": 3.0, "shakes": 0.1}  # fmt: skip
+                   "mirrored": 20.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
 """What makes findings of different kinds comparable: of 5 cm, of 20°, of 10 m/s² each about 1."""
 
 
@@ -50,8 +51,10 @@ def space(app_state: AppState) -> Json:
 
 
 def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
-    """Whether a person has said that the foot is right where it leaves the floor."""
-    said = known.answer(found.part, found.go) if found.kind == "off_floor" else None
+    """Whether a person has said that the foot is right where it leaves the floor, or the limb as it
+    points."""
+    asked = found.kind in ("off_floor", "mirrored")
+    said = known.answer(found.part, found.go) if asked else None
     return said is not None and said.answer == "accepted"
 
 

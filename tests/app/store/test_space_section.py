@@ -34,6 +34,10 @@ def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
             found("keyframe_depth", -0.12),
             "At keyframe 14 the left foot stands 12 cm nearer than nearby",
         ),
+        (
+            found("mirrored", 0.2, "right_forearm"),
+            "At keyframe 14 the right forearm may point the wrong way in depth",
+        ),
         (found("leans", 0.4, "waist"), "The body leans 23° out of balance, 10–20"),
         (found("shakes", 11.3, "waist"), "Waist shakes with 11 m/s², 10–20"),
     ],
@@ -70,6 +74,11 @@ def test_the_worst_is_told_first_with_what_mends_it() -> None:
         ("off_floor", "pin"), ("pin", "soften"), ("slides", "pin"),
     ]  # fmt: skip
     assert told[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
+
+
+def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:
+    (told,) = solved(known(stepping((5, 12))), found("mirrored", 0.2, "right_forearm"))
+    assert (told["remedy"], told["part"], told["go"]) == ("turn", "right_forearm", 14)
 
 
 def test_a_guessed_lens_is_told_last_and_only_of_a_motion_that_was_solved() -> None:

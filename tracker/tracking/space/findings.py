@@ -1,5 +1,5 @@
-"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth,
-a body out of balance, shaking."""
+"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth
+or with limbs the other way round, a body out of balance, shaking."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.tracking.space.mirrored import mirrored_limbs
 
 SLIDES_M = 0.05
 FLOOR_M = 0.04
@@ -29,12 +31,14 @@ SHAKES_M_S2 = 8.0
 class Judged:
     """What is looked at.
 
-    motion: in space.  tracked: the same before the last solve, which meets all keyframes.
+    camera: without distortion.  motion: in space.  tracked: the same before the last solve, which
+        meets all keyframes.
     stances: ranges over which a foot stands still, pinned or not.  pinned: which of them are.
     up_camera: unit vector; None where up is not known.  floor_m: the floor's height along it.
     """
 
     skeleton: Skeleton
+    camera: Camera
     motion: Trajectory
     tracked: Trajectory
     frames_per_second: float
@@ -60,6 +64,7 @@ def space_findings(judged: Judged) -> tuple[SpaceFinding, ...]:
         *_slides(judged),
         *_floats(judged),
         *_keyframe_depths(judged),
+        *_mirrored(judged),
         *_leans(judged),
         *_shakes(judged),
     )
@@ -105,6 +110,17 @@ def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
         row = max(rows, key=lambda row: abs(z[row] - usual))
         if abs(z[row] - usual) > DEPTH_M:
             yield _of_stance(judged, "keyframe_depth", stance, row, float(z[row] - usual))
+
+
+def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
+    """Limbs that a keyframe may have the wrong way round in depth."""
+    poses = {frame: judged.tracked.pose(frame) for frame in judged.keyframes}
+    rate = judged.frames_per_second
+    for limb in mirrored_limbs(judged.skeleton, judged.camera, poses, rate):
+        yield SpaceFinding(
+            kind="mirrored", part=limb.part, first_frame=limb.frame, last_frame=limb.frame,
+            go=limb.frame, amount=limb.nearer_m,
+        )  # fmt: skip
 
 
 def _leans(judged: Judged) -> Iterator[SpaceFinding]:

@@ -42,6 +42,7 @@ def floor_of(shown: Scene) -> float:
 def findings(shown: Scene, motion: Trajectory, **changes: Any) -> tuple[SpaceFinding, ...]:
     given: dict[str, Any] = {
         "skeleton": shown.skeleton,
+        "camera": shown.camera,
         "motion": motion,
         "tracked": motion,
         "frames_per_second": fps_of(shown),
