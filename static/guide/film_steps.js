@@ -9,6 +9,7 @@ import { isReviewing, toggleReview } from '../actions/review.js';
 import { icon } from '../controls/icons.js';
 import { sizeWords } from '../handles/box.js';
 import { draftFromBox } from '../handles/sketch.js';
+import { send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
 import { fan } from './fan.js';
 import { lensCard, lensKey } from './lens_step.js';
@@ -69,10 +70,27 @@ const isDrafting = () => server.job?.state === 'running' && server.job.kind === 
 const isDrafted = () => Boolean(server.draft);
 
 function personLine() {
-  if (!ui.box) return nothing;
+  if (!ui.box) return thingLine();
   const small = smallWords();
   return html`<div class="row filesays ${small ? 'warned' : 'good'}">${icon(small ? 'warn' : 'check')}
     <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>`;
+}
+
+/** Something else than a person is posed by hand, once its sizes are set. */
+function thingLine() {
+  const things = server.body?.presets.filter((preset) => preset.is_object) ?? [];
+  return html`<div class="row"><span class="note">Not a person?</span>
+    ${things.map(({ name, label }) => html`<button type="button" class="btn sm" title="Set its sizes and pose it by hand"
+      @click=${() => takeThing(name)}>${label}</button>`)}</div>`;
+}
+
+function takeThing(name) {
+  send({ do: 'preset', name });
+  send({ do: 'select', part: name });
+  setUi('box', null);
+  setUi('tool', 'select');
+  setUi('tab', 'part');
+  setUi('guideStep', null);
 }
 
 function draftButton() {

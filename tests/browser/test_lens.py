@@ -170,3 +170,15 @@ def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page
     until(
         tab.get_by_role("checkbox", name="With focal length").is_checked, "the guess to be fitted"
     )
+
+
+def test_of_a_thing_the_guide_leads_to_its_sizes_and_its_corners(page: Page) -> None:
+    page.keyboard.press("Enter")
+    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    page.locator("#guide").get_by_role("button", name="Box", exact=True).click()
+    until_told(page, "body.name", lambda name: name == "box")
+    until_told(page, "view.selected", lambda part: part == "box")
+    until_counted(page, "#guide .coach", 0)
+    until_counted(page, "#main .box-corner", 4)
+    page.get_by_role("tab", name="Part", selected=True).wait_for()
+    until(lambda: page.evaluate("() => window.keypose.ui.tool") == "select", "the usual tool")
