@@ -108,7 +108,7 @@ def fit_to_session(
         ps = _on_keyframes(points, ps, first, reached)
     elif motion.world is None:
         raise FormatError(
-            f"{file} does not say in which frame it is: choose with --world, or set a keyframe."
+            f"{file} does not say in which frame it is: choose its world, or set a keyframe."
         )
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
@@ -137,7 +137,7 @@ def match_keypoints(
         few = ", ".join(known.left_out[:SHOWN])
         raise FormatError(
             f"{file} names {len(known.known)} places of the session's body, {LEAST_KEYPOINTS} are "
-            f"needed to pose it: say with --map NAME=PART.end where others are, such as {few}."
+            f"needed to pose it: say where others lie on the body, such as {few}."
         )
     return known
 
@@ -182,7 +182,7 @@ def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
         few = ", ".join(motion.names[:SHOWN])
         raise FormatError(
             f"{file} has {len(motion.names)} joints, such as {few}, of which {len(known.known)} "
-            "are known: name their counterparts with --names."
+            "are known: name their counterparts on the body."
         )
 
 
@@ -191,7 +191,7 @@ def _within(ps: Array, file: str) -> tuple[int, Array]:
     says = [n for n in range(len(ps)) if _has_enough_joints(ps, n)]
     if len(says) < 2:
         raise FormatError(
-            f"{file} has no joints while the video runs: move it with --offset-frames."
+            f"{file} has no joints while the video runs: choose the frame at which it starts."
         )
     return says[0], ps[says[0] : says[-1] + 1]
 
@@ -219,8 +219,8 @@ def _require_a_size(size: float, file: str) -> None:
     if not 1 / MOST_UNLIKE < size < MOST_UNLIKE:
         times = f"{1 / size:.0f}" if size < 1 else f"{1 / size:.1g}"
         raise FormatError(
-            f"{file} has a body {times} times the size of the session's: check --unit, or let "
-            "--unit auto scale it."
+            f"{file} has a body {times} times the size of the session's: check its unit, or "
+            "have it scaled to the body (unit auto)."
         )
 
 

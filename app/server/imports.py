@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import re
 import secrets
 import shutil
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
 from starlette.requests import ClientDisconnect, Request
@@ -27,21 +26,14 @@ from keypose.app.export.import_choices import (
 from keypose.app.jobs.importing import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.server.guard import headers_for
-from keypose.app.store.imported import ImportOutcome
-from keypose.app.store.store import ImportTarget, Store
+from keypose.app.store.imported import ImportOutcome, ImportTarget
+from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
 from keypose.tracker.session.settings import FrameIndex
 
 LARGEST_ORDER = 1 << 16
 MOST_PLACES = 400
-
-FIELDS: Final = {
-    "offset-frames": "Start frame", "offset-s": "Start frame", "unit": "Unit", "world": "World",
-    "fps": "Rate", "layout": "Layout", "individual": "Individual", "map": "Names",
-    "names": "Names", "frames": "Frames", "every": "Every",
-}  # fmt: skip
-"""What the page calls the options of the command line."""
 
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=200)]
 Places: TypeAlias = Annotated[dict[Name, Name], Field(max_length=MOST_PLACES)]
@@ -99,7 +91,6 @@ class Imports:
         self._store = store
         self._id = ""
         self._file = Path()
-        self._target: ImportTarget | None = None
         self._process: SideProcess | None = None
         self._stage: Literal["reading", "importing"] = "reading"
         self._outcome: ImportOutcome | str | None = None
@@ -179,7 +170,7 @@ class Imports:
         if self._stage == "importing":
             return _json(_imported(process.state, self._outcome))
         state = process.state
-        told = {"stage": "reading", "state": state.state, "words": page_words(state.words)}
+        told = {"stage": "reading", "state": state.state, "words": state.words}
         return _json(told | ({"found": asdict(state.result)} if state.state == "done" else {}))
 
     async def _leave(self, request: Request) -> Response:
@@ -198,15 +189,10 @@ def _imported(state: WorkState, outcome: ImportOutcome | str | None) -> dict[str
     if isinstance(outcome, ImportOutcome):
         return {**told, **asdict(outcome)}
     if outcome is not None:
-        return {**told, "state": "failed", "words": page_words(outcome)}
+        return {**told, "state": "failed", "words": outcome}
     if state.state == "done":
         return {**told, "state": "running"}
-    return {**told, "words": page_words(state.words)}
-
-
-def page_words(sentence: str) -> str:
-    """A sentence of the command line as the page says it: options are fields of the dialog."""
-    return re.sub(r"--([a-z-]+)", lambda m: f"“{FIELDS.get(m[1], m[1])}”", sentence)
+    return {**told, "words": state.words}
 
 
 async def _received(request: Request) -> Path:

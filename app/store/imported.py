@@ -17,12 +17,27 @@ from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.first_motion import save_first_motion
+from keypose.tracker.video import VideoInfo
 
 LABEL = "import"
 """What undo calls it."""
 CHANGED = "The body, the camera or a keyframe was changed meanwhile: import again."
 SHOWN = 8
 """Frames in a sentence."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImportTarget:
+    """What a file is imported into: the session as it is now, and what is known of its video."""
+
+    doc: Session
+    session_path: Path
+    video: VideoInfo
+
+    @property
+    def content(self) -> bytes:
+        """The session as JSON."""
+        return self.doc.model_dump_json().encode()
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import secrets
 import time
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ from keypose.app.store.draft_learner import DraftLearner
 from keypose.app.store.examiner import Examiner
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
-from keypose.app.store.imported import ImportOutcome, with_import
+from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
 from keypose.app.store.keypoint_finder import KeypointFinder
 from keypose.app.store.pose_library import PoseLibrary
 from keypose.app.store.preview import WAITING, SizesPreview
@@ -63,24 +63,8 @@ from keypose.tracker.errors import (
     one_sentence,
 )
 from keypose.tracker.reduction.result import Reduction
-from keypose.tracker.session import Session
 from keypose.tracker.storage.chronicle import mark_of
 from keypose.tracker.video import VideoInfo
-
-
-@dataclass(frozen=True, eq=False)
-class ImportTarget:
-    """What a file is imported into: the session as it is now, and what is known of its video."""
-
-    doc: Session
-    session_path: Path
-    video: VideoInfo
-
-    @property
-    def content(self) -> bytes:
-        """The session as JSON."""
-        return self.doc.model_dump_json().encode()
-
 
 CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
 """What a tab may call itself."""

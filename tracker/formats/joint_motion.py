@@ -95,7 +95,7 @@ class JointMotion:
         if len(self) > len(times_s):
             raise FormatError(
                 f"{file} has {len(self)} poses, one for each frame, and the video {len(times_s)} "
-                "frames: give the poses' rate with --fps."
+                "frames: give the poses' rate (fps)."
             )
         return replace(self, times_s=times_s[: len(self)], is_per_frame=False)
 

@@ -72,7 +72,7 @@ def read_people(path: Path, individual: str | None = None) -> People:
 
 def _single(file: str, individual: str | None, people: People) -> People:
     if individual is not None:
-        raise FormatError(f"{file} does not tell individuals apart: leave out --individual.")
+        raise FormatError(f"{file} does not tell individuals apart: leave out the individual.")
     return people
 
 

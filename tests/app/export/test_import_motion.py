@@ -430,7 +430,7 @@ def test_what_the_limbs_do_not_tell_is_asked_for_and_told_by_the_option(
     file = path.parent / "points.json"
     file.write_text(json.dumps(_coco(Keypoints(0, seen.names, seen.uv, visibility))))
     said = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
-    assert "BODY_25 or BODY_25B: choose with --layout." in said
+    assert "BODY_25 or BODY_25B: choose the layout." in said
     assert _run("import", path, file, "--keypoints", "--layout", "body_25b") == 0
     assert [draft.frame for draft in load_session(path).drafts] == [30]
 
@@ -463,10 +463,10 @@ def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
 
 def test_a_body_without_such_joints_is_told(tmp_path: Path) -> None:
     box = recordings.session("box")
-    with pytest.raises(FormatError, match=r"names 0 places of the session's body.*--map"):
+    with pytest.raises(FormatError, match=r"names 0 places of .* say where others lie"):
         _drafts(box, _keypoints("COCO_17"), [3])
     motion = JointMotion(("a", "b", "c"), np.zeros((5, 3, 3)), np.arange(5.0), "y up", "m")
-    with pytest.raises(FormatError, match="--names"):
+    with pytest.raises(FormatError, match="name their counterparts"):
         fit_to_session(box, motion, "a.bvh", TIMES_S)
 
 

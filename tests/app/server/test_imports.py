@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.app.server.imports import FIELDS, page_words
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.joint_names import matched
@@ -170,7 +169,7 @@ def test_of_several_animals_one_is_chosen(desk: Desk) -> None:
     _, state = desk.recognised("mice.csv", sleap("anna", "bert"))
     assert state["found"]["facts"]["individuals"] == ["anna", "bert"], state
     state = desk.imported("mice.csv", sleap("anna", "bert"))
-    assert "choose with “Individual”" in state["words"]
+    assert "choose an individual" in state["words"]
     state = desk.imported("mice.csv", sleap("anna", "bert"), individual="bert", every=1)
     assert state["words"] == "All of these frames are posed already: choose others."
     desk.undo()
@@ -207,8 +206,3 @@ def test_what_is_ordered_is_checked(desk: Desk) -> None:
     assert desk.ask("/imports/0")[0] == 404
     assert desk.ask(f"/imports/{id}", "DELETE")[0] == 200
     assert desk.ask(f"/imports/{id}")[0] == 404
-
-
-def test_options_of_the_command_line_are_called_as_the_dialog_calls_them() -> None:
-    assert page_words("Say --world, or --unit auto.") == "Say “World”, or “Unit” auto."
-    assert set(FIELDS.values()) >= {"Start frame", "Rate", "Names", "Individual", "Layout"}
