@@ -1,4 +1,5 @@
-"""The motion in space: planted feet, absolute depth, accelerations, peak speeds, proposed pins.
+"""The motion in space: planted feet, absolute depth, accelerations, peak speeds, proposed pins,
+mirrored limbs.
 
 Side by side are interpolation, the motion as it was tracked, a zero-phase 6 Hz Butterworth of it
 that meets the keyframes, and the last solve: smooth alone, with pins and exact keyframes, with pins
@@ -34,6 +35,7 @@ from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.keyed import Keyed, jittered, keyed
 from tests.benchmarks.keyed_in_space import keyed_in_space
 from tests.benchmarks.measures import figures
+from tests.benchmarks.mirrored import mirrored
 from tests.benchmarks.sequences import FPS, sequence
 from tests.benchmarks.sequences import Sequence as Shown
 from tests.benchmarks.table import Expected, Report, Table
@@ -109,6 +111,7 @@ def space(report: Report) -> None:
         partial(_walk, report),
         partial(_peaks, report),
         partial(_proposals, report),
+        partial(mirrored, report),
     ]
     for work in works:
         try:
