@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
 from keypose.app.cli.json_output import print_json
@@ -29,7 +28,8 @@ def require_no_other(arguments: argparse.Namespace, names: tuple[str, ...]) -> N
 
 def import_camera(arguments: argparse.Namespace) -> None:
     """Read the file into the session, which nobody else has open, and say what changed."""
-    from keypose.app.export.import_camera import SAME_DEG, turned_deg, with_camera_file
+    from keypose.app.export.import_camera import SAME_DEG, with_camera_file
+    from keypose.app.export.recognising import camera_facts
     from keypose.tracker.formats.reading_camera import load_camera
     from keypose.tracker.formats.recording import CAMERA_UP
     from keypose.tracker.storage.files import load_session, save_session
@@ -39,15 +39,16 @@ def import_camera(arguments: argparse.Namespace) -> None:
     found = load_camera(arguments.file, (session.camera.width, session.camera.height))
     made = with_camera_file(session, found)
     save_session(made, path)
-    camera, turned = made.camera, turned_deg(session, made)
-    across = 2 * math.degrees(math.atan(camera.width / 2 / camera.fx))
+    camera = made.camera
     if arguments.json:
-        facts = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
+        lens = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
         up = list(made.up_camera or CAMERA_UP)
-        print_json({"written": str(path), **facts, "up_camera": up, "floor_m": made.floor_m})
+        print_json({"written": str(path), **lens, "up_camera": up, "floor_m": made.floor_m})
         return
-    print(f"Lens: {camera.focal_mm:.1f} mm on 35 mm film, {across:.1f}° across.")
+    facts = camera_facts(session, made, found)
+    focal, across, turned = facts["focal_mm"], facts["across_deg"], facts["turned_deg"]
+    print(f"Lens: {focal:.1f} mm on 35 mm film, {across:.1f}° across.")
     print(f"Up: turned by {turned:.1f}°." if turned > SAME_DEG else "Up: as it was.")
-    if found.floor_m is not None and made.floor_m is not None:
-        print(f"Floor: {-made.floor_m:.2f} m below the camera.")
+    if facts["floor_m"] is not None:
+        print(f"Floor: {facts['floor_m']:.2f} m below the camera.")
     print(f"Written: {path}")

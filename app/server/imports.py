@@ -23,6 +23,7 @@ from keypose.app.export.import_choices import (
     KeypointChoices,
     MotionChoices,
 )
+from keypose.app.jobs.failure import failure_message
 from keypose.app.jobs.importing import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.server.guard import headers_for
@@ -160,8 +161,8 @@ class Imports:
             return
         try:
             self._outcome = self._store.take_import(target, state.result, self._file.name)
-        except KeyposeError as error:
-            self._outcome = str(error)
+        except Exception as error:  # noqa: BLE001 — or the page would wait for ever
+            self._outcome = failure_message(error)
 
     async def _state(self, request: Request) -> Response:
         process = self._process

@@ -6,7 +6,7 @@ import base64
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Locator
 
 from keypose.tracker.body.skeleton import Skeleton
 from tests.browser.hands import until
@@ -31,21 +31,27 @@ def drop(at: Desk, name: str, content: bytes) -> None:
     at.page.evaluate(DROP, [name, base64.b64encode(content).decode()])
 
 
+def shown(sheet: Locator, words: str) -> None:
+    """Wait until the dialog says something: the file is read in a process that has to begin."""
+    until(lambda: sheet.get_by_text(words).is_visible(), words)
+
+
 def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
     motion, body = recordings.trajectory("person"), recordings.session("person").body
     drop(work, "walk.bvh", recordings.bvh_of(Skeleton.of(body), motion, 1 / 30).encode())
     sheet = work.page.locator("#importing")
-    sheet.get_by_text("Recorded motion").wait_for()
-    sheet.get_by_text(f"{len(motion)} frames").wait_for()
+    shown(sheet, "Recorded motion")
+    shown(sheet, f"{len(motion)} frames")
     start = sheet.get_by_label("Start frame")
     start.fill("first")
     start.blur()
-    sheet.get_by_text("The start frame is a whole number").wait_for()
-    assert sheet.get_by_role("button", name="Import", exact=True).is_disabled()
+    shown(sheet, "The start frame is a whole number")
+    button = sheet.get_by_role("button", name="Import", exact=True)
+    assert button.is_disabled()
     start.fill("")
     start.blur()
-    sheet.get_by_role("button", name="Import", exact=True).click()
-    work.page.get_by_text(f"walk.bvh imported, frames 0–{len(motion) - 1}.").wait_for()
+    until(button.is_enabled, "an order that can be given")
+    button.click()
     until(lambda: not sheet.is_visible(), "the end of the dialog")
     until(lambda: work.served["undo"]["undo"] == "import", "a step to undo")
     work.visitor.do(do="undo")
@@ -55,7 +61,7 @@ def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
 def test_what_cannot_be_imported_is_said_in_the_dialog_which_asks_for_another(work: Desk) -> None:
     drop(work, "walk.trc", b"nothing")
     sheet = work.page.locator("#importing")
-    sheet.get_by_role("alert").get_by_text("walk.trc").wait_for()
-    sheet.get_by_role("button", name="Choose another").wait_for()
+    until(lambda: "walk.trc" in " ".join(sheet.get_by_role("alert").all_inner_texts()), "why not")
+    shown(sheet, "Choose another…")
     work.page.keyboard.press("Escape")
     until(lambda: not sheet.is_visible(), "the end of the dialog")

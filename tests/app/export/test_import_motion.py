@@ -321,6 +321,17 @@ def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: 
     assert np.array_equal(_imported(copied).Rs_parent_part, _imported(path).Rs_parent_part)
 
 
+def test_a_joint_of_another_name_is_known_once_it_is_said(path: Path) -> None:
+    names = [{"left_hand": "grip"}.get(name, name) for name in NAMES]
+    file = path.parent / "motion.csv"
+    file.write_text(_wide(TRUTH.joints(SKELETON), names), newline="")
+    for said, known in (([], False), (["--map", "grip=left_hand"], True)):
+        assert _run("import", path, file, *said) == 0
+        reference = load_session(path).first_motion
+        assert reference is not None
+        assert (reference.matched.get("grip") == "left_hand") == known
+
+
 # --- keypoints
 
 
