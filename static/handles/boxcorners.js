@@ -34,7 +34,7 @@ function cornersOf(view, part) {
     const handle = { kind: 'box_corner', part: part.name, index };
     return {
       key: `box-corner:${part.name}:${index}`, kind: 'box_corner', handle, part: part.name, label,
-      limb: [part.name], point: points[index], at: [x, y], isRoot: !part.parent,
+      limb: [part.name], point: points[index], at: [x, y], radius: HALF_PX * gripScale(view), isRoot: !part.parent,
     };
   }).filter(({ at }) => Number.isFinite(at[0] + at[1]));
 }
@@ -64,7 +64,7 @@ export function drawBoxCorners(view, corners) {
 function drawCorner(view, corner) {
   const isPlaced = server.pose.corners.some(({ part, index }) => part === corner.part && index === corner.handle.index);
   const state = [isPlaced ? 'placed' : '', isDragged(corner) ? 'dragged' : '', isHot(view, corner) ? 'hot' : ''].join(' ');
-  const half = HALF_PX * gripScale(view) * (isDragged(corner) || isHot(view, corner) ? 1.33 : 1);
+  const half = corner.radius * (isDragged(corner) || isHot(view, corner) ? 1.33 : 1);
   const [x, y] = corner.at;
   return svg`<rect class="grip box-corner ${state}" x=${x - half} y=${y - half} width=${2 * half} height=${2 * half} data-grip=${corner.key} />`;
 }

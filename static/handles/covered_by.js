@@ -2,6 +2,7 @@
 // that the pointer comes near.
 
 import { view as viewNamed } from '../views/views.js';
+import { boxCornersIn } from './boxcorners.js';
 import { gripsIn } from './grips.js';
 import { interaction } from './interaction.js';
 import { distance } from './space.js';
@@ -15,7 +16,7 @@ export function isDragCoveredBy(element) {
   const { drag } = interaction;
   if (!drag) return false;
   const view = viewNamed(drag.view);
-  const grip = gripsIn(view).find(({ key }) => key === drag.target?.key);
+  const grip = [...gripsIn(view), ...boxCornersIn(view)].find(({ key }) => key === drag.target?.key);
   const box = boxIn(view, element);
   return [drag.seen, ...(grip ? [grip.at] : [])].some((at) => holds(box, at, MARGIN));
 }
@@ -26,7 +27,7 @@ export function isHandleCoveredBy(element) {
   if (!pointer || !isReady(pointer.view)) return false;
   const box = boxIn(pointer.view, element);
   const near = [pointer.x, pointer.y];
-  return gripsIn(pointer.view).some(({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR);
+  return [...gripsIn(pointer.view), ...boxCornersIn(pointer.view)].some(({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR);
 }
 
 /** An element's box in pixels of a view. */

@@ -4,6 +4,7 @@
 
 import { onRedraw, server, ui } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
+import { boxCornersIn } from './boxcorners.js';
 import { gripsIn } from './grips.js';
 import { onInteraction } from './interaction.js';
 import { keypointsIn } from './keypoints.js';
@@ -41,7 +42,7 @@ function giveWay() {
 function handlesInWindow() {
   return ALL_VIEWS.map(viewNamed).filter(isReady).flatMap((view) => {
     const { left, top, right, bottom } = view.over.getBoundingClientRect();
-    const spots = [...gripsIn(view), ...sizesIn(view), ...keypointsIn(view)].map(({ at: [x, y] }) => [left + x, top + y]);
+    const spots = [...gripsIn(view), ...boxCornersIn(view), ...sizesIn(view), ...keypointsIn(view)].map(({ at: [x, y] }) => [left + x, top + y]);
     return spots.filter(([x, y]) => x > left && x < right && y > top && y < bottom);
   });
 }
