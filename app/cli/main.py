@@ -43,7 +43,7 @@ from keypose.app.cli import (
     track,
 )
 from keypose.app.cli.interrupts import sigterm_as_ctrl_c
-from keypose.tracker.errors import KeyposeError
+from keypose.tracker.errors import ChoiceError, KeyposeError
 
 BAD_INPUT = 2
 FAULT = 70
@@ -83,7 +83,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except KeyposeError as error:
-        print(_sentence(str(error)), file=sys.stderr)
+        remedy = f" Choose with --{error.option}." if isinstance(error, ChoiceError) else ""
+        print(_sentence(str(error)) + remedy, file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED

@@ -13,7 +13,6 @@ from keypose.app.posing.angles import (
     with_angles,
     with_reset,
 )
-from keypose.app.posing.box_corners import box_corners
 from keypose.app.posing.dragging import drag
 from keypose.app.posing.facing import Way, facing
 from keypose.app.posing.gesture import (
@@ -66,7 +65,6 @@ __all__ = [
     "angles_deg",
     "at_limit",
     "axis_labels",
-    "box_corners",
     "clamp_to_limits",
     "drag",
     "ends_to_hold",

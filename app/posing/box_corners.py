@@ -17,9 +17,7 @@ from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.labels import number_text, part_label
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.trunk import limits_as_posed, turning
-from keypose.tracker.body.body import Part
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.shapes import Box
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 from keypose.tracker.geometry.rotations import Array
@@ -49,11 +47,6 @@ POOR_PX, BETTER = 2.5, 0.5
 and taken where it misses them by less than that share."""
 
 
-def box_corners(part: Part) -> Array | None:
-    """(8, 3) the corners of a box in its part's frame, x slowest and z fastest; None of others."""
-    return part.shape.marks() if isinstance(part.shape, Box) else None
-
-
 def drag_box_corner(
     context: GestureContext,
     view: PointerView,
@@ -69,7 +62,7 @@ def drag_box_corner(
         raise BodyError("Corners of a box are dragged in the camera view.")
     body = context.skeleton.body
     part = body.index(handle.part)
-    corners = box_corners(body.parts[part])
+    corners = body.parts[part].shape.corners()
     if corners is None:
         raise BodyError(f"{part_label(handle.part)} is not a box: it has no corners.")
     start = context.placed(part, corners[handle.index])

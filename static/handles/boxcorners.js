@@ -1,5 +1,6 @@
 // The corners of a box that are seen: each is dragged to where the picture shows it, and stays there
-// while others are. Of a body of few parts those of every box, else those of the selected part.
+// while others are. Of a body of few parts those of every box, else those of the selected part, if it is
+// a thing: a person's hands and feet have handles of their own.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
@@ -18,7 +19,7 @@ export function boxCornersIn(view) {
   if (view.name !== 'main' || ui.tool === 'size' || !server.pose || !view.eye) return [];
   const all = server.body.parts.length <= FEW_PARTS;
   return server.body.parts
-    .filter((part) => part.corners_cm.length && (all || part.name === server.view.selected))
+    .filter((part) => part.corners_cm.length && (all || (part.name === server.view.selected && part.side === 'C')))
     .flatMap((part) => cornersOf(view, part));
 }
 

@@ -52,7 +52,7 @@ def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None)
     if wanted is None:
         if len(individuals) == 1:
             return individuals[0]
-        words = f"{file} has {len(individuals)} individuals, {shown}: choose an individual."
+        words = f"{file} has {len(individuals)} individuals, {shown}."
         raise ChoiceError(words, "individual", individuals)
     if wanted not in individuals:
         raise FormatError(f"{file} has no individual {wanted!r}; it has {shown}.")

@@ -160,8 +160,8 @@ def _names(file: str, people: People, layout: str | None, uv: Array) -> tuple[st
         told = told_layout(layouts, uv)
         if told is None:
             may_be = " or ".join(layouts)
-            words = f"{file} has {count} keypoints a person, which may be {may_be}"
-            raise ChoiceError(f"{words}: choose the layout.", "layout", layouts)
+            words = f"{file} has {count} keypoints a person, which may be {may_be}."
+            raise ChoiceError(words, "layout", layouts)
         return LAYOUTS[told]
     if layout not in LAYOUTS:
         raise FormatError(f"There is no layout {layout!r}; there are {listed(list(LAYOUTS))}.")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from keypose.app.posing import (
     axis_labels,
-    box_corners,
     handles,
     part_label,
     part_sizes,
@@ -95,7 +94,7 @@ def _part(given: Body, part: Part) -> Json:
 
 def _corners_cm(part: Part) -> Json:
     """Of a box, in its part's frame; none of others."""
-    corners = box_corners(part)
+    corners = part.shape.corners()
     return [] if corners is None else (100 * corners).round(3).tolist()
 
 

@@ -8,7 +8,6 @@ import pytest
 from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.posing import box_corners
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.rotations import Array, apply_transform
 from tests.app.editor.desk import after, desk
@@ -22,7 +21,7 @@ def box() -> EditorState:
 
 def seen(state: EditorState) -> Array:
     """(8, 2) pixels of its corners."""
-    corners = box_corners(state.doc.body.parts[0])
+    corners = state.doc.body.parts[0].shape.corners()
     assert corners is not None
     T = pose_transforms(state.skeleton, shown_pose(state).pose)[0]
     return state.doc.camera.without_distortion().project(apply_transform(T, corners))

@@ -181,10 +181,10 @@ def test_what_does_not_suit_the_session_is_refused_in_one_sentence(
     (folder / "names.json").write_text('{"waist": "wing"}')
     (folder / "points.json").write_text("[]")
     cases: list[tuple[list[str | Path], str]] = [
-        ([folder / "two.csv"], "--names"),
+        ([folder / "two.csv"], "name their counterparts"),
         ([folder / "bad.bvh"], "MOTION"),
         ([folder / "none.bvh"], "no motion file"),
-        ([folder / "good.bvh", "--offset-frames", "500"], "--offset-frames"),
+        ([folder / "good.bvh", "--offset-frames", "500"], "choose the frame at which it starts"),
         ([folder / "good.bvh", "--names", folder / "names.json"], "wing"),
         ([folder / "good.bvh", "--fps", "0"], "not a number"),
         ([folder / "good.bvh", "--unit", "inch"], "inch"),
@@ -441,7 +441,7 @@ def test_what_the_limbs_do_not_tell_is_asked_for_and_told_by_the_option(
     file = path.parent / "points.json"
     file.write_text(json.dumps(_coco(Keypoints(0, seen.names, seen.uv, visibility))))
     said = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
-    assert "BODY_25 or BODY_25B: choose the layout." in said
+    assert "BODY_25 or BODY_25B. Choose with --layout." in said
     assert _run("import", path, file, "--keypoints", "--layout", "body_25b") == 0
     assert [draft.frame for draft in load_session(path).drafts] == [30]
 

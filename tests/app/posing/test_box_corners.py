@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.app.posing import PlacedCorner, Posed, box_corners, drag
+from keypose.app.posing import PlacedCorner, Posed, drag
 from keypose.app.posing.vectors import unit
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -25,7 +25,7 @@ every_face = pytest.mark.parametrize("face", FACES)
 
 def corners_seen(pose: Pose, camera: Camera = CAMERA) -> Floats:
     """(8, 2) pixels."""
-    corners = box_corners(BOX.parts[0])
+    corners = BOX.parts[0].shape.corners()
     assert corners is not None
     T = pose_transforms(Skeleton.of(BOX), pose)[0]
     return sights(camera)["main"].project(apply_transform(T, corners))
@@ -33,7 +33,7 @@ def corners_seen(pose: Pose, camera: Camera = CAMERA) -> Floats:
 
 def shows(pose: Pose, face: str) -> bool:
     """Whether a side faces the camera by more than 20 degrees."""
-    corners = box_corners(BOX.parts[0])
+    corners = BOX.parts[0].shape.corners()
     assert corners is not None
     T = pose_transforms(Skeleton.of(BOX), pose)[0]
     middle = apply_transform(T, corners[list(FACES[face])]).mean(axis=0)
@@ -175,7 +175,7 @@ def test_parallel_rays_leave_the_distance_and_give_the_rest() -> None:
 
 
 def test_a_box_that_hangs_on_a_joint_turns_about_it() -> None:
-    part = next(p.name for p in PERSON.parts if box_corners(p) is not None)
+    part = next(p.name for p in PERSON.parts if p.shape.corners() is not None)
     pose = Pose.rest(Skeleton.of(PERSON), (0.0, 0.0, 4.0))
     handle = {"kind": "box_corner", "part": part, "index": 7}
     found = drag(PERSON, pose, gesture("main", handle, (0, 0), (4, 3)), sights()).pose

@@ -165,7 +165,7 @@ def test_a_camera_is_shown_before_it_is_taken_over(desk: Desk) -> None:
 def test_of_several_animals_one_is_chosen(desk: Desk) -> None:
     id, state = desk.recognised("mice.csv", sleap("anna", "bert"))
     assert state["found"]["facts"]["individuals"] == ["anna", "bert"], state
-    assert "choose an individual" in desk.imported(id, "keypoints")["words"]
+    assert "2 individuals, anna and bert." in desk.imported(id, "keypoints")["words"]
     state = desk.imported(id, "keypoints", individual="bert", every=1)
     assert state["words"] == "All of these frames are posed already: choose others."
 

@@ -54,9 +54,13 @@ class Box(Solid):
         low, high = np.array(self.low_m), np.array(self.high_m)
         return distance_from_excess(np.maximum(low - p_part, p_part - high))
 
+    def corners(self) -> Array:
+        """All eight, x slowest and z fastest."""
+        return self.mesh().vertices
+
     def marks(self) -> Array:
         """Its corners."""
-        return self.mesh().vertices
+        return self.corners()
 
     @property
     def centre(self) -> Point:

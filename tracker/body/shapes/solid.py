@@ -60,6 +60,10 @@ class Solid(BaseModel, ABC):
     def marks(self) -> Array:
         """Points (N, 3) by which motions of the shape are compared."""
 
+    def corners(self) -> Array | None:
+        """(8, 3) of a box, x slowest and z fastest; None of what is round."""
+        return None
+
     @property
     @abstractmethod
     def centre(self) -> Point:
