@@ -8,7 +8,16 @@ from itertools import pairwise
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import Spot, drag, screens, section, until, until_counted, until_told
+from tests.browser.hands import (
+    Spot,
+    answered,
+    drag,
+    screens,
+    section,
+    until,
+    until_counted,
+    until_told,
+)
 from tests.browser.shared import Desk, desk
 
 
@@ -69,6 +78,7 @@ def test_corners_dragged_one_after_another_stay_where_they_were_put(
         until(lambda known=list(spots): placed(page) == known, "the corner is placed")
         for known, spot in spots.items():
             until(lambda i=known, at=spot: is_at(page, i, at), f"corner {known} where it was put")
+        answered(page)
     until_counted(page, "#main .placed-at", 3)
     screens(page, "box-corners-1-three")
     page.keyboard.press("Control+z")
@@ -85,6 +95,7 @@ def test_alt_lets_go_of_the_other_corners(page: Page, shared: Desk) -> None:
         x, y = where(page, index)
         drag(page, (x, y), (x + 10, y + 5))
         until(lambda i=index: placed(page)[-1:] == [i], "the corner is placed")
+        answered(page)
     before = [where(page, i) for i in seen]
     x, y = before[2]
     page.keyboard.down("Alt")
@@ -96,10 +107,11 @@ def test_alt_lets_go_of_the_other_corners(page: Page, shared: Desk) -> None:
     assert all(abs(one - other) < 8 for one, other in pairwise(moved)), moved
 
 
-def test_a_person_shows_the_corners_of_the_selected_part_alone(page: Page, shared: Desk) -> None:
-    until_counted(page, "#main .box-corner", 0)
+def test_a_person_s_hands_and_feet_are_pulled_whole(page: Page, shared: Desk) -> None:
     boxes = [part["name"] for part in section(page, "body.parts") if part["corners_cm"]]
-    shared.visitor.do(do="select", part=boxes[0])
-    until(lambda: page.locator("#main .box-corner").count() >= 4, "its corners")
-    shared.visitor.do(do="select", part="right_forearm")
-    until_counted(page, "#main .box-corner", 0)
+    assert set(boxes) == {"left_hand", "right_hand", "left_foot", "right_foot"}
+    for part in boxes:
+        shared.visitor.do(do="select", part=part)
+        until(lambda part=part: section(page, "view.selected") == part, "the part")  # type: ignore[misc]
+        answered(page)
+        assert page.locator("#main .box-corner").count() == 0
