@@ -153,9 +153,10 @@ def import_keypoints(
 
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
+    """What keypoints are checked against; images have no rate of their own."""
     video = session.video
-    told = info.container != "images" and not info.variable_rate  # images have no rate of their own
-    return VideoFacts(video.frame_count, video.width, video.height, info.fps if told else None)
+    has_rate = info.container != "images" and not info.variable_rate
+    return VideoFacts(video.frame_count, video.width, video.height, info.fps if has_rate else None)
 
 
 def _wanted_frames(session: Session, keypoints: Keypoints, choices: KeypointChoices) -> list[int]:

@@ -55,17 +55,19 @@ def kind_of(path: Path) -> Kind:
     """What a file holds, by the ending of its name and, where several have that, by what is in it.
     FormatError in one sentence where it is nothing that can be imported."""
     ending = path.suffix.lower()
-    if path.is_dir() or ending in _KEYPOINTS:
+    if path.is_dir():
+        return "keypoints"
+    if ending not in ENDINGS:
+        raise FormatError(
+            f"{path.name} holds nothing that can be imported: a motion (BVH, TRC, C3D, CSV, .npz, "
+            ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF) is expected."
+        )
+    if ending in _KEYPOINTS:
         return "keypoints"
     if ending in _MOTION:
         return "motion"
     if ending in _CAMERAS:
         return "camera"
-    if ending not in (".csv", ".json"):
-        raise FormatError(
-            f"{path.name} holds nothing that can be imported: a motion (BVH, TRC, C3D, CSV, .npz, "
-            ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF) is expected."
-        )
     content = _content(path)
     if ending == ".csv":
         return "keypoints" if is_table_of_keypoints(path.name, content) else "motion"
@@ -84,12 +86,12 @@ def _content(path: Path) -> bytes:
 
 def _kind_of_json(file: str, content: bytes) -> Kind:
     try:
-        told = json.loads(content)
+        data = json.loads(content)
     except (ValueError, RecursionError):
         raise FormatError(f"{file} is not JSON.") from None
-    if isinstance(told, dict) and told.get("format") == "keypose camera":
+    if isinstance(data, dict) and data.get("format") == "keypose camera":
         return "camera"
-    if isinstance(told, dict) and "schema_version" in told:
+    if isinstance(data, dict) and "schema_version" in data:
         raise FormatError(f"{file} is a session: open it where it lies, beside its video.")
     return "keypoints"
 

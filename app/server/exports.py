@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError, model_validator
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.responses import FileResponse, Response
 from starlette.routing import Route
 
 from keypose.app.editor.actions.message import Degrees, Message
@@ -39,6 +39,7 @@ from keypose.app.render.stills import Still
 from keypose.app.render.studio import Paint
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
+from keypose.app.server.exchange import json_answer, read_body
 from keypose.app.server.guard import headers_for
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
@@ -47,6 +48,7 @@ from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.video.encode import can_write_films
 
 LARGEST_ORDER = 1 << 14
+TOO_LONG = "The order of an export is too long."
 LIBRARIES = {"c3d": "ezc3d", "usd": "pxr"}
 """By format of motion, the module that it needs, which an extra of the same name installs."""
 FILM_REMEDY = "pip install --force-reinstall av"
@@ -174,22 +176,22 @@ class Exports:
             await asyncio.to_thread(shutil.rmtree, self._out.parent, ignore_errors=True)
 
     async def _possible(self, _: Request) -> Response:
-        return _json({"missing": missing_here()})
+        return json_answer({"missing": missing_here()})
 
     async def _begin(self, request: Request) -> Response:
         try:
-            order = ORDER.validate_json(await _body(request))
+            order = ORDER.validate_json(await read_body(request, LARGEST_ORDER, TOO_LONG))
             async with self._beginning:
                 return await self._start(order)
         except ValidationError as error:
-            return _json({"words": one_sentence(error)}, 400)
+            return json_answer({"words": one_sentence(error)}, 400)
         except (KeyposeError, ClientDisconnect, OSError) as error:
-            return _json({"words": str(error)}, 400)
+            return json_answer({"words": str(error)}, 400)
 
     async def _start(self, order: Film | Sheet | Pictures) -> Response:
         if self._process is not None and self._process.state.state == "running":
             words = "Another export is under way. Wait for it or cancel it."
-            return _json({"words": words}, 409)
+            return json_answer({"words": words}, 409)
         path = await self._store.saved_path()
         edit, opened = self._store.app_state.edit, self._store.opened
         if edit is None or opened is None:
@@ -203,14 +205,14 @@ class Exports:
         self._process = await asyncio.to_thread(SideProcess, work)
         self._id = secrets.token_hex(8)
         self._name = f"{self._store.name}{export.suffix}"
-        return _json({"id": self._id})
+        return json_answer({"id": self._id})
 
     def _under_way(self, request: Request) -> SideProcess | None:
         return self._process if request.path_params["id"] == self._id else None
 
     async def _state(self, request: Request) -> Response:
         process = self._under_way(request)
-        return _gone() if process is None else _json(_told(process.state))
+        return _gone() if process is None else json_answer(_told(process.state))
 
     async def _cancel(self, request: Request) -> Response:
         process = self._under_way(request)
@@ -219,7 +221,7 @@ class Exports:
         await asyncio.to_thread(process.cancel)
         state = _told(process.state)
         await self.close()
-        return _json(state)
+        return json_answer(state)
 
     async def _file(self, request: Request) -> Response:
         process = self._under_way(request)
@@ -249,19 +251,5 @@ def _told(state: WorkState) -> dict[str, Any]:
     return {"state": state.state, "done": state.done, "of": state.of, "words": words}
 
 
-async def _body(request: Request) -> bytes:
-    content = b""
-    async for chunk in request.stream():
-        content += chunk
-        if len(content) > LARGEST_ORDER:
-            raise FormatError("The order of an export is too long.")
-    return content
-
-
 def _gone() -> Response:
-    return _json({"words": "This export is over."}, 404)
-
-
-def _json(content: Any, status: int = 200) -> Response:
-    headers = {**headers_for("data"), "Cache-Control": "no-store"}
-    return JSONResponse(content, status, headers)
+    return json_answer({"words": "This export is over."}, 404)

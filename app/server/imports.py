@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route
 
 from keypose.app.document.library.names import clean_name
@@ -26,7 +26,7 @@ from keypose.app.export.import_choices import (
 from keypose.app.jobs.failure import failure_message
 from keypose.app.jobs.importing import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
-from keypose.app.server.guard import headers_for
+from keypose.app.server.exchange import json_answer, read_body
 from keypose.app.store.imported import ImportOutcome, ImportTarget
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
@@ -34,6 +34,8 @@ from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
 from keypose.tracker.session.settings import FrameIndex
 
 LARGEST_ORDER = 1 << 16
+TOO_LONG = "The order of an import is too long."
+TOO_LARGE = f"More than {LARGEST_KEYPOINT_BYTES // 2**20} MB cannot be imported."
 MOST_PLACES = 400
 
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=200)]
@@ -122,7 +124,7 @@ class Imports:
             async with self._beginning:
                 if self._stage == "importing" and self._is_running():
                     words = "Another import is under way. Wait for it or cancel it."
-                    return _json({"words": words}, 409)
+                    return json_answer({"words": words}, 409)
                 target = self._store.import_target()
                 await self.close()
                 self._file = await _received(request)
@@ -130,29 +132,29 @@ class Imports:
                 self._stage, self._outcome = "reading", None
                 self._process = await asyncio.to_thread(SideProcess, work)
                 self._id = secrets.token_hex(8)
-                return _json({"id": self._id})
+                return json_answer({"id": self._id})
         except KeyposeError as error:
-            return _json({"words": str(error)}, 400)
+            return json_answer({"words": str(error)}, 400)
         except ClientDisconnect:
-            return _json({"words": "The file was not brought whole. Choose it again."}, 400)
+            return json_answer({"words": "The file was not brought whole. Choose it again."}, 400)
 
     async def _begin(self, request: Request) -> Response:
         """Import it as somebody chose; once more, where that was not possible before."""
         if request.path_params["id"] != self._id or self._is_running():
             return _gone()
         try:
-            order = ORDER.validate_json(await _body(request, LARGEST_ORDER))
+            order = ORDER.validate_json(await read_body(request, LARGEST_ORDER, TOO_LONG))
             async with self._beginning:
                 target = self._store.import_target()
                 work = ImportWork(target.content, self._file, target.video, order.choices)
                 self._stage, self._outcome = "importing", None
                 self._process = await asyncio.to_thread(SideProcess, work)
                 self._taking = asyncio.ensure_future(self._take(self._process, target))
-                return _json({})
+                return json_answer({})
         except ValidationError as error:
-            return _json({"words": one_sentence(error)}, 400)
+            return json_answer({"words": one_sentence(error)}, 400)
         except (KeyposeError, ClientDisconnect) as error:
-            return _json({"words": str(error)}, 400)
+            return json_answer({"words": str(error)}, 400)
 
     async def _take(self, process: SideProcess, target: ImportTarget) -> None:
         """What was made of it goes into the session, unless somebody has cancelled."""
@@ -169,16 +171,18 @@ class Imports:
         if request.path_params["id"] != self._id or process is None:
             return _gone()
         if self._stage == "importing":
-            return _json(_imported(process.state, self._outcome))
+            return json_answer(_imported(process.state, self._outcome))
         state = process.state
-        told = {"stage": "reading", "state": state.state, "words": state.words}
-        return _json(told | ({"found": asdict(state.result)} if state.state == "done" else {}))
+        answer = {"stage": "reading", "state": state.state, "words": state.words}
+        return json_answer(
+            answer | ({"found": asdict(state.result)} if state.state == "done" else {})
+        )
 
     async def _leave(self, request: Request) -> Response:
         if request.path_params["id"] != self._id:
             return _gone()
         await self.close()
-        return _json({})
+        return json_answer({})
 
     def _is_running(self) -> bool:
         return self._process is not None and self._process.state.state == "running"
@@ -186,14 +190,14 @@ class Imports:
 
 def _imported(state: WorkState, outcome: ImportOutcome | str | None) -> dict[str, Any]:
     """Done once the session has it."""
-    told = {"stage": "importing", "state": state.state, "done": state.done, "of": state.of}
+    answer = {"stage": "importing", "state": state.state, "done": state.done, "of": state.of}
     if isinstance(outcome, ImportOutcome):
-        return {**told, **asdict(outcome)}
+        return {**answer, **asdict(outcome)}
     if outcome is not None:
-        return {**told, "state": "failed", "words": outcome}
+        return {**answer, "state": "failed", "words": outcome}
     if state.state == "done":
-        return {**told, "state": "running"}
-    return {**told, "words": state.words}
+        return {**answer, "state": "running"}
+    return {**answer, "words": state.words}
 
 
 async def _received(request: Request) -> Path:
@@ -201,7 +205,7 @@ async def _received(request: Request) -> Path:
     name = clean_name(request.query_params.get("name", ""))
     folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-import-"))
     try:
-        content = await _body(request, LARGEST_KEYPOINT_BYTES)
+        content = await read_body(request, LARGEST_KEYPOINT_BYTES, TOO_LARGE)
         if not content:
             raise FormatError(f"{name} is empty.")
         await asyncio.to_thread((folder / name).write_bytes, content)
@@ -214,19 +218,5 @@ async def _received(request: Request) -> Path:
     return folder / name
 
 
-async def _body(request: Request, most: int) -> bytes:
-    content = bytearray()
-    async for chunk in request.stream():
-        content += chunk
-        if len(content) > most:
-            raise FormatError(f"More than {most // 2**20 or 1} MB cannot be imported.")
-    return bytes(content)
-
-
 def _gone() -> Response:
-    return _json({"words": "This import is over."}, 404)
-
-
-def _json(content: Any, status: int = 200) -> Response:
-    headers = {**headers_for("data"), "Cache-Control": "no-store"}
-    return JSONResponse(content, status, headers)
+    return json_answer({"words": "This import is over."}, 404)

@@ -203,7 +203,7 @@ class Library:
     def _saved(self, id: str) -> Path:
         """The file of a recent session; KeyposeError where it has none yet."""
         path = self._recent(id)
-        if path.name != SESSION and path.suffix != ".json":
+        if not _is_saved(path):
             raise KeyposeError("Nothing of this session is saved yet. Open it and pose a frame.")
         return path
 
@@ -256,7 +256,7 @@ class Library:
         known = self._behind_thumb(id)
         if known is None:
             return None
-        if known.name != SESSION and known.suffix != ".json":  # nothing of it is saved yet
+        if not _is_saved(known):
             with suppress(OSError):
                 return self._thumbs.of_file(known)
             return None
@@ -279,6 +279,11 @@ class Library:
             if id == _SAMPLE_THUMB + sample.name:
                 return self._samples / sample.name / SESSION
         return next((self._recent(r.id) for r in self.recents() if _thumb_id(r) == id), None)
+
+
+def _is_saved(path: Path) -> bool:
+    """Whether it is a session's own file, not what one was begun from."""
+    return path.suffix == ".json"
 
 
 def _file_json(f: Found) -> dict[str, Any]:

@@ -66,8 +66,8 @@ def mirrored_limbs(
     for frame in frames:
         others = [there[k] for k in _near(frames, frame, most)]
         for limb in _limbs(skeleton) if len(others) == OTHERS else ():
-            told = [_compared(skeleton, camera, part, poses[frame], others) for part in limb]
-            nearer, part = max(zip(told, limb, strict=True), key=lambda one: one[0])
+            gains = [_compared(skeleton, camera, part, poses[frame], others) for part in limb]
+            nearer, part = max(zip(gains, limb, strict=True), key=lambda one: one[0])
             if nearer > NEARER_M:
                 found.append(Mirrored(frame, part.name, nearer))
     return tuple(found)
