@@ -4,13 +4,15 @@ import { fetchOwn } from './key.js';
 import { listen } from './link.js';
 import { setUi, ui } from './state.js';
 
-let asked = null;
+let loading = null; // until the newest list is here
+let isOutdated = false; // what is on its way may be from before the last change
 listen('library', loadLibrary); // sessions were renamed, duplicated, deleted or put back
 
 /** Ask the server anew; the answer becomes ui.library. */
 export function loadLibrary() {
-  asked ??= fetchLibrary().finally(() => (asked = null));
-  return asked;
+  isOutdated = true;
+  loading ??= fetchUntilCurrent().finally(() => (loading = null));
+  return loading;
 }
 
 /** Whether a name's ending is one of a video; while none are known, the server will say. */
@@ -21,6 +23,13 @@ export function isVideoName(name) {
 /** The endings of all that can be opened, undefined until the server has sent them. */
 export function videoSuffixes() {
   return ui.library?.suffixes;
+}
+
+async function fetchUntilCurrent() {
+  while (isOutdated) {
+    isOutdated = false;
+    await fetchLibrary();
+  }
 }
 
 async function fetchLibrary() {

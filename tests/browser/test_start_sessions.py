@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import APIResponse, Browser, Page, Route
 
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import section, until
+from tests.browser.hands import answered, section, settled, until
 from tests.browser.shared import let_in, opened
 
 
@@ -67,6 +67,23 @@ def test_on_the_start_screen_a_session_is_renamed_duplicated_deleted_and_put_bac
     ).click()
     until(lambda: names(page) == ["First try", "First try copy"], "the session again")
     assert load_session(session).title == "First try"
+
+
+def test_a_name_given_while_the_list_is_on_its_way_is_shown(work: tuple[Page, Path]) -> None:
+    page, session = work
+    on_its_way: list[tuple[Route, APIResponse]] = []
+    page.route("**/library*", lambda route: on_its_way.append((route, route.fetch())), times=1)
+    close(page)
+    until(lambda: settled(page) or on_its_way, "the list with the old name")
+    page.locator(".recrow .rec").focus()
+    page.keyboard.press("F2")
+    page.locator(".renamebox").fill("First try")
+    page.keyboard.press("Enter")
+    answered(page)
+    assert load_session(session).title == "First try"
+    [(route, old)] = on_its_way
+    route.fulfill(response=old)
+    until(lambda: names(page) == ["First try"], "the name")
 
 
 def test_the_open_session_is_renamed_with_undo_and_deleted_with_undo(
