@@ -6,7 +6,7 @@ import { toast } from '../controls/toasts.js';
 import { ACTIONS, GROUPS } from './table.js';
 
 /** @typedef {import('./table.js').ActionId} ActionId */
-/** @typedef {import('./table.js').Action} Action */
+/** @typedef {import('./table/action.js').Action} Action */
 
 const SIGNS = { ArrowLeft: '←', ArrowRight: '→', Backspace: '⌫', Escape: 'Esc' };
 const CTRL = /Mac|iPhone|iPad/.test(globalThis.navigator?.platform ?? '') ? '⌘' : 'Ctrl';

@@ -112,7 +112,7 @@ def test_the_page_offers_every_format_and_unit() -> None:
     offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
     for name in FILE_UNITS:
         assert re.search(rf"\b{name}: {{ label: ", offered)
-    table = (STATIC / "actions" / "table.js").read_text("utf-8")
+    table = (STATIC / "actions" / "table" / "export.js").read_text("utf-8")
     assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
     rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
     assert rigged == [name for name, kind in FORMATS.items() if kind.rigged]
