@@ -14,18 +14,12 @@ from keypose.app.editor.drafted import keeps_proportions, require_draftable
 from keypose.app.editor.fitted import pose_to_fit, require_sizes_to_fit
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import (
-    AheadOrder,
-    DraftOrder,
-    FitOrder,
-    PoseOrder,
-    ReduceOrder,
-    SizesOrder,
-)
+from keypose.app.jobs import AheadOrder, DraftOrder, FitOrder, PoseOrder, ReduceOrder, SizesOrder
 from keypose.app.store.identity import unchanged
 from keypose.app.store.reduction import reducible_as_asked, tolerance_of
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import pose_at
 
 SAME = 1e-9
