@@ -22,7 +22,7 @@ from keypose.tracker.errors import SessionError
 
 if TYPE_CHECKING:
     from keypose.tracker.session import Session
-    from keypose.tracker.session.schema import Surface
+    from keypose.tracker.session.references import Surface
 
 _EXAMPLES = """\
   keypose open scan

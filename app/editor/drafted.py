@@ -21,8 +21,10 @@ from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import drafted as record
+from keypose.tracker.session.checks import MOST
 from keypose.tracker.session.drafted import LEARN_FRAMES
-from keypose.tracker.session.schema import MOST, KeypointFile, Session
+from keypose.tracker.session.references import KeypointFile
+from keypose.tracker.session.schema import Session
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal

@@ -40,7 +40,7 @@ from keypose.app.render.studio import Paint
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.app.server.exchange import json_answer, read_body
-from keypose.app.server.guard import headers_for
+from keypose.app.server.headers import headers_for
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.session.schema import Session

@@ -27,7 +27,8 @@ from keypose.app.scene.viser_compat import PAGE, ROLES
 from keypose.app.server.browsers import NAME as BROWSERS
 from keypose.app.server.browsers import Browsers
 from keypose.app.server.exports import Exports
-from keypose.app.server.guard import PROTOCOL, Guard, headers_for
+from keypose.app.server.guard import PROTOCOL, Guard
+from keypose.app.server.headers import headers_for
 from keypose.app.server.imports import Imports
 from keypose.app.server.library_routes import LibraryRoutes
 from keypose.app.server.outputs import Outputs

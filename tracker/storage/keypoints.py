@@ -25,7 +25,8 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.session.schema import KeypointFile, Session
+from keypose.tracker.session.references import KeypointFile
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import write_file
 

@@ -12,8 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult

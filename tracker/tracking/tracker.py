@@ -21,13 +21,10 @@ from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, tra
 from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
 from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
-from keypose.tracker.tracking.cycle import Outcome, Work, track_segment
-from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
-from keypose.tracker.tracking.diagnostics.judge import judge
-from keypose.tracker.tracking.diagnostics.observability import observe, unobserved
-from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.cycle import Work, track_segment
+from keypose.tracker.tracking.diagnostics.segment_result import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
-from keypose.tracker.tracking.method import Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.method import Keypose, expected_steps, method_of
 from keypose.tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
 from keypose.tracker.tracking.parts.kept import KeptOutcomes, Kind
 from keypose.tracker.tracking.parts.keyed import KeyedParts
@@ -229,7 +226,7 @@ class Tracker:
                     outcome = replace(outcome, silhouette=found)
                 if outcome.joints is None and self._listens_to_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
-                return _result(scene, segment, outcome, method, enlarged)
+                return segment_result(scene, segment, outcome, method, enlarged)
             emit(step, number)
             number += 1
 
@@ -310,43 +307,6 @@ class Tracker:
         """Whether what moves counts: it is known before a camera that stands still."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         return wanted and self._prepared.has_static_camera
-
-
-def _result(
-    scene: Scene, segment: Segment, outcome: Outcome, method: Method, enlarged: float
-) -> SegmentResult:
-    """enlarged: pixels of the video to one of the pictures worked on."""
-    judged = isinstance(method, Paper) or method.judged
-    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
-    error = None
-    if outcome.joints is not None:
-        by_part = outcome.joints.expected_error(scene.skeleton.part_count)
-        error = by_part * outcome.joints.height_px * enlarged
-    diagnostics = replace(
-        seen.diagnostics,
-        expected_gain=expected_gain(scene, outcome, seen),
-        expected_error=error,
-    )
-    return SegmentResult(
-        trajectory=outcome.trajectory,
-        scores=tuple(step.score_or_nan for step in outcome.passes),
-        steps=tuple(step.what for step in outcome.passes),
-        best_pass=outcome.best,
-        closing_error=max(
-            outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
-        ),
-        verdict=judge(scene, segment, outcome, seen),
-        diagnostics=diagnostics,
-        notes=outcome.notes,
-    )
-
-
-def expected_steps(settings: TrackSettings) -> int:
-    """Trajectories a segment is expected to yield: starts, passes, refinement."""
-    method = method_of(settings)
-    if isinstance(method, Paper):
-        return method.passes + 1
-    return method.passes + 3 + method.templates
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

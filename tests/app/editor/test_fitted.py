@@ -21,7 +21,8 @@ from keypose.app.posing import with_height
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.session.schema import FirstMotion, Session
+from keypose.tracker.session.references import FirstMotion
+from keypose.tracker.session.schema import Session
 from tests.app.editor.desk import after, desk
 
 BACK = {"do": "undo"}

@@ -26,7 +26,7 @@ from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
 from keypose.tracker.storage.results import Span, segment_keys
-from keypose.tracker.tracking.tracker import expected_steps
+from keypose.tracker.tracking.method import expected_steps
 from tests.tracker import session_cases as cases
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]

@@ -20,7 +20,7 @@ from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.results import Results, segment_keys

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from keypose.app.server.browsers import Browsers
-from keypose.app.server.guard import Guard, headers_for
+from keypose.app.server.guard import Guard
+from keypose.app.server.headers import headers_for
 from keypose.app.server.outputs import Motion
 
 PORT = 8123

@@ -14,7 +14,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from keypose.tracker.session.corrections import KeypointCorrection
-from keypose.tracker.session.schema import KeypointFile
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
 from keypose.tracker.storage.results import (
     Results,

@@ -12,7 +12,7 @@ import pytest
 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import IgnoreMask, Keyframe, Session
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.files import load_session, save_session

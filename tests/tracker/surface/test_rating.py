@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.source import SurfaceSteps
 from tests.tracker.surface.test_picture import Meshes
