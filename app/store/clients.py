@@ -7,11 +7,16 @@ must not be done twice.
 
 from __future__ import annotations
 
+import re
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from keypose.tracker.storage.chronicle import Received
+
+CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
+"""What a tab may call itself."""
 
 MOST = 200
 """Tabs that are remembered: of those that were heard last."""
@@ -71,3 +76,15 @@ class Clients:
         if self._client:
             return f"{self._client}:{self._last[self._client]}"
         return secrets.token_hex(8)
+
+
+def split_envelope(message: Any) -> tuple[str, int, Any]:
+    """Who sends a message, its number, and what is left of it. Without a number nothing is sent
+    about it, and without a client it is not remembered."""
+    if not isinstance(message, dict):
+        return "", 0, message
+    number, client = message.get("n", 0), message.get("client", "")
+    is_number = type(number) is int and 0 <= number < 2**53
+    is_client = isinstance(client, str) and CLIENT.fullmatch(client)
+    rest = {key: value for key, value in message.items() if key not in ("n", "client")}
+    return client if is_client and is_number and number else "", number if is_number else 0, rest

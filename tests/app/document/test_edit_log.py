@@ -354,12 +354,12 @@ def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_las
 
         def slowly(piece: OpenSession) -> Any:
             state = edit_state(piece)
-            monkeypatch.setattr("keypose.app.store.store.edit_state", edit_state)
+            monkeypatch.setattr("keypose.app.store.opener.edit_state", edit_state)
             asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
             asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
             return state
 
-        monkeypatch.setattr("keypose.app.store.store.edit_state", slowly)
+        monkeypatch.setattr("keypose.app.store.opener.edit_state", slowly)
         second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
         await second.open(path)
         await done(second, turn(-40))
