@@ -154,8 +154,10 @@ def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -
     where a keyframe that told is gone.
     """
     doc, first, last = state.doc, min(poses, default=0), max(poses, default=-1)
-    told = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
-    if doc.body is not used.body or not {id(k) for k in told} <= {id(k) for k in doc.keyframes}:
+    learned_from = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
+    if doc.body is not used.body or not {id(k) for k in learned_from} <= {
+        id(k) for k in doc.keyframes
+    }:
         return state
     own = {id(draft) for draft in used.drafts}
     drafts = [

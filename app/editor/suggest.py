@@ -110,8 +110,8 @@ def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]
     """How much a keyframe would mend: by the joint that is farthest off where joints tell, else by
     what may have drifted."""
     found = problem_of(known, track)
-    tells = part_errors_px(track) is not None
-    px = found.px if tells and found is not None and found.px is not None else 0.0
+    has_parts = part_errors_px(track) is not None
+    px = found.px if has_parts and found is not None and found.px is not None else 0.0
     return px, float(possible_drift_px(track).sum()), gain(track)
 
 

@@ -131,8 +131,8 @@ def match_keypoints(
     skeleton, names = Skeleton.of(session.body), keypoints.names
     known = matched(skeleton, names, file)
     if also:
-        said = {keypoint_name(name): place for name, place in also.items()}
-        known = match_also(skeleton, known, names, file, said)
+        given = {keypoint_name(name): place for name, place in also.items()}
+        known = match_also(skeleton, known, names, file, given)
     if len(known.known) < LEAST_KEYPOINTS:
         few = ", ".join(known.left_out[:SHOWN])
         raise FormatError(

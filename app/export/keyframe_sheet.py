@@ -64,6 +64,6 @@ def _cells(
         if frame in limbs:
             around = [span for span in subject.spans if span[0] < frame < span[1]]
             state = subject.states[around[0]] if around else None
-        said = f"{limbs[frame]} only" if frame in limbs else ""
-        yield Cell(small, frame, subject.time_s(frame), interval, state, said)
+        note = f"{limbs[frame]} only" if frame in limbs else ""
+        yield Cell(small, frame, subject.time_s(frame), interval, state, note)
         drawn(done)

@@ -26,20 +26,20 @@ class DraftLeft(Exception):
 
 
 @dataclass
-class Telling:
+class DraftReporter:
     """Passes progress on, once for every whole number of per cent, and leaves when cancelled."""
 
-    tell: Callable[[DraftProgress], None]
+    report: Callable[[DraftProgress], None]
     cancelled: Callable[[], bool]
-    told: tuple[str, int] = ("", -1)
+    reported: tuple[str, int] = ("", -1)
 
     def __call__(self, progress: DraftProgress) -> None:
         if self.cancelled():
             raise DraftLeft
         now = (progress.stage, 100 * progress.done // max(progress.expected, 1))
-        if now != self.told:
-            self.told = now
-            self.tell(progress)
+        if now != self.reported:
+            self.reported = now
+            self.report(progress)
 
 
 def drafted(

@@ -190,8 +190,8 @@ def _residual_shifts(picture: Grey, plate: Grey, away: NDArray[np.bool_]) -> Arr
     xx, xy, yy = (_by_cell(product) for product in (right * right, right * down, down * down))
     normal = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
     moment = np.stack([_by_cell(right * residual), _by_cell(down * residual)], -1)
-    told = np.linalg.eigvalsh(normal)[:, 0] > (NOISE_GREY / SHIFT_SIGMA_PX) ** 2
-    shifts = np.linalg.solve(normal[told], moment[told][..., None])[..., 0]
+    textured = np.linalg.eigvalsh(normal)[:, 0] > (NOISE_GREY / SHIFT_SIGMA_PX) ** 2
+    shifts = np.linalg.solve(normal[textured], moment[textured][..., None])[..., 0]
     return np.asarray(np.linalg.norm(shifts, axis=-1))
 
 

@@ -72,8 +72,8 @@ class Timecode:
 
 def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | None:
     """The timecode that tags of a file tell of its first frame; None where none do."""
-    told = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
-    return next((code for text in told if (code := Timecode.read(text, fps)) is not None), None)
+    texts = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
+    return next((code for text in texts if (code := Timecode.read(text, fps)) is not None), None)
 
 
 def _dropped(rate: int, mark: str) -> int:

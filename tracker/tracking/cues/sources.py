@@ -115,7 +115,9 @@ class DetectedKeypoints:
         return self._detect((first, last), seeds, leave)
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        return self._detect((frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unheard)
+        return self._detect(
+            (frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unreported
+        )
 
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
@@ -217,7 +219,7 @@ def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> lis
     ]
 
 
-def _unheard(progress: Progress) -> None:
+def _unreported(progress: Progress) -> None:
     """Nobody waits for it."""
 
 
