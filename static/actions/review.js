@@ -79,12 +79,12 @@ export const whyNoPlace = () => (place() ? '' : 'Nothing is left to review');
 /** @type {Record<'accepted' | 'unclear', string>} */
 const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
 
-/** @param {'accepted' | 'unclear'} said */
-export function answer(said) {
+/** @param {'accepted' | 'unclear'} given */
+export function answer(given) {
   const row = place();
   if (!row) return;
-  send({ do: WORDS[said], frame: row.frame, part: row.part });
-  note(row.id, said);
+  send({ do: WORDS[given], frame: row.frame, part: row.part });
+  note(row.id, given);
 }
 
 /** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
