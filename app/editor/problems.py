@@ -232,8 +232,8 @@ def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
 
 
 def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
-    """With how far off it is expected to be: the part where joints tell, else the body in the mean.
-    Where no part is named, it is the worst one."""
+    """With how far off it is expected to be: the part where joints are observed, else the body in
+    the mean. Where no part is named, it is the worst one."""
     row = found.frame - track.first
     errors = part_errors_px(track)
     if errors is not None and 0 < row < len(errors) - 1:

@@ -59,7 +59,7 @@ class Place:
 
     @property
     def id(self) -> str:
-        """Tells it from the others."""
+        """Distinguishes it from the others."""
         return f"{self.frame}-{self.part or 'body'}"
 
 

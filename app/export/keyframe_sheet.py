@@ -30,7 +30,7 @@ def sheet_png(
 ) -> tuple[bytes, str | None]:
     """The PNG file's bytes, and what a person should know of it, a sentence.
 
-    columns: None as it fits.  drawn: told how many of how many keyframes are drawn.
+    columns: None as it fits.  drawn: receives how many of how many keyframes are drawn.
     """
     keyed, count = len(session.keyframes), len(session.keyframes) + len(session.part_keyframes)
     if not keyed or count > MOST_KEYFRAMES:

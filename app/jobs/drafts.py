@@ -73,7 +73,7 @@ def drafted(
 
 
 def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[int, Pose]:
-    """The drafts near some keyframes with what all keyframes there tell of the keypoints; none
+    """The drafts near some keyframes with what all keyframes there give of the keypoints; none
     where the keypoints are not beside the session any more. folder: of the session's file."""
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
     from keypose.tracker.storage.keypoints import of_session

@@ -246,7 +246,7 @@ def missing_here() -> dict[str, str]:
 
 
 def _state_fields(state: WorkState) -> dict[str, Any]:
-    """What a page is told of an export; done, what should be known of what was written."""
+    """The state of an export, for the page; done, with what should be known of its files."""
     words = state.result if state.state == "done" else state.words
     return {"state": state.state, "done": state.done, "of": state.of, "words": words}
 

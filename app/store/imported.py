@@ -42,7 +42,7 @@ class ImportTarget:
 
 @dataclass(frozen=True)
 class ImportOutcome:
-    """What to tell of an import: a sentence, and what else is worth knowing."""
+    """What to report of an import: a sentence, and what else is worth knowing."""
 
     words: str
     detail: str = ""

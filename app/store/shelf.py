@@ -12,7 +12,7 @@ from keypose.app.editor import actions
 from keypose.app.store.state import AppState
 
 LIBRARY_CHANGED = {"t": "library"}
-"""Tells the tabs to look anew at what can be opened."""
+"""Has the tabs look anew at what can be opened."""
 
 
 class Host(Protocol):

@@ -60,7 +60,7 @@ export function perform(id, ...about) {
 /** @typedef {{ id: ActionId, repeats?: boolean, always?: boolean }} Binding */
 
 /**
- * What each chord does that the keyboard's table hears.
+ * What each chord does that the keyboard's table handles.
  * @type {Map<string, Binding>}
  */
 export const BY_CHORD = new Map(

@@ -44,7 +44,7 @@ export async function copy() {
 }
 
 /**
- * What a text holds, as far as the page can tell: the server checks the rest.
+ * What a text holds, as far as the page can see: the server checks the rest.
  * @param {string | null} text
  * @returns {Copied | null}
  */

@@ -38,7 +38,7 @@ const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent'
 /** What the others are done to here, where it is not the playhead or what is selected. */
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
-/** Heard in the review alone, and done in it alone. */
+/** Its keys are handled in the review alone, and it is done in it alone. */
 const isOfReview = (handledBy) => handledBy === 'review' && !isReviewing();
 
 const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };

@@ -59,7 +59,7 @@ function more(count) {
     @click=${() => setUi('allSizes', !ui.allSizes)}>${count} more, all under 0.5 cm</button>`;
 }
 
-/** Other poses are never taken without a tick; what they turn is told part by part. */
+/** Other poses are never taken without a tick; what they turn is listed part by part. */
 function poses(found) {
   if (!found.turns.length) return nothing;
   const most = Math.max(...found.turns.map(({ parts }) => parts[0].deg));

@@ -1,6 +1,6 @@
 """The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
 
-Both tell where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
+Both give where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
 y up, the floor at zero, the origin below the camera.
 
 JSON:
@@ -80,7 +80,7 @@ def camera_json(recording: Recording) -> str:
 
 
 def chan(recording: Recording) -> str:
-    """The text of the .chan file. FormatError for a telephoto lens, which it cannot tell."""
+    """The text of the .chan file. FormatError for a telephoto lens, which it cannot describe."""
     if recording.camera.telephoto_distance_m is not None:
         raise FormatError("A .chan file needs a field of view, and a telephoto lens has none.")
     T = floor_from_camera(recording)

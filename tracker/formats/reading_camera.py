@@ -45,7 +45,7 @@ class CameraFile:
     """A camera for pictures of a film's size.
 
     up_camera: (3,) the world's up in the camera frame.
-    floor_m:   the floor's height along up, from the camera's centre; None where nobody told it.
+    floor_m:   the floor's height along up, from the camera's centre; None where it is not given.
     """
 
     camera: Camera

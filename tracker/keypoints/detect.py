@@ -1,8 +1,9 @@
 """Keypoints over many frames: the network follows one body from frame to frame.
 
-What it sees in one frame tells where to look in the next. It starts at seeds, frames where somebody
-said where the body is. Between two seeds the chain forward from the first is taken, and where that
-loses the body, or comes out beside the second seed's, the chain backward from the second.
+What it sees in one frame decides where to look in the next. It starts at seeds, frames where
+somebody said where the body is. Between two seeds the chain forward from the first is taken, and
+where that loses the body, or comes out beside the second seed's, the chain backward from the
+second.
 """
 
 from __future__ import annotations

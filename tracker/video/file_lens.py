@@ -29,7 +29,7 @@ class FileLens:
 def lens_in(tags: Iterable[Mapping[str, str]]) -> FileLens | None:
     """The lens named by tags of QuickTime and MP4 files, or by the EXIF tags of an image.
 
-    None where no focal length is told, or one that no lens has.
+    None where no focal length is given, or one that no lens has.
     """
     known = {key.casefold(): value for some in tags for key, value in some.items()}
     texts = [value for key, value in known.items() if key.endswith(_FOCAL)]

@@ -12,7 +12,7 @@ from keypose.app.store.state import AppState
 from keypose.tracker.tracking.result import SegmentResult
 
 MOST: Final = 5
-"""Parts of a segment that are told."""
+"""Parts of a segment that are listed."""
 
 
 def errors(app_state: AppState) -> Json:

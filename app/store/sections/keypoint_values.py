@@ -22,7 +22,7 @@ def keypoints(app_state: AppState) -> Json:
     """Where each is, in pixels of the main view, how sure that is, and what a person said of it;
     null where nothing is known of this frame.
 
-    Of an ignored one it is told where it was found, so that it can be put back.
+    Of an ignored one it is given where it was found, so that it can be put back.
     """
     edit = app_state.edit
     if edit is None or edit.doc.surface is not None:

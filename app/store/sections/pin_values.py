@@ -59,7 +59,7 @@ def proposed_pins(app_state: AppState) -> Json:
 
 
 def floor(app_state: AppState) -> Json:
-    """Where the floor is, and whether pinned feet could tell."""
+    """Where the floor is, and whether pinned feet could determine it."""
     doc = doc_of(app_state)
     if doc is None:
         return None

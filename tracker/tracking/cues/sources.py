@@ -42,14 +42,14 @@ def _network(model: Model) -> Network:
 
 
 class FrameSource(Protocol):
-    """What tells the keypoints of single frames."""
+    """What finds the keypoints of single frames."""
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
         """Those of a frame in which the body is posed; None where nobody is found."""
 
 
 class KeypointSource(FrameSource, Protocol):
-    """What tells keypoints. A segment's depend on nothing but its own frames and keyposes."""
+    """What gives keypoints. A segment's depend on nothing but its own frames and keyposes."""
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
