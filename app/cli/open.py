@@ -159,8 +159,8 @@ def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
     """What to open, once its meshes are read as a person says."""
-    said = (arguments.units, arguments.up, arguments.cameras)
-    if said == (None, None, None):
+    given = (arguments.units, arguments.up, arguments.cameras)
+    if given == (None, None, None):
         return path
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")

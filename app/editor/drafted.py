@@ -137,7 +137,7 @@ def _can_learn(doc: Session) -> bool:
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:
-    """With the poses alone that tell what drafts near some frames learn."""
+    """With the poses alone that decide what drafts near some frames learn."""
     first, last = min(around) - LEARN_FRAMES - 1, max(around) + LEARN_FRAMES + 1
     near = {
         name: tuple(pose for pose in poses if first <= pose.frame <= last)
@@ -147,15 +147,17 @@ def near_frames(doc: Session, around: Collection[int]) -> Session:
 
 
 def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -> EditorState:
-    """With drafts as they are with what keyframes told, as part of the newest step: what undoes
+    """With drafts as they are with what keyframes gave, as part of the newest step: what undoes
     that step brings the drafts back.
 
     used: the document that they were found from. What has changed since stays as it is; all of it
-    where a keyframe that told is gone.
+    where a keyframe that gave it is gone.
     """
     doc, first, last = state.doc, min(poses, default=0), max(poses, default=-1)
-    told = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
-    if doc.body is not used.body or not {id(k) for k in told} <= {id(k) for k in doc.keyframes}:
+    learned_from = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
+    if doc.body is not used.body or not {id(k) for k in learned_from} <= {
+        id(k) for k in doc.keyframes
+    }:
         return state
     own = {id(draft) for draft in used.drafts}
     drafts = [

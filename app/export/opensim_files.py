@@ -33,7 +33,7 @@ SCALING_S = 120.0
 
 _SCALING = "import sys, opensim; opensim.ScaleTool(sys.argv[1]).run()"
 """In a process of its own: the library logs into the present folder, and a fault ends Python.
-Whether there is a model then tells whether it worked."""
+Whether there is a model then shows whether it worked."""
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ CLEAR = 0.2
 """Of `Elbow`: here the end is to be where it is seen also of a limb that is nearly straight."""
 
 LEVEL, CHANGED_M = 0.08, 0.01
-"""Of `farness`: a joint changes sides only where its depth told next to nothing, and soon, so that
-it hardly leaves the pointer."""
+"""Of `farness`: a joint changes sides only where its depth determined next to nothing, and soon, so
+that it hardly leaves the pointer."""
 
 NEAR_M, FAR_M = 0.1, 0.25
 """Taken nearer or farther by more than the first, a limb begins to point to where it was; by the

@@ -30,7 +30,7 @@ TOKEN = "token"
 """The query name that carries a one-time token."""
 
 SESSION = "session"
-"""The query name that tells which session the page opens. It is no secret."""
+"""The query name of the session that the page opens. It is no secret."""
 
 KEY_HEADER = "x-keypose-key"
 PROTOCOL = "keypose"

@@ -19,7 +19,7 @@ CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
 """What a tab may call itself."""
 
 MOST = 200
-"""Tabs that are remembered: of those that were heard last."""
+"""Tabs that are remembered: those with the newest messages."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Clients:
             return False
         self._client, self._before = client, before
         if client:
-            self._last.pop(client, None)  # the last heard stands last
+            self._last.pop(client, None)  # the newest stands last
             self._last[client] = number
             while len(self._last) > MOST:
                 self._last.pop(next(iter(self._last)))
@@ -72,7 +72,7 @@ class Clients:
         return Received(settled, self._revision())
 
     def _revision(self) -> str:
-        """Of a tab's own edits it tells whose they are: they do not surprise it."""
+        """Of a tab's own edits it names the tab: they do not surprise it."""
         if self._client:
             return f"{self._client}:{self._last[self._client]}"
         return secrets.token_hex(8)

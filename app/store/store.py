@@ -453,7 +453,7 @@ class Store:
         if self._app_state.opened is not None:
             self._set(opened=replace(self._app_state.opened, info=info))
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def broadcast(self, message: dict[str, Any]) -> None:
         """Send every tab that is there a message that needs no words."""
         if len(self._tabs):
             self._tabs.send(message)

@@ -97,12 +97,12 @@ export function draftedWords({ first, last, drafted, missing }) {
 export function nobodyWords() {
   const runs = server.draft?.missing ?? [];
   if (runs.length === 0) return '';
-  const told = runs.slice(0, RUNS_TOLD).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
-  const more = runs.length - told.length;
-  return `No person found in ${joined(more > 0 ? [...told, `${more} more places`] : told)}.`;
+  const named = runs.slice(0, RUNS_NAMED).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const more = runs.length - named.length;
+  return `No person found in ${joined(more > 0 ? [...named, `${more} more places`] : named)}.`;
 }
 
-const RUNS_TOLD = 3;
+const RUNS_NAMED = 3;
 
 /** The longest run of these. */
 const longest = (runs) => runs.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));

@@ -50,7 +50,7 @@ function offerGuide() {
   show(first < 0 ? steps().length : first);
 }
 
-/** Close the guide for good; tells whether it was open. */
+/** Close the guide for good; returns whether it was open. */
 export function closeGuide() {
   if (!isOpen()) return false;
   if (currentStep()?.tool === 'box' && ui.tool === 'box') setUi('tool', 'select');

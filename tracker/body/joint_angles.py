@@ -58,7 +58,7 @@ class Joint:
 
     angles: about z, x and y, in this order.
     usual_deg: near which angles are chosen, of a right limb, signs as of the axes: every rotation
-        has two triples, and an arm raised beyond the horizontal needs to be told which.
+        has two triples, and an arm raised beyond the horizontal needs to be given which.
     """
 
     name: str
@@ -152,7 +152,7 @@ def joint_angles(
     """Every joint's angles over N frames, degrees; none where the body is not a person's.
 
     Rs_parent_part:  (N, P, 3, 3), NaN where not known.
-    R_ground_camera: (3, 3) the ground has y up; the pelvis is told in it.
+    R_ground_camera: (3, 3) the ground has y up; the pelvis is given in it.
     """
     found = []
     for joint in joints_of(body):

@@ -127,14 +127,14 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
         for mask in session.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
-    if not _listens_to_keypoints(session):
+    if not _uses_keypoints(session):
         return sorted(within)
-    said = [
+    corrected = [
         [each.frame, each.joint, each.uv]
         for each in session.keypoint_corrections
         if first <= each.frame <= last
     ]
-    return [*sorted(within), {"keypoints": said}] if said else sorted(within)
+    return [*sorted(within), {"keypoints": corrected}] if corrected else sorted(within)
 
 
 def _keyframe_ends(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
@@ -235,7 +235,7 @@ def _keypoints(session: Session) -> list[Any]:
 
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """
-    if not _listens_to_keypoints(session):
+    if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.given_keypoints
     model = find_model(settings.network or FULL.name)
@@ -244,7 +244,7 @@ def _keypoints(session: Session) -> list[Any]:
     return ["keypoints", model.sha256 if given is None else given.file, *weighted]
 
 
-def _listens_to_keypoints(session: Session) -> bool:
+def _uses_keypoints(session: Session) -> bool:
     settings = session.settings
     wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
     return wanted and is_persons(session.body)

@@ -6,7 +6,7 @@ The file is a plain NumPy archive, as a tracks file is:
     names        (L,)       text
     uv           (N, L, 2)  pixels, NaN where nothing was found
     visibility   (N, L)     from 0 to 1, 0 where uv is NaN
-    p_hips       (N, L, 3)  metres, NaN where unknown; left out where nothing tells depth
+    p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
 
 Its numbers have four bytes: a fraction of a thousandth of a pixel.
 """

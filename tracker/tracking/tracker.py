@@ -36,7 +36,7 @@ from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingS
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
-LOOKS_UNTOLD = 8
+LOOKS_BETWEEN_REPORTS = 8
 """Frames in which keypoints are looked for between two looks at whether to stop."""
 
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
@@ -175,7 +175,7 @@ class Tracker:
     def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
         """The expected number of trajectories from `run_segment`."""
         whole = expected_steps(settings)
-        if self._listens_to_keypoints(settings):
+        if self._uses_keypoints(settings):
             whole = expected_anchored_steps(method_of(settings).passes)
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
         if not inside:
@@ -221,10 +221,10 @@ class Tracker:
                 step = next(work)
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
-                if self._listens_to_silhouette(settings):
+                if self._uses_silhouette(settings):
                     found = silhouette_mismatch(scene, segment.clip, outcome.trajectory)
                     outcome = replace(outcome, silhouette=found)
-                if outcome.joints is None and self._listens_to_keypoints(settings):
+                if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
                 return segment_result(scene, segment, outcome, method, enlarged)
             emit(step, number)
@@ -271,7 +271,7 @@ class Tracker:
             candidates = anchors_of(free, segment, camera, keypoints, weight)
             if candidates:
                 brightness = "brightness" in settings.cues_used
-                silhouette = self._listens_to_silhouette(settings)
+                silhouette = self._uses_silhouette(settings)
                 return track_anchored(
                     scene, free, segment, method, candidates, brightness, silhouette=silhouette
                 )
@@ -288,22 +288,22 @@ class Tracker:
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
 
         def report() -> None:
-            if next(looks) % LOOKS_UNTOLD == 0:
+            if next(looks) % LOOKS_BETWEEN_REPORTS == 0:
                 emit(waiting, 0)
 
         return source.over(segment, self.skeleton, report)
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
         """Where keypoints come from; None where they do not count."""
-        return self._keypoints if self._listens_to_keypoints(settings) else None
+        return self._keypoints if self._uses_keypoints(settings) else None
 
-    def _listens_to_keypoints(self, settings: TrackSettings) -> bool:
+    def _uses_keypoints(self, settings: TrackSettings) -> bool:
         """Whether keypoints count where there are any: never for the printed method, nor for bodies
         that are no person's."""
         wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
-    def _listens_to_silhouette(self, settings: TrackSettings) -> bool:
+    def _uses_silhouette(self, settings: TrackSettings) -> bool:
         """Whether what moves counts: it is known before a camera that stands still."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         return wanted and self._prepared.has_static_camera

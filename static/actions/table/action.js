@@ -20,9 +20,9 @@
  * @property {(...about: any[]) => unknown} [run]
  * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
  * @property {boolean} [always]  also while no file is open
- * @property {'drag' | 'pointer' | 'escape' | 'release' | 'review' | 'playing' | 'paste'} [heard]  by whom its keys are
- *   heard, if not by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, by the
- *   review, while it plays, by what the browser tells of its clipboard
+ * @property {'drag' | 'pointer' | 'escape' | 'release' | 'review' | 'playing' | 'paste'} [handledBy]  what
+ *   handles its keys, if not the keyboard's table: a drag, a view, Esc in its order, the release of Space, the review,
+ *   playing, the browser's paste event
  */
 
 export {};

@@ -38,13 +38,13 @@ export const FRAMES = {
   },
   play: {
     label: () => (ui.playing ? 'Stop' : 'Play'), icon: () => (ui.playing ? 'pause' : 'play'),
-    keys: ['Space'], row: 'Play, stop', heard: 'release',
+    keys: ['Space'], row: 'Play, stop', handledBy: 'release',
     off: whyNotPlay, run: togglePlaying,
   },
   playBack: { label: 'Play backward', keys: ['Shift Space'], off: whyNotPlay, run: playBack },
-  playSlower: { label: 'Slower, then backward', keys: ['J'], row: 'Shuttle while playing', heard: 'playing', run: playSlower },
-  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Shuttle while playing', heard: 'playing', run: stop },
-  playFaster: { label: 'Faster', keys: ['L'], row: 'Shuttle while playing', heard: 'playing', run: playFaster },
+  playSlower: { label: 'Slower, then backward', keys: ['J'], row: 'Shuttle while playing', handledBy: 'playing', run: playSlower },
+  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Shuttle while playing', handledBy: 'playing', run: stop },
+  playFaster: { label: 'Faster', keys: ['L'], row: 'Shuttle while playing', handledBy: 'playing', run: playFaster },
   loop: {
     label: 'Loop', icon: 'repeat', title: 'Play again and again', keys: ['Shift L'], on: () => Boolean(ui.loop), run: toggleLoop,
   },

@@ -24,7 +24,7 @@ export const KEYFRAMES = {
   selectKeyframe: {
     label: 'Select this keyframe', title: 'One more or one less', keys: ['Shift S'], off: whyNotSelect, run: selectHere,
   },
-  selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
+  selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], handledBy: 'pointer' },
   earlier: nudging(-1, 'ArrowLeft'),
   later: nudging(1, 'ArrowRight'),
   tenEarlier: nudging(-10, 'Shift ArrowLeft'),

@@ -42,7 +42,7 @@ export const PINS = {
     label: 'Split the pin', icon: 'mid', title: 'Two places instead of one, the second from this keyframe on',
     message: ({ index, frame: at } = { index: 0, frame: frame() }) => ({ do: 'split_pin', index, frame: at }),
   },
-  partMenu: { label: 'Menu of a part', keys: ['Right-click', 'Menu'], heard: 'pointer' },
+  partMenu: { label: 'Menu of a part', keys: ['Right-click', 'Menu'], handledBy: 'pointer' },
 };
 
 const unpinTitle = (pin) => (pin ? `Unpin ${pin.label.toLowerCase()}, frames ${framesOf(pin)}` : 'Unpin');

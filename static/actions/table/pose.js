@@ -37,11 +37,11 @@ export const POSE = {
     title: 'Copy the selected keyframes, else the pose at this frame', run: copy,
   },
   pastePose: {
-    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste', heard: 'paste', off: nothingCopied,
+    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste', handledBy: 'paste', off: nothingCopied,
     title: 'Paste the copied pose here, or the copied keyframes from this frame on', run: () => pasteWith({}),
   },
   pasteMirrored: {
-    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], heard: 'paste', off: nothingCopied,
+    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], handledBy: 'paste', off: nothingCopied,
     title: 'Paste with left and right swapped', run: () => pasteWith({ mirrored: true }),
   },
   pasteOnto: {

@@ -12,14 +12,14 @@ export const REVIEW = {
     title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
   },
   acceptPlace: {
-    label: 'Accept', title: 'The motion is right here', keys: ['Enter'], row: 'In review: accept, cannot tell', heard: 'review', off: whyNoPlace,
+    label: 'Accept', title: 'The motion is right here', keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
     run: () => answer('accepted'),
   },
-  nextPlace: { label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], row: 'In review: next, previous', heard: 'review', off: whyNoPlace, run: () => turn(1) },
-  previousPlace: { label: 'Previous', keys: ['Shift N'], row: 'In review: next, previous', heard: 'review', off: whyNoPlace, run: () => turn(-1) },
+  nextPlace: { label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(1) },
+  previousPlace: { label: 'Previous', keys: ['Shift N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(-1) },
   cannotTell: {
     label: 'Cannot tell', title: 'The picture does not show it: leave this place open and do not ask again', keys: ['Shift Enter'],
-    row: 'In review: accept, cannot tell', heard: 'review', off: whyNoPlace, run: () => answer('unclear'),
+    row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace, run: () => answer('unclear'),
   },
   continueReview: {
     label: 'Continue', icon: 'flag', title: () => `Review: ${count(places().length, 'place')} left`, off: whyNotReview, run: toggleReview,

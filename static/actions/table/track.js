@@ -52,7 +52,7 @@ export const TRACK = {
     run: beginReduction,
   },
   cancel: {
-    label: 'Cancel', icon: 'x', keys: ['Escape'], heard: 'escape',
+    label: 'Cancel', icon: 'x', keys: ['Escape'], handledBy: 'escape',
     off: () => (server.job?.state === 'running' ? '' : 'Nothing is running'), message: () => ({ do: 'cancel' }),
   },
   live: {

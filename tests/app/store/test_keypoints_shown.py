@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.store import keypoint_finder, runner
 from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
@@ -20,6 +19,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT
+from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
 
 NAMES = (*JOINTS, "nose", "left_pinky")
@@ -54,13 +54,10 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-class Desk:
+class Desk(StoreDesk):
     def __init__(self, store: Store) -> None:
-        self.store, self.tab, self.sections = store, store.join(), Sections()
-
-    def do(self, *messages: dict[str, Any]) -> None:
-        for message in messages:
-            self.store.receive(self.tab, message)
+        super().__init__(store)
+        self.sections = Sections()
 
     async def shown(self, frame: int) -> Any:
         """The section of a frame, once all that is read for it has been."""
@@ -73,15 +70,7 @@ class Desk:
 
 
 def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
-    async def run() -> None:
-        store = Store(asyncio.get_running_loop(), lambda *_: None, Library(path.parent.parent))
-        await store.open(path)
-        try:
-            await act(Desk(store))
-        finally:
-            await store.stop()
-
-    asyncio.run(run())
+    at_store(path, Desk, act)
 
 
 def point(section: Any, joint: str = "left_wrist") -> Any:

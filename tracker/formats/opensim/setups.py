@@ -1,4 +1,4 @@
-"""What OpenSim's tools are told: how to scale a model to our body, and to follow our markers.
+"""The setups of OpenSim's tools: how to scale a model to our body, and to follow our markers.
 
 markers.xml   our markers on the model as it is, before it is scaled
 scale.xml     for the Scale Tool: factors of every body, nothing measured
@@ -35,7 +35,7 @@ def markers_xml(sizes: Scaled) -> str:
 
 
 def scale_xml(sizes: Scaled, model_path: str, scaled_path: str) -> str:
-    """The setup of the Scale Tool, which makes scaled_path; paths are told from the setup's own."""
+    """The setup of the Scale Tool, which makes scaled_path; paths are relative to its own."""
     root = _document()
     tool = SubElement(root, "ScaleTool", name="keypose")
     _text(tool, "mass", "-1")

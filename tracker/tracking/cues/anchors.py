@@ -38,7 +38,7 @@ OFFSET_M = 0.02
 """Standard deviation of where on its part a detector puts a joint."""
 FACE = ("nose", "left_ear", "right_ear")
 EYE_OFFSET_M = 0.012
-"""The same, where keyframes that were posed by eye tell it: their own error is in it."""
+"""The same, where keyframes that were posed by eye give it: their own error is in it."""
 LOOSE_OFFSET_M = 0.05
 """The same of these, which a head without a face does not have."""
 FAR_SIGMA = 4.0
@@ -54,7 +54,7 @@ ELSEWHERE = 0.10
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Where the joints of the N frames of a segment are, as far as a detector tells.
+    """Where the joints of the N frames of a segment are, as far as a detector saw them.
 
     points: K on the body, carried by parts (K,).
     uv (N, K, 2): pixels of the undistorted pictures worked on.
@@ -167,8 +167,8 @@ def frame_anchors(
 ) -> PointsInPicture | None:  # fmt: skip
     """What the keypoints of one frame say of its pose; None where they lie on another body.
 
-    keyed: other frames' poses and keypoints, which tell where on its part a detector puts a joint.
-    The poses also tell which side is which.
+    keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
+    The poses also show which side is which.
     """
     index, parts, points = points_on_body(scene.skeleton.body, seen.names)
     if len(index) < FEWEST:
@@ -229,7 +229,7 @@ def _anchors(
     scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
     points: Array, keyed: dict[int, Pose], height: float,
 ) -> Anchors | None:  # fmt: skip
-    """None where they lie on another body than the one posed, or where no keyframe tells."""
+    """None where they lie on another body than the one posed, or where no keyframe shows it."""
     uv, visibility = seen.uv[:, index], seen.visibility[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
     compared = [n for n in keyed if known[n].sum() >= FEWEST]

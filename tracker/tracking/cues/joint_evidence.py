@@ -1,8 +1,8 @@
-"""What keypoints tell of a tracked motion: how likely each joint is wrong, and by how much.
+"""What keypoints show of a tracked motion: how likely each joint is wrong, and by how much.
 
 Three things go together with the error of a joint: how far its keypoint lies from it at the worst
 frame near by, how well the keypoint is seen, and how far the motions apart lie that two different
-starts led to. Errors last longer than a frame and keypoints shake, so a few frames tell more than
+starts led to. Errors last longer than a frame and keypoints shake, so a few frames show more than
 one. Within filmed clips whose joints were marked by hand, each judged by the others, the area under
 the curve of joints more than 15 px off on a person 400 px tall is 0.82 in the mean, of single
 frames 0.73. Of those more than 10 px off it is 0.73 (0.64): on the smallest person that is 5 px,
@@ -24,7 +24,7 @@ WRONG = 0.0375
 LEAST = 0.003
 """Below it differences say nothing."""
 NEAR = 5
-"""Frames on either side that tell of a joint as well."""
+"""Frames on either side that count for a joint as well."""
 BASE, BY_DISTANCE, BY_HIDDEN, BY_APART = 7.0, 1.18, 0.08, 1.03
 """Logistic regression of wrong joints on the logarithms of the three; slopes common to errors of 7
 to 20 px on a person 400 px tall (proportional odds), the base that of 15."""

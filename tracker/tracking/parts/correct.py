@@ -149,8 +149,10 @@ def _tracked(
         free = _only(seen.free, parts)
         anchors = anchors_of(free, segment, seen.camera, seen.keypoints, seen.weight)
         if anchors:
-            told = [min(anchors, key=lambda each: _contradiction(each, segment, free))]
-            work = track_anchored(scene, free, segment, method, told, seen.brightness, begun=begun)
+            contradicted = [min(anchors, key=lambda each: _contradiction(each, segment, free))]
+            work = track_anchored(
+                scene, free, segment, method, contradicted, seen.brightness, begun=begun
+            )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))
 
