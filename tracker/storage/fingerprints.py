@@ -35,6 +35,8 @@ _BY_THEMSELVES = {
     "quality", "initial", "left_out", "cues", "cue_weights", "network", "smooth",
 }  # fmt: skip
 """Settings that count where they change a motion, or never."""
+LIMITS = {"limits_deg", "twist"}
+"""What of a part no segment is tracked by; see `stretches`."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -173,7 +175,7 @@ def _film_hash(session: Session) -> str:
         mode="json",
         include={"body", "camera", "ignore_masks"},
         exclude={
-            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "body": {"parts": {"__all__": LIMITS}},
             "camera": {"origin"},
             "ignore_masks": {"__all__": {"note"}},
         },
@@ -188,7 +190,7 @@ def _surface_hash(session: Session) -> str:
         mode="json",
         include={"body", "surface"},
         exclude={
-            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "body": {"parts": {"__all__": LIMITS}},
             "surface": {"fps", "model_frame", "cameras"},
         },
     )
@@ -279,7 +281,7 @@ class _ById:
 @lru_cache(maxsize=8)
 def _body(body: _ById) -> str:
     """Names of parts count, since the verdict has them; other captions do not."""
-    parts = {"__all__": {"limits_deg"}}  # no segment is tracked by them; see `stretches`
+    parts = {"__all__": LIMITS}
     captions = {"name": True, "source": True, "mirror_pairs": True}
     data = body.it.model_dump(mode="json", exclude={**captions, "parts": parts})
     return json.dumps(data, sort_keys=True)

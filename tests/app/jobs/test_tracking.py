@@ -185,8 +185,8 @@ def test_a_killed_worker_is_told_and_replaced(place: tuple[Session, Path]) -> No
     of, video = place
 
     async def visit(office: Office) -> None:
-        killed = office.tracking.pid
         job = office.tracking.start(of, video, wanted(of))
+        killed = office.tracking.pid
         assert killed is not None
         os.kill(killed, signal.SIGKILL)
         end = await office.ended(job)
@@ -217,6 +217,7 @@ def test_a_video_that_is_not_there_is_told_in_one_sentence(place: tuple[Session,
 def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
     async def main() -> None:
         office = Office()
+        office.tracking.start(cases.session(), Path("x"), [])
         pid = office.tracking.pid
         assert pid is not None
         office.tracking.close()

@@ -24,7 +24,7 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import save_session
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.desk import Desk, Did
-from tests.browser.hands import Spot, at_rest, section, spot, until_told
+from tests.browser.hands import Spot, answered, section, spot, until_told
 
 LISTEN = """
 () => {
@@ -84,7 +84,7 @@ def _again(page: Page, desk: Desk, did: Did) -> None:
             _drag(page, desk, drag)
         case _:
             raise NotImplementedError(did.why)
-    at_rest(page, "pose")
+    answered(page)
 
 
 def _drag(page: Page, desk: Desk, drag: do.Drag) -> None:

@@ -19,6 +19,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
 from keypose.tracker.solver.body_points import BodyPoints
@@ -230,15 +231,17 @@ def _anchors(
     points: Array, keyed: dict[int, Pose], height: float,
 ) -> Anchors | None:  # fmt: skip
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
-    uv, visibility = seen.uv[:, index], seen.visibility[:, index]
+    uv = seen.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
+    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
+    known &= by_hand | ~jumped_away(uv, known, height)
+    visibility = np.where(known, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
     ]
     if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
-    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
     scale = np.where(known & ~by_hand, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)

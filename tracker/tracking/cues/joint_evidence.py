@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
-from scipy.special import expit
 
 from keypose.tracker.geometry.rotations import Array
 
@@ -60,6 +58,9 @@ class JointEvidence:
     @property
     def wrong(self) -> Array:
         """(N, K) probability that a joint is off by more than WRONG; 0 at keyframes."""
+        from scipy.ndimage import maximum_filter1d  # scipy: loads longer than a page needs to start
+        from scipy.special import expit
+
         farthest = np.where(np.isfinite(self.distance), self.distance, -1.0)
         farthest = maximum_filter1d(farthest, 2 * NEAR + 1, axis=0, mode="nearest")
         distance = np.log(np.where(farthest < 0, UNKNOWN, farthest) + LEAST)
@@ -97,6 +98,8 @@ class JointEvidence:
 
 def _mean_near(values: Array) -> Array:
     """(N, K) the mean over the frames near each that there are."""
+    from scipy.ndimage import uniform_filter1d
+
     size = 2 * NEAR + 1
     there = uniform_filter1d(np.ones(len(values)), size, mode="constant")
     mean = uniform_filter1d(values, size, axis=0, mode="constant") / there[:, None]

@@ -16,6 +16,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
 from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.geometry.rotations import log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import (
@@ -29,6 +31,8 @@ from tests.tracker.fitting.draft.clips import (
     standing,
     walk,
 )
+
+OUTER_LEG = ("knee", "ankle", "heel", "foot_index")
 
 
 def drafted(clip: Clip, keypoints: Keypoints | None = None) -> ClipDraft:
@@ -145,6 +149,29 @@ def test_sides_that_are_told_wrong_for_a_while_are_set_right() -> None:
     wrong = exchanged(clip.keypoints, [10, 11, 12, 30, 45, 46], *legs)
     found = drafted_joints_m(drafted(clip, wrong))
     assert np.linalg.norm(found - clip.joints_m, axis=-1).mean() < 0.03
+
+
+def test_knees_and_feet_that_are_seen_on_the_other_leg_are_set_right() -> None:
+    clip = walk(60, facing_deg=80)
+    uv, frames = clip.keypoints.uv.copy(), [8, 9, 10, 28, 50, 51]
+    outer = [place(f"{side}_{joint}") for side in ("left", "right") for joint in OUTER_LEG]
+    uv[np.ix_(frames, outer)] = clip.keypoints.exchanged().uv[np.ix_(frames, outer)]
+    seen = Observed.of(replace(clip.keypoints, uv=uv), CAMERA)
+    told = Observed.of(clip.keypoints, CAMERA)
+    found = consistent_sides(seen, 440.0, height(clip.body))
+    assert found is not None
+    for name in ("uv", "known", "visibility", "p_hips"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(told, name))
+
+
+def test_a_hidden_foot_that_is_seen_on_something_else_for_a_while_stays_on_its_way() -> None:
+    clip = walk(40, facing_deg=30)
+    uv, leg = clip.keypoints.uv.copy(), [place("right_knee"), place("right_ankle")]
+    uv[18:22, leg] += (-120.0, -40.0)
+    found = drafted_joints_m(drafted(clip, replace(clip.keypoints, uv=uv)))
+    away = np.linalg.norm(found - clip.joints_m, axis=-1)
+    assert away.mean() < 0.03
+    assert away[18:22].max() < 0.1
 
 
 @pytest.mark.parametrize("facing_deg", [0, 90, 180])
