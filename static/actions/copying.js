@@ -26,7 +26,7 @@ let unwritten = null;
 
 export const copyWords = () => (selectedKeys().length > 1 ? `Copy ${selectedKeys().length} keyframes` : 'Copy pose');
 
-export const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
+const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
 
 export const nothingCopied = () => (server.clipboard || canRead() ? '' : 'Copy a pose first (Ctrl C)');
 

@@ -13,6 +13,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.late import new_context
+from tests.browser.shared import Desk
 
 SCREENS = ROOT / "out" / "screens"
 
@@ -64,3 +65,10 @@ def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
     yield tab
     context.close()
     assert not complaints, complaints
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page of a module's own `shared` desk, as if it had just been opened."""
+    shared.fresh()
+    return shared

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from keypose.app.cli.main import main
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 from tests.browser.shared import Desk, desk
 
 COPIED = """
@@ -180,8 +180,8 @@ def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
     assert motion.get_attribute("aria-disabled") == "true"
     assert "Track first" in (motion.get_attribute("title") or "")
     at.page.keyboard.press("Escape")
-    told = at.page.evaluate(MOTION)
-    assert told == "There is no motion yet: pose two keyframes and track.\n"
+    reported = at.page.evaluate(MOTION)
+    assert reported == "There is no motion yet: pose two keyframes and track.\n"
     for _ in range(3):
         at.visitor.do(do="undo")
     at.agreed("segments")

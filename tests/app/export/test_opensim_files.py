@@ -105,11 +105,11 @@ def test_opensim_itself_scales_the_model(model: Path, tmp_path: Path) -> None:
     made = files_for_model(recordings.recording("person"), AS_TRACKED, model, tmp_path / "out")
     assert "small-scaled.osim is the model at the body's size" in made.words
     (tmp_path / "scaled.osim").write_bytes(made.files["small-scaled.osim"])
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-c", "import opensim; m = opensim.Model('scaled.osim'); "
          "m.initSystem(); print('markers', m.getMarkerSet().getSize())"],
         cwd=tmp_path, capture_output=True, text=True, check=True,
     )  # fmt: skip
     count = len(list(ElementTree.fromstring(made.files["markers.xml"]).iter("Marker")))
-    assert f"markers {count}" in told.stdout
+    assert f"markers {count}" in reported.stdout
     assert not list(Path.cwd().glob("opensim.log"))

@@ -160,7 +160,7 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     assert setup_hash(without) == setup_hash(session)
 
 
-def test_a_person_who_has_turned_round_is_told_by_the_turn_alone() -> None:
+def test_a_person_who_has_turned_round_is_reported_by_the_turn_alone() -> None:
     root = PERSON.parts[0]
     leaning = [rotation_of(np.array([8.0, turn, -3.0])) for turn in range(-175, 180, 10)]
     shown = part_angles_deg(root, np.stack(leaning))
@@ -170,7 +170,7 @@ def test_a_person_who_has_turned_round_is_told_by_the_turn_alone() -> None:
 
 
 @pytest.mark.parametrize("name", PERSON.names)
-def test_one_part_alone_is_told_as_it_is_among_the_others(name: str) -> None:
+def test_one_part_alone_is_reported_as_it_is_among_the_others(name: str) -> None:
     i, pose = PERSON.index(name), walking()
     alone = part_angles_deg(PERSON.parts[i], pose.Rs_parent_part[i][None])
     np.testing.assert_allclose(alone[0], angles_deg(SKELETON, pose)[i], atol=1e-9)

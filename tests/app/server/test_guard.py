@@ -83,16 +83,16 @@ def ask(
     }
     if not socket:
         scope["method"] = method
-    said: list[Any] = []
+    refusal: list[Any] = []
 
     async def receive() -> Any:
         return {"type": "websocket.connect" if socket else "http.request"}
 
     async def send(message: Any) -> None:
-        said.append(message)
+        refusal.append(message)
 
     asyncio.run((guard or door())(scope, receive, send))  # type: ignore[arg-type]
-    return Answer(said)
+    return Answer(refusal)
 
 
 def door(**settings: Any) -> Guard:

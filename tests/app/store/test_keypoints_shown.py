@@ -77,7 +77,9 @@ def point(section: Any, joint: str = "left_wrist") -> Any:
     return next(each for each in section["points"] if each["joint"] == joint)
 
 
-def test_those_of_a_draft_are_told_frame_by_frame_as_far_as_the_body_has_them(path: Path) -> None:
+def test_those_of_a_draft_are_reported_frame_by_frame_as_far_as_the_body_has_them(
+    path: Path,
+) -> None:
     async def act(desk: Desk) -> None:
         shown = await desk.shown(7)
         assert shown["frame"] == 7
@@ -114,7 +116,9 @@ def test_what_tracking_found_in_a_segment_goes_first(
     try_at(path, act)
 
 
-def test_what_a_person_said_is_told_at_once_and_where_it_was_found_is_not_lost(path: Path) -> None:
+def test_what_a_person_said_is_reported_at_once_and_where_it_was_found_is_not_lost(
+    path: Path,
+) -> None:
     async def act(desk: Desk) -> None:
         await desk.shown(7)
         wrist = {"frame": 7, "joint": "left_wrist"}
@@ -142,17 +146,17 @@ def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> Non
 
 def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> None:
     async def act(desk: Desk) -> None:
-        def told(name: str) -> Any:
+        def reported(name: str) -> Any:
             return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
 
-        assert told("cues")["brightness"]["weight"] is None
+        assert reported("cues")["brightness"]["weight"] is None
         desk.do({"do": "settings", "cue_weights": {"keypoints": 0.7}, "network": "heavy"})
-        cue = told("cues")["keypoints"]
+        cue = reported("cues")["keypoints"]
         assert (cue["on"], cue["off"], cue["weight"]) == (True, "", 0.7)
-        full, heavy = told("networks").values()
+        full, heavy = reported("networks").values()
         assert (full["chosen"], full["remedy"]) == (False, "")
         assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
         desk.do({"do": "settings", "method": "paper"})
-        assert told("cues")["keypoints"]["off"] == "Not in the published method"
+        assert reported("cues")["keypoints"]["off"] == "Not in the published method"
 
     try_at(path, act)

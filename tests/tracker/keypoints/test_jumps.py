@@ -21,16 +21,16 @@ def walking() -> NDArray[np.float64]:
     return np.stack([across, down], axis=-1)
 
 
-def told(uv: NDArray[np.float64]) -> NDArray[np.bool_]:
+def reported(uv: NDArray[np.float64]) -> NDArray[np.bool_]:
     known = np.isfinite(uv).all(axis=-1)
     return jumped_away(np.nan_to_num(uv), known, HEIGHT_PX)
 
 
-def test_a_foot_seen_elsewhere_that_comes_back_is_told_with_the_knee_that_goes_along() -> None:
+def test_a_foot_seen_elsewhere_that_comes_back_is_reported_with_the_knee_that_goes_along() -> None:
     uv = walking()
     uv[12:16, ANKLE] -= (90, 30)
     uv[12:16, KNEE] -= (40, 0)
-    found = told(uv)
+    found = reported(uv)
     assert found[12:16, [KNEE, ANKLE]].all()
     assert found.sum() == 8
 
@@ -38,22 +38,22 @@ def test_a_foot_seen_elsewhere_that_comes_back_is_told_with_the_knee_that_goes_a
 @pytest.mark.parametrize("width", [1.0, 2.0, 3.0])
 def test_a_punch_and_a_walk_are_believed_however_fast(width: float) -> None:
     uv = walking()
-    assert not told(uv).any()
+    assert not reported(uv).any()
     away = np.exp(-(((np.arange(FRAMES) - 15) / width) ** 2))
     uv[:, ANKLE, 1] -= 150 * away
-    assert not told(uv).any()
+    assert not reported(uv).any()
 
 
 def test_who_stays_away_was_followed_there() -> None:
     uv = walking()
     uv[12:, ANKLE] += (80, 0)
-    assert not told(uv).any()
+    assert not reported(uv).any()
     long = walking()
     long[8:22, ANKLE] += (80, 0)
-    assert not told(long).any()
+    assert not reported(long).any()
 
 
 def test_frames_that_show_nothing_are_no_step() -> None:
     uv = walking()
     uv[12:16, ANKLE] = np.nan
-    assert not told(uv).any()
+    assert not reported(uv).any()

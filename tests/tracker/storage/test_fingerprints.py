@@ -297,7 +297,7 @@ def test_the_tracked_pose_is_known_within_what_fits() -> None:
     assert pose_at(fitting, 9) is None
 
 
-def test_what_the_picture_tells_is_known_by_frame_and_part() -> None:
+def test_what_the_picture_gives_is_known_by_frame_and_part() -> None:
     of = session()
     seen = observability(both(of).fitting(of), 12, PARTS)
     assert seen.shape == (12, PARTS)

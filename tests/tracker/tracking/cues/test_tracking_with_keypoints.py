@@ -51,7 +51,7 @@ def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:
 
 @pytest.mark.parametrize("cues", [ALL_CUES, ("keypoints",)])
 @pytest.mark.parametrize("quality", ["full", "fast", "preview"])
-def test_where_brightness_tells_nothing_keypoints_lead(cues: object, quality: object) -> None:
+def test_where_brightness_shows_nothing_keypoints_lead(cues: object, quality: object) -> None:
     (found,) = tracked(_tracker(FILM.keypoints), cues=cues, quality=quality)
     away = joints_apart_m(found.trajectory, FILM.truth).mean()
     assert away < 0.3 * joints_apart_m(FILM.segment.interpolated(), FILM.truth).mean()
@@ -81,7 +81,7 @@ def test_the_papers_method_never_listens_to_them() -> None:
     )
 
 
-def test_that_no_keypoints_fit_is_told() -> None:
+def test_that_no_keypoints_fit_is_reported() -> None:
     nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
     assert tracked(_tracker(nowhere), cues=ALL_CUES)[0].notes == (NO_KEYPOINTS,)
     assert tracked(_tracker(nowhere))[0].notes == ()
