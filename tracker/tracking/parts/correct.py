@@ -164,7 +164,8 @@ def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Sc
     where that one was tracked is not this one."""
     against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
     parts = candidates[0].parts
-    order = np.argsort(against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2)))
+    rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))
+    order: list[int] = np.argsort(rest).tolist()
     chosen = candidates[order[0]]
     beside = np.isin(parts, _other_side(scene.skeleton, segment.parts))
     for k in order[1:]:
