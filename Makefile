@@ -5,26 +5,35 @@ PYTHON ?= python3
 KEYPOSE = .venv/bin/keypose
 NODE_TOOLS = tests/page/node_modules
 
-.PHONY: run test browser check bench clean
+.PHONY: run test browser loops check bench clean
 .DEFAULT_GOAL := run
 
 # Open the page, which offers the samples; copies of them, and everything else, are kept in out/.
 run: .venv/.ready
 	@$(KEYPOSE) open --workspace out
 
-test: check browser
-	@.venv/bin/pytest -n 2 --dist loadgroup
+test: browser
+	@$(MAKE) --silent --no-print-directory --jobs=2 check loops
+	@.venv/bin/pytest -n logical --maxprocesses 8 --dist loadfile
 
-# A Chromium for the tests of the page: installed where that is allowed, else they are skipped.
+# A Chromium for the tests of the page, without windows where apt has one: installed where that is
+# allowed. With none they are skipped.
 browser: .venv/.ready-dev
-	@.venv/bin/python -m tests.browser.chromium || { \
-	    if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
-	        echo "Installing Chromium for the tests of the page …"; \
-	        apt-get update --quiet=2 && \
-	        apt-get install --quiet=2 --yes --no-install-recommends chromium > /dev/null; \
-	    else \
-	        echo "There is no Chromium: the tests of the page will be skipped."; \
-	    fi; }
+	@if ! command -v chromium-headless-shell > /dev/null && \
+	    [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	    echo "Installing Chromium for the tests of the page …"; \
+	    install="apt-get install --quiet=2 --yes --no-install-recommends"; \
+	    apt-get update --quiet=2 > /dev/null 2>&1; \
+	    $$install chromium-headless-shell > /dev/null 2>&1 || \
+	        .venv/bin/python -m tests.browser.chromium || $$install chromium > /dev/null; \
+	fi
+	@.venv/bin/python -m tests.browser.chromium || \
+	    echo "There is no Chromium: the tests of the page will be skipped."
+
+# The compiled loops, beside the checks, which leave a core free: or every worker compiled them.
+loops: .venv/.ready-dev
+	@.venv/bin/python -c 'from keypose.tracker import warm; \
+	    warm.is_warm() or warm.warm(); warm.are_hulls_warm() or warm.warm_hulls()'
 
 check: .venv/.ready-dev build/names
 	@.venv/bin/ruff check --quiet .

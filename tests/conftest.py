@@ -1,5 +1,5 @@
-"""How tests are run: properties with the same examples every time on a build machine, and all that
-use a browser on one worker."""
+"""How tests are run: properties with the same examples every time on a build machine, and what uses
+a browser apart from the rest."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from hypothesis import settings
 
 if TYPE_CHECKING:
     from xdist.remote import Producer
-    from xdist.scheduler import LoadGroupScheduling
+    from xdist.scheduler import LoadFileScheduling
+    from xdist.workermanage import WorkerController
 
 # No deadlines: the first example of a test may compile a loop.
 settings.register_profile("here", deadline=None)
@@ -32,15 +33,21 @@ sys.dont_write_bytecode = False
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadGroupScheduling | None:
-    """With `--dist loadgroup` all that use a browser are one group: two browsers that draw 3D by
-    software at once starve each other. xdist's own marks of groups do nothing with this pytest."""
-    if config.getvalue("dist") != "loadgroup":
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling | None:
+    """With `--dist loadfile` one worker begins with all that uses a browser and the others with the
+    rest, file by file; who has done theirs helps with what is left. Two browsers that draw 3D by
+    software at once slow each other down, and each must be started."""
+    if config.getvalue("dist") != "loadfile":
         return None
-    from xdist.scheduler import LoadGroupScheduling
+    from xdist.scheduler import LoadFileScheduling
 
-    class OneBrowser(LoadGroupScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            return BROWSER if nodeid.startswith(BROWSER) else nodeid
+    class BrowserApart(LoadFileScheduling):
+        def _assign_work_unit(self, node: WorkerController) -> None:
+            mine = node is self.nodes[0]
+            for file in self.workqueue:
+                if file.startswith(BROWSER) == mine:
+                    self.workqueue.move_to_end(file, last=False)
+                    break
+            super()._assign_work_unit(node)
 
-    return OneBrowser(config, log)
+    return BrowserApart(config, log)

@@ -49,15 +49,15 @@ export function usualOptions() {
 }
 
 /**
- * The order that the server takes. eye: azimuth and elevation of the free view.
+ * The order that the server takes. eye: azimuth and elevation of the free view, where that is wanted.
  * @param {Options} options
- * @param {{ opacity?: number, tint?: string, frame: number, eye: { azimuth: number, elevation: number } }} at
+ * @param {{ opacity?: number, tint?: string, frame: number, eye: { azimuth: number, elevation: number } | null }} at
  */
 export function orderOf(options, { opacity = 0.5, tint = 'clay', frame: now, eye }) {
   const { what, style, columns, fps, view } = options;
   const drawn = { what, style, opacity, tint };
   if (what === 'sheet') return { ...drawn, columns: columns === '' ? null : Number(columns) };
-  const looks = view === 'free' ? { view: 'camera', azimuth: eye.azimuth, elevation: eye.elevation } : { view };
+  const looks = view === 'free' && eye ? { view: 'camera', azimuth: eye.azimuth, elevation: eye.elevation } : { view };
   const size = options.size === 'own' ? null : options.size.split('x').map(Number);
   if (what === 'pictures') {
     const frames = options.frames === 'this' ? now : options.frames;
@@ -128,15 +128,20 @@ export async function beginExport() {
     return;
   }
   const { opacity, tint } = server.view;
-  const eye = viewNamed('free').state;
+  const eye = exporting.view === 'free' ? viewNamed('free').state : null;
   const order = orderOf(exporting, { opacity, tint: server.surface ? tint : 'clay', frame: frame(), eye });
-  setUi('exportJob', { id: '', what: exporting.what, done: 0, of: 0 });
+  const begun = { id: '', what: exporting.what, done: 0, of: 0 };
+  const isMine = (id) => ui.exportJob === begun || (id !== '' && ui.exportJob?.id === id);
+  let id = '';
+  setUi('exportJob', begun);
   try {
     const response = await fetchOk('/exports', { method: 'POST', body: JSON.stringify(order) });
-    const { id } = await response.json();
-    setUi('exportJob', { ...ui.exportJob, id });
+    ({ id } = await response.json());
+    if (!isMine(id)) return void end(id); // cancelled before it had a number
+    setUi('exportJob', { ...begun, id });
     await follow(id);
   } catch (error) {
+    if (!isMine(id)) return; // cancelled meanwhile
     finish();
     toast({ kind: 'check', words: 'Nothing was saved.', detail: error.message });
   }
@@ -169,7 +174,9 @@ async function stateOf(id) {
 }
 
 async function fetchFile(id, words) {
-  const name = await saveAs(await fetchOk(`/exports/${id}/file`), `${server.file?.name ?? 'export'}`);
+  const response = await fetchOk(`/exports/${id}/file`);
+  if (ui.exportJob?.id !== id) return; // cancelled meanwhile
+  const name = await saveAs(response, `${server.file?.name ?? 'export'}`);
   finish();
   setUi('exporting', null);
   toast({ kind: 'good', words: `Saved as ${name}.`, ...(words ? { detail: words } : {}) });
@@ -179,9 +186,12 @@ async function fetchFile(id, words) {
 export async function cancelExport() {
   const { exportJob } = ui;
   finish();
-  if (!exportJob?.id) return;
+  if (exportJob?.id) await end(exportJob.id); // one without a number yet is ended when it has one
+}
+
+async function end(id) {
   try {
-    await fetchOwn(`/exports/${exportJob.id}`, { method: 'DELETE' });
+    await fetchOwn(`/exports/${id}`, { method: 'DELETE' });
     toast({ kind: 'info', words: 'Export cancelled.' });
   } catch {
     // Nobody answers: it ends with the server, or with the next export.

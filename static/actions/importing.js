@@ -75,15 +75,18 @@ export async function importFile(file) {
     toast({ kind: 'check', words: `${name} is too large to import. It has ${bytes(file.size)}, ${bytes(LARGEST)} are allowed.` });
     return;
   }
-  show({ stage: 'reading', id: '', name, found: null, words: '', done: 0, of: 0, choices: USUAL });
+  /** @type {Importing} */
+  const begun = { stage: 'reading', id: '', name, found: null, words: '', done: 0, of: 0, choices: USUAL };
+  let id = '';
+  show(begun);
   try {
     const response = await fetchOk(`/imports?${new URLSearchParams({ name })}`, { method: 'POST', body: file });
-    const { id } = await response.json();
-    if (ui.importing?.name !== name) return void leave(id); // closed meanwhile
-    show({ ...ui.importing, id });
+    ({ id } = await response.json());
+    if (ui.importing !== begun) return void leave(id); // closed meanwhile, or it is another file's turn
+    show({ ...begun, id });
     await follow(id);
   } catch (error) {
-    fail(error.message);
+    if (ui.importing === begun || isShown(id)) fail(error.message);
   }
 }
 
@@ -102,7 +105,7 @@ export async function beginImport() {
     await fetchOk(`/imports/${importing.id}`, { method: 'POST', body: order });
     await follow(importing.id);
   } catch (error) {
-    fail(error.message);
+    if (isShown(importing.id)) fail(error.message);
   }
 }
 
@@ -174,6 +177,9 @@ function placesIn(text) {
 
 // --- what is under way
 
+/** Whether the dialog is still about this file. @param {string} id */
+const isShown = (id) => id !== '' && ui.importing?.id === id;
+
 /** @param {Importing} importing */
 const show = (importing) => setUi('importing', importing);
 
@@ -187,11 +193,11 @@ function fail(words) {
 /** Look how far it is until the stage is over. */
 async function follow(id) {
   let missed = 0;
-  while (ui.importing?.id === id) {
+  while (isShown(id)) {
     const state = await stateOf(id);
+    if (!isShown(id)) return; // closed meanwhile
     missed = state ? 0 : missed + 1;
     if (missed > PATIENCE) throw new Error('The connection was lost on the way.');
-    if (ui.importing?.id !== id) return; // closed meanwhile
     if (state && state.state !== 'running') return takeIn(state);
     if (state) show({ ...ui.importing, done: state.done ?? 0, of: state.of ?? 0 });
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));

@@ -21,7 +21,7 @@ import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
-import { openAt, openViewMenu } from './viewmenu.js';
+import { openAt, openWhenPicked } from './viewmenu.js';
 
 const CLICK_PX = 3;
 const MIDDLE = 1;
@@ -60,7 +60,7 @@ let hasCancelled = false;
  */
 const STATES = {
   still: { move: leaveStill, end: finishClick },
-  aside: { move: leaveAside, end: ({ view, picked }, x, y) => openMenu(view, picked, x, y) },
+  aside: { move: leaveAside, end: openMenu },
   asking: { move: (_, event, x, y) => void (press.newest = [event, x, y]) },
   dragging: {
     move: (_, event, x, y) => interaction.drag && moveDrag(event, x, y),
@@ -213,9 +213,9 @@ function leaveAside(view, event, x, y) {
 }
 
 /** The menu of what the right button was pressed on. */
-function openMenu(view, picked, x, y) {
+function openMenu({ view, picked }, x, y) {
   const box = view.over.getBoundingClientRect();
-  picked.then(({ parts }) => openViewMenu(view, parts[0], [box.left + x, box.top + y]));
+  openWhenPicked(view, picked, [box.left + x, box.top + y]);
 }
 
 /** The drag begins once it is known which part lies there, unless the press is over. */

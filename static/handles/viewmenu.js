@@ -18,14 +18,32 @@ import { isReady, targetAt } from './targets.js';
 
 const BESIDE_PX = 16;
 
+/** How often something was pressed, by pointer or key. */
+let acts = 0;
+
 /** The right button on a view: the menu of what is there. */
 export async function openAt(view, event) {
   if (!isReady(view) || isDrawingTool(ui.tool) || interaction.drag) return;
   const box = view.over.getBoundingClientRect();
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
   const target = targetAt(view, x, y);
-  const name = (target && partOf(target)) ?? (await pick(view, x, y)).parts[0];
-  openViewMenu(view, name, [event.clientX, event.clientY], [x, y]);
+  const name = target && partOf(target);
+  const picked = name ? Promise.resolve({ parts: [name] }) : pick(view, x, y);
+  return openWhenPicked(view, picked, [event.clientX, event.clientY], [x, y]);
+}
+
+/**
+ * The menu of the first of the parts at a place, unless one has gone on before they were known: it
+ * would open over what one does now, and take the keys.
+ * @param {any} view
+ * @param {Promise<{ parts: string[] }>} picked
+ * @param {[number, number]} place
+ * @param {[number, number] | null} at
+ */
+export async function openWhenPicked(view, picked, place, at = null) {
+  const asked = acts;
+  const { parts } = await picked;
+  if (asked === acts && isReady(view)) openViewMenu(view, parts[0], place, at);
 }
 
 /**
@@ -35,7 +53,7 @@ export async function openAt(view, event) {
  * @param {[number, number]} place
  * @param {[number, number] | null} at  In pixels of the view, where the pointer asked for it.
  */
-export function openViewMenu(view, name, place, at = null) {
+function openViewMenu(view, name, place, at = null) {
   const part = name ? partNamed(name) : undefined;
   if (!part) return openMenuAt(`Frame ${frame()}`, pictureEntries(view), place);
   select(part.name);
@@ -61,6 +79,8 @@ function partEntries(view, part, corner) {
 
 /** From the keyboard: the menu of the selected part, where it is seen; of the picture where none is. */
 export function listenForMenuKey() {
+  addEventListener('pointerdown', () => (acts += 1), true);
+  addEventListener('keydown', ({ repeat }) => (acts += Number(!repeat)), true);
   addEventListener('contextmenu', (event) => {
     const isPointers = event.button === 2 || event.defaultPrevented;
     const isElsewhere = /** @type {Element} */ (event.target).closest?.('input, textarea, dialog, .menu');

@@ -5,7 +5,9 @@ from __future__ import annotations
 import shutil
 import sys
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+HEADLESS = "chromium-headless-shell"
+"""The same engine without windows: opens a page in half the processor time."""
+NAMES = (HEADLESS, "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = (
     "--enable-unsafe-swiftshader",  # 3D by software, as everywhere without a graphics card
     "--no-sandbox",

@@ -12,10 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.late import new_context
-from tests.browser.shared import Desk
-
-SCREENS = ROOT / "out" / "screens"
+from tests.browser.shared import Desk, let_in
 
 
 @pytest.fixture(scope="package")
@@ -54,17 +51,19 @@ def keypose(sample: Path, tmp_path: Path) -> Iterator[Keypose]:
 
 
 @pytest.fixture
-def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
+def drawn() -> bool:
+    """Whether a test looks at viser's pictures: a module that does says so."""
+    return False
+
+
+@pytest.fixture
+def page(browser: Browser, keypose: Keypose, drawn: bool) -> Iterator[Page]:
     """The page, opened and ready; anything the browser complains about fails the test."""
-    context = new_context(browser, viewport={"width": 1440, "height": 900})
-    tab = context.new_page()
-    complaints: list[str] = []
-    tab.on("pageerror", lambda error: complaints.append(str(error)))
-    tab.goto(keypose.address)
-    tab.wait_for_selector("html[data-ready]", state="attached")
-    yield tab
-    context.close()
-    assert not complaints, complaints
+    with let_in(browser, drawn=drawn, size=(1440, 900)) as context:
+        tab = context.new_page()
+        tab.goto(keypose.address)
+        tab.wait_for_selector("html[data-ready]", state="attached")
+        yield tab
 
 
 @pytest.fixture

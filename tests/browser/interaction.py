@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -12,6 +13,9 @@ from tests.app.serving import LONGEST_S, ROOT
 
 SCREENS = ROOT / "out" / "screens"
 """Where the pictures of every step are kept, to be looked at."""
+
+PICTURES = bool(os.environ.get("KEYPOSE_TEST_PICTURES"))
+"""Whether they are wanted: nothing is asserted of them, and they take as long as the tests."""
 
 Spot: TypeAlias = tuple[float, float]
 """Pixels of the window."""
@@ -107,17 +111,21 @@ def faded(page: Page) -> None:
 
 
 def screen(page: Page, name: str) -> None:
-    """Keep a picture of what the page looks like now."""
+    """Keep a picture of what the page looks like now, where pictures are wanted."""
     settled(page)
+    if not PICTURES:
+        return
     SCREENS.mkdir(parents=True, exist_ok=True)
     page.screenshot(path=SCREENS / f"{name}.png")
 
 
 def screens(page: Page, name: str) -> None:
     """The same in both themes, and in a small window."""
+    screen(page, name)
+    if not PICTURES:
+        return
     size = page.viewport_size
     assert size is not None
-    screen(page, name)
     themed(page, "light")
     screen(page, f"{name}-light")
     themed(page, "dark")

@@ -12,7 +12,7 @@ from typing import Any
 from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.interaction import answered, section, settled, until
+from tests.browser.interaction import PICTURES, answered, section, settled, until
 from tests.browser.late import new_context
 
 SIZE = (1280, 720)
@@ -39,13 +39,13 @@ def served(folder: Path) -> Iterator[tuple[Keypose, Path]]:
 def let_in(
     browser: Browser, *, drawn: bool, size: tuple[int, int] = SIZE, **more: Any
 ) -> Iterator[BrowserContext]:
-    """A browser of its own, in which no script may fail. Its pages can do without viser's pictures,
-    which software draws slowly."""
+    """A browser of its own, in which no script may fail. Its pages do without viser's pictures,
+    which software draws slowly, unless a test or a person is to see them."""
     viewport = {"width": size[0], "height": size[1]}
     context = new_context(browser, viewport=viewport, **more)
     complaints: list[str] = []
     context.on("weberror", lambda error: complaints.append(str(error.error)))
-    if not drawn:
+    if not (drawn or PICTURES):
         empty = "<!doctype html><title>no picture</title>"
         context.route("**/view/*", lambda route: route.fulfill(body=empty))
     yield context

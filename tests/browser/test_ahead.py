@@ -13,7 +13,7 @@ from tests.browser.shared import Desk, desk
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("ahead"), drawn=True, size=(1440, 900)) as made:
+    with desk(browser, tmp_path_factory.mktemp("ahead"), size=(1440, 900)) as made:
         yield made
 
 

@@ -27,7 +27,7 @@ SECONDS_TO_DRAFT = 400
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("box"), drawn=True, size=SIZE) as made:
+    with desk(browser, tmp_path_factory.mktemp("box"), size=SIZE) as made:
         yield made
 
 

@@ -33,8 +33,7 @@ TURNS = {"right_forearm": -7.0, "left_upper_arm": 5.0, "right_thigh": 4.0, "left
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    folder = tmp_path_factory.mktemp("fitting")
-    with desk(browser, folder, drawn=True, size=SIZE) as made:
+    with desk(browser, tmp_path_factory.mktemp("fitting"), size=SIZE) as made:
         yield made
 
 

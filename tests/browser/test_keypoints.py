@@ -68,7 +68,7 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     session = session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
     save_session(save_keypoints(session, path, seen(session), "points.json"), path)
     given = (str(path), "--workspace", str(folder / "workspace"))
-    with Keypose(*given) as keypose, let_in(browser, drawn=True, size=(1440, 900)) as context:
+    with Keypose(*given) as keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
         page = opened(context, keypose)
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Browser, Locator, Page, WebSocketRoute
 
 from tests.browser.interaction import (
     Spot,
@@ -79,6 +81,59 @@ def _noted(page: Page, frame: int, words: str) -> None:
     page.keyboard.type(words)
     page.keyboard.press("Enter")
     until_state(page, "notes", lambda notes: {"frame": frame, "text": words} in notes)
+
+
+@dataclass
+class Held:
+    """What the server replies to a tab's questions, until it is let through."""
+
+    asked: set[int] = field(default_factory=set)
+    replies: dict[int, Callable[[], None]] = field(default_factory=dict)
+
+    def hold(self, line: WebSocketRoute) -> None:
+        server = line.connect_to_server()
+
+        def say(said: str | bytes) -> None:
+            if "ask" in (message := json.loads(said)):
+                self.asked.add(message["id"])
+            server.send(said)
+
+        def tell(told: str | bytes) -> None:
+            message = json.loads(told)
+            if message["t"] == "reply":
+                self.replies[message["id"]] = lambda: line.send(told)
+            else:
+                line.send(told)
+
+        line.on_message(say)
+        server.on_message(tell)
+
+    def let_through(self, page: Page) -> None:
+        """All replies to what was asked until now."""
+        settled(page)
+        until(lambda: settled(page) or self.asked == self.replies.keys(), "the replies")
+        for number in sorted(self.asked):
+            self.replies.pop(number)()
+        self.asked.clear()
+
+
+def test_a_menu_whose_place_is_known_late_does_not_open_over_what_is_done_meanwhile(
+    at: Desk,
+) -> None:
+    page, held = at.page.context.new_page(), Held()
+    page.route_web_socket("**/events", held.hold)
+    page.goto(at.keypose.address)
+    page.wait_for_selector("#main canvas.vid[data-frame]")
+    for acts_meanwhile in (True, False):
+        page.mouse.click(*_corner(page), button="right")
+        if acts_meanwhile:
+            page.keyboard.press("ArrowRight")
+        held.let_through(page)
+        if acts_meanwhile:  # what is told in answer to this comes after the replies
+            page.keyboard.press("ArrowRight")
+            until_state(page, "view.frame", lambda frame: frame == 2)
+        until_counted(page, "#tmenu .menu", 0 if acts_meanwhile else 1)
+    page.close()
 
 
 def test_the_picture_has_a_menu_at_the_pointer_that_keys_alone_can_use(at: Desk) -> None:

@@ -13,8 +13,7 @@ from tests.browser.shared import Desk, desk
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    folder = tmp_path_factory.mktemp("shoulders")
-    with desk(browser, folder, drawn=True, size=(1440, 900)) as made:
+    with desk(browser, tmp_path_factory.mktemp("shoulders"), size=(1440, 900)) as made:
         yield made
 
 

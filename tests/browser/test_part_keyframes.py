@@ -8,10 +8,10 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.browser.interaction import (
-    SCREENS,
     Spot,
     answered,
     drag,
+    screen,
     screens,
     section,
     settled,
@@ -78,7 +78,7 @@ def test_a_limb_that_was_pulled_is_keyed_alone_and_shown_half_filled(at: Desk) -
     words = " ".join(page.locator("#tsvg .plate text").all_text_contents())
     assert f"Part keyframe {frame}" in words
     assert "right arm only" in words
-    page.screenshot(path=SCREENS / "part-keyframe-tip.png")
+    screen(page, "part-keyframe-tip")
 
 
 def test_it_is_dragged_copied_deleted_and_made_whole_like_a_keyframe(at: Desk) -> None:
@@ -105,8 +105,7 @@ def test_a_second_limb_shares_the_diamond_and_leaves_it_from_the_inspector(at: D
     _pull(page, "left_foot", (-12, -20))
     until_state(page, "keys.parts[0].limbs", lambda limbs: len(limbs) == 2)
     until_counted(page, "#tsvg .partkey.current .fill.L", 1)
-    settled(page)
-    page.screenshot(path=SCREENS / "part-keyframe-two.png")
+    screen(page, "part-keyframe-two")
     page.get_by_role("button", name="Leave the right arm to the tracker").click()
     until_state(page, "keys.parts[0].words", lambda words: words == "left leg only")
 

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from tests.browser.interaction import (
-    SCREENS,
+    screen,
     section,
     settled,
     spot,
@@ -73,7 +73,7 @@ def test_a_foot_is_pinned_with_the_key_trimmed_unpinned_and_had_back(at: Desk) -
     settled(page)
     words = page.locator("#tsvg .plate text").text_content() or ""
     assert words.strip() == f"Left foot 0–{last - 9} was {last}"
-    page.screenshot(path=SCREENS / "pins-trim.png")
+    screen(page, "pins-trim")
     page.mouse.up()
     at.agreed("pins")
     page.keyboard.press("Control+z")

@@ -13,7 +13,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
-from tests.browser.conftest import ROOT
+from tests.app.serving import ROOT
 from tests.browser.interaction import answered, screen, section, until, until_counted, until_state
 
 PERSON = ROOT / "sample_videos" / "person"

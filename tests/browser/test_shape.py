@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from playwright.sync_api import Page
 
 from keypose.app.scene.figure import part_mesh
@@ -29,6 +30,11 @@ _VERTICES = """
 }
 """
 """The corners of a part as a view draws it, in the part's frame."""
+
+
+@pytest.fixture
+def drawn() -> bool:
+    return True
 
 
 def part_of(page: Page, name: str) -> dict[str, Any]:

@@ -5,9 +5,9 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { motionAddress, notInstalled, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
+const { beginExport, cancelExport, motionAddress, notInstalled, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
 const { MOTION } = await import('../../static/actions/table/export.js');
-const { setUi } = await import('../../static/store/state.js');
+const { server, setUi, ui } = await import('../../static/store/state.js');
 
 /** @type {import('../../static/actions/exporting.js').Options} */
 const OPTIONS = {
@@ -66,4 +66,32 @@ test('what cannot be exported is said before it is tried', () => {
   assert.match(whyNotExport({ ...OPTIONS, fps: '0' }, 41), /0.1 to 1000/);
   assert.match(whyNotExport({ ...OPTIONS, what: 'motion', filter: 'six' }, 41), /hertz/);
   assert.match(whyNotExport({ ...OPTIONS, what: 'sheet', columns: '0' }, 41), /1 to 100/);
+});
+
+/** Lets the test answer what is asked: [path, method, answer with this]. */
+function heldBack() {
+  /** @type {[string, string, (value: unknown) => void][]} */
+  const asked = [];
+  globalThis.fetch = /** @type {any} */ ((path, { method = 'GET' } = {}) =>
+    new Promise((answer) => asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })])));
+  return asked;
+}
+
+const settled = () => new Promise((done) => setTimeout(done));
+
+test('an export that is cancelled before the server knows it stays cancelled, and ends there too', async () => {
+  const asked = heldBack();
+  Object.assign(server, { view: { opacity: 0.5, tint: 'clay', frame: 0 }, file: { name: 'walk', frames: 41 }, surface: null });
+  setUi('exporting', OPTIONS);
+  void beginExport();
+  await cancelExport();
+  void beginExport(); // another one, at once
+  const [[, , first], [, , second]] = asked;
+  second({ id: 'second' });
+  await settled();
+  first({ id: 'first' });
+  await settled();
+  assert.equal(ui.exportJob?.id, 'second');
+  assert.deepEqual(asked.slice(2).map(([path, method]) => [path, method]), [['/exports/second', 'GET'], ['/exports/first', 'DELETE']]);
+  setUi('exportJob', null); // or it would be looked after for ever
 });

@@ -5,7 +5,8 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { USUAL, isImported, openPoseFile, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
+const { USUAL, importFile, isImported, leaveImport, openPoseFile, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
+const { setUi, ui } = await import('../../static/store/state.js');
 
 const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
 const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
@@ -53,4 +54,23 @@ test('the frames of OpenPose are one list, each with the name of its file', asyn
 test('an ending tells what may be imported, whatever its case', () => {
   assert.ok(['Walk.BVH', 'dogDLC.h5', 'shot.chan'].every(isImported));
   assert.ok(!isImported('notes.txt'));
+});
+
+test('a file brought again under its name is the one that is shown, however late the first is answered', async () => {
+  /** @type {[string, string, (value: unknown) => void][]} */
+  const asked = [];
+  globalThis.fetch = /** @type {any} */ ((path, { method = 'GET' } = {}) =>
+    new Promise((answer) => asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })])));
+  const settled = () => new Promise((done) => setTimeout(done));
+  void importFile(new File(['wrong'], 'walk.bvh'));
+  leaveImport();
+  void importFile(new File(['right'], 'walk.bvh'));
+  const [[, , first], [, , second]] = asked;
+  first({ id: 'first' });
+  await settled();
+  assert.deepEqual(asked.slice(2).map(([path, method]) => [path, method]), [['/imports/first', 'DELETE']]);
+  second({ id: 'second' });
+  await settled();
+  assert.equal(ui.importing?.id, 'second');
+  setUi('importing', null); // or it would be looked after for ever
 });
