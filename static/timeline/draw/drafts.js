@@ -4,8 +4,7 @@
 import { svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { draftFrames, placesToConfirm } from '../../actions/playhead.js';
-import { BAR } from './segments.js';
-import { GUTTER, right, visible, x } from './scale.js';
+import { BAR, GUTTER, right, visible, x } from './scale.js';
 
 const RING = 8;
 const REACH = 10;

@@ -5,6 +5,8 @@ import { clamp } from '../../controls/arithmetic.js';
 import { leastSpan, setRoom, showFrames, shown } from '../../actions/window.js';
 
 export const GUTTER = 128;
+/** Of a segment between its keys, above and below its middle. */
+export const BAR = { half: 6 };
 const LEFT = GUTTER + 10;
 const MARGIN_RIGHT = 26;
 

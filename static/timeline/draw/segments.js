@@ -6,11 +6,10 @@ import { server } from '../../store/state.js';
 import { suggestedFrame } from '../../actions/playhead.js';
 import { partKeys } from '../../actions/limbs.js';
 import { singleDrafts } from './drafts.js';
-import { GUTTER, right, visible, x } from './scale.js';
+import { BAR, GUTTER, right, visible, x } from './scale.js';
 import { lastFrame } from '../../store/clip.js';
 import { VERDICTS } from '../../controls/verdicts.js';
 
-export const BAR = { half: 6 };
 const BESIDE_DIAMOND = 8;
 const FILLS = { check: 'url(#tl-check)', lost: 'url(#tl-lost)' };
 
