@@ -164,11 +164,12 @@ def told_apart(candidates: Sequence[Anchors], segment: LimbSegment, scene: Scene
     where that one was tracked is not this one."""
     against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
     parts = candidates[0].parts
-    order = np.argsort(against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2)))
-    told = candidates[order[0]]
+    rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))
+    best, *others = np.argsort(rest, kind="stable").tolist()
+    told: Anchors = candidates[best]
     beside = np.isin(parts, _other_side(scene.skeleton, segment.parts))
-    for k in order[1:]:
-        lacks = (against[order[0]] - against[k])[:, beside].sum(axis=-1)
+    for k in others:
+        lacks = (against[best] - against[k])[:, beside].sum(axis=-1)
         told = told.in_rows(lacks > PLAINLY, candidates[k])
     return told
 
