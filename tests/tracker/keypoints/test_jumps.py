@@ -35,6 +35,15 @@ def test_a_foot_seen_elsewhere_that_comes_back_is_reported_with_the_knee_that_go
     assert found.sum() == 8
 
 
+def test_a_foot_that_comes_back_to_where_it_has_walked_meanwhile_was_away() -> None:
+    uv = walking()
+    uv[12:16, ANKLE, 0] -= 75
+    uv[16:, ANKLE, 0] -= 25
+    found = told(uv)
+    assert found[12:16, ANKLE].all()
+    assert found.sum() == 4
+
+
 @pytest.mark.parametrize("width", [1.0, 2.0, 3.0])
 def test_a_punch_and_a_walk_are_believed_however_fast(width: float) -> None:
     uv = walking()

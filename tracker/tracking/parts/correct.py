@@ -165,11 +165,11 @@ def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Sc
     against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
     parts = candidates[0].parts
     rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))
-    order: list[int] = np.argsort(rest).tolist()
-    chosen = candidates[order[0]]
+    best, *others = np.argsort(rest, kind="stable").tolist()
+    chosen: Anchors = candidates[best]
     beside = np.isin(parts, _other_side(scene.skeleton, segment.parts))
-    for k in order[1:]:
-        lacks = (against[order[0]] - against[k])[:, beside].sum(axis=-1)
+    for k in others:
+        lacks = (against[best] - against[k])[:, beside].sum(axis=-1)
         chosen = chosen.in_rows(lacks > PLAINLY, candidates[k])
     return chosen
 
