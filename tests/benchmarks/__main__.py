@@ -20,8 +20,8 @@ from tests.benchmarks.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
-    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "effort", "rigs",
-    "install",
+    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "drafts", "reduction",
+    "effort", "rigs", "install",
 )  # fmt: skip
 OUT = Path("benchmarks.json")
 

@@ -139,23 +139,10 @@ def _arms() -> Clip:
 def _camera4() -> Clip:
     """The man on the balance beam from a camera at his other side, twice as large.
 
-    Film and calibration are upstream's; its marks are the rough joints of four views, seen by this
-    camera, good to about 10 px, which are 5 px of the smaller film.
+    Its marks are the rough joints of four views, seen by this camera, good to about 10 px, which
+    are 5 px of the smaller film.
     """
-    wheel, films = kept_folder() / WHEEL, "Pose2Sim/Demo_SinglePerson/"
-    if not wheel.is_file():
-        raise Absent(f"{wheel} (pip download --no-deps pose2sim==0.10.49)")
-    video = kept_folder() / "camera4.mp4"
-    with ZipFile(wheel) as packed:
-        video.write_bytes(packed.read(films + "videos/cam04.mp4"))
-        rig = ElementTree.fromstring(packed.read(films + "calibration/Calib.qca.txt"))
-    one = next(c for c in rig.iter("camera") if c.get("serial") == "cam04")
-    camera, R_camera_world, p_world_camera = _calibrated(one)
-    with np.load(data_folder("person") / "reference.npz") as reference:
-        names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
-    joints = (world - p_world_camera) @ R_camera_world.T
-    limbs = tuple(n for n in MARKS if n in names)
-    joints = joints[:, [names.index(n) for n in limbs]]
+    video, camera, limbs, joints = beam_camera(4)
     marks = {
         frame: dict(zip(limbs, map(tuple, camera.project(joints[frame]).tolist()), strict=True))
         for frame in range(0, 91, 15)
@@ -164,7 +151,31 @@ def _camera4() -> Clip:
     return Clip("camera4", video, camera, man, -147.0, marks, still, space=(limbs, joints))
 
 
-def _calibrated(one: ElementTree.Element) -> tuple[Camera, Array, Array]:
+def beam_camera(number: int) -> tuple[Path, Camera, tuple[str, ...], Array]:
+    """The man on the balance beam from one of four cameras, 1 to 4: film, camera, and names and
+    rough joints (F, J, 3), metres, camera frame. Films and calibration are upstream's."""
+    wheel, films = kept_folder() / WHEEL, "Pose2Sim/Demo_SinglePerson/"
+    if not wheel.is_file():
+        raise Absent(f"{wheel} (pip download --no-deps pose2sim==0.10.49)")
+    video = kept_folder() / f"camera{number}.mp4"
+    with ZipFile(wheel) as packed:
+        video.write_bytes(packed.read(f"{films}videos/cam{number:02}.mp4"))
+        rig = ElementTree.fromstring(packed.read(films + "calibration/Calib.qca.txt"))
+    one = next(c for c in rig.iter("camera") if c.get("serial") == f"cam{number:02}")
+    camera, R_camera_world, p_world_camera = _calibrated(one, _WIDTHS[number])
+    with np.load(data_folder("person") / "reference.npz") as reference:
+        names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
+    joints = (world - p_world_camera) @ R_camera_world.T
+    limbs = tuple(n for n in MARKS if n in names)
+    return video, camera, limbs, joints[:, [names.index(n) for n in limbs]]
+
+
+_CALIBRATED_WIDTH = 1088
+_WIDTHS = {1: 1080, 2: 1080, 3: 1088, 4: 1088}
+"""Of the films: the narrower ones lack as much on either side."""
+
+
+def _calibrated(one: ElementTree.Element, width: int) -> tuple[Camera, Array, Array]:
     """Camera, R_camera_world, and where the camera stands, metres, of an entry of a QTM file: axes
     there are right, up and back, places millimetres, and pixels 64ths."""
     lens, placed = (one.find(name) for name in ("intrinsic", "transform"))
@@ -176,9 +187,10 @@ def _calibrated(one: ElementTree.Element) -> tuple[Camera, Array, Array]:
     k1, k2 = told["radialDistortion1"], told["radialDistortion2"]
     p1, p2 = told["tangentalDistortion1"], told["tangentalDistortion2"]
     camera = Camera(
-        width=1088, height=1920,
+        width=width, height=1920,
         fx=told["focalLengthU"] / 64, fy=told["focalLengthV"] / 64,
-        cx=told["centerPointU"] / 64, cy=told["centerPointV"] / 64,
+        cx=told["centerPointU"] / 64 - (_CALIBRATED_WIDTH - width) / 2,
+        cy=told["centerPointV"] / 64,
         distortion=(k1, k2, p1, p2, 0.0),
     )  # fmt: skip
     return camera, R, np.array([told[name] for name in "xyz"]) / 1000
