@@ -147,11 +147,18 @@ class EditLog:
         meanwhile is kept, None where none did; SessionError when the disk refuses."""
         theirs = set_aside(path, self._ours)
         content = session_json(session)
-        self._ours = (*self._ours[-1:], content)  # either may be there if this fails
+        self._ours = (*self._there(path), content)  # either may be there if this fails
         save_session(session, path)
         self._ours = (content,)
         self._mark(mark_of(session))
         return theirs
+
+    def _there(self, path: Path) -> tuple[bytes, ...]:
+        """What lies there now, ours or set aside; all that may, where it cannot be read."""
+        try:
+            return (read_regular(path, LARGEST_SESSION_BYTES),)
+        except OSError:
+            return self._ours
 
     def _mark(self, mark: str) -> None:
         """Only now is the session file known to follow the journal."""

@@ -118,7 +118,10 @@ class Runner:
         self._tracking.close()
 
     def changed(self, opened: OpenSession | None, edit: EditorState) -> None:
-        """The document changed: with live on, what it made outdated is tracked at once."""
+        """The document changed: what has no keyframes any more is tracked no further; with live on,
+        what it made outdated is tracked at once."""
+        if self.running and self._fit_done is None and not {*self.running} & {*edit.doc.spans}:
+            self._tracking.cancel()  # keyframes are gone: nothing is left of what is tracked
         if not edit.display.live or opened is None or not edit.doc.spans:
             return
         wanted = _touching(edit, edit.results.wanted(edit.doc))

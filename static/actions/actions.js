@@ -51,11 +51,16 @@ export function spell(chord) {
 export function perform(id, ...about) {
   const { message, run, repeats } = entryOf(id);
   const why = whyNot(id, about[0]);
-  if (why && isCaughtUp()) {
+  const asked = why && isCaughtUp() ? undefined : message?.(about[0]);
+  if (why && (isCaughtUp() || isNothing(asked))) {
     if (!repeats) toast({ kind: 'info', words: `${why}.` });
-  } else if (message) send(message(about[0]));
+  } else if (message) send(asked);
   else run?.(...about);
 }
+
+/** Whether it does not even name what it is about, such as the keyframe before where there is none: no
+ * server can decide that. */
+const isNothing = (asked) => Boolean(asked) && Object.values(asked).includes(undefined);
 
 /** @typedef {{ id: ActionId, repeats?: boolean, always?: boolean }} Binding */
 

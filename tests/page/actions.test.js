@@ -130,3 +130,11 @@ test('a menu is made of the table, and no entry is written by hand', () => {
     assert.doesNotMatch(text, /\brun:/, name);
   }
 });
+
+test('what is not there cannot even be asked for while an answer is on its way', () => {
+  server.view.frame = 0; // no keyframe lies before it
+  server.done = -1; // something sent is not answered yet
+  perform('copyPrevious');
+  assert.deepEqual(ui.toasts.map(({ words }) => words), ['There is no keyframe before frame 0.']);
+  server.done = undefined;
+});

@@ -67,7 +67,8 @@ class Recent(BaseModel):
         return cls(
             path=str(path.absolute()),
             name=name_of(path, session.title),
-            video=str(video_path(session, path)),
+            # From a folder that is not there yet no way leads back to the video.
+            video=str(video_path(session, path) if source is None else source.absolute()),
             keyframes=len(session.keyframes),
             frames=session.video.frame_count,
             middle_frame=middle_frame(session),

@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
+from keypose.app.document import edit_log
 from keypose.app.store import runner
+from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.chronicle import mark_of, without_results
 from keypose.tracker.storage.files import load_session, open_session
 from tests.app.document.test_edit_log import NoWorker, done, tried, turn, with_store
@@ -90,6 +92,25 @@ def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
 
 _UNUSED = ("rename", "link")
 """A save does without them where they fail."""
+
+
+def test_a_save_that_fails_again_and_again_is_not_taken_for_another_programs(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise SessionError("No space left on device.")
+
+    async def edit(store: Any) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(edit_log, "save_session", full)
+            for degrees in (1, 2, 3):
+                await tried(store, turn(degrees, part=_part(path)))
+                await store._writer.saver.wait()
+                assert store.app_state.saved.state == "failed"
+        await done(store, {"do": "save_again"})
+
+    with_store(path, edit)
+    assert not list(path.parent.glob("*theirs*"))
 
 
 def test_a_full_disk_is_reported_and_every_edit_is_there_once_there_is_room(

@@ -333,6 +333,7 @@ def test_a_film_that_was_opened_and_not_touched_is_listed_and_opens_again(
     again = Library(workspace, [home])  # as after a restart
     (recent,) = again.contents()["recents"]
     assert (recent["name"], recent["keyframes"]) == ("jump", 0)
+    assert not recent["missing"]  # although no folder of its own is there yet
     assert again.find("recent", recent["id"]) == video
     assert again.thumb(recent["thumb"].removeprefix("/thumb/").removesuffix(".jpg")) is not None
     for change in (again.duplicate, again.delete, lambda id: again.rename(id, "x")):

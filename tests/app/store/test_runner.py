@@ -243,6 +243,17 @@ def test_live_orders_nothing_where_all_is_tracked(runner: Runner) -> None:
     assert len(orders(runner).wanted) == 1
 
 
+def test_what_lost_its_keyframes_is_tracked_no_further(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    runner.changed(
+        PIECE,
+        after(desk(), {"do": "key_angle", "frame": 24, "part": "head", "axis": "x", "deg": 12}),
+    )
+    assert "cancel" not in orders(runner).calls
+    runner.changed(PIECE, few(1))
+    assert orders(runner).calls[-1] == "cancel"
+
+
 # --- what is told
 
 

@@ -1,4 +1,4 @@
-"""Keypoints that are for a few frames elsewhere are told, and fast limbs are not."""
+"""Keypoints that are for a few frames elsewhere are found, and fast limbs are not."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_foot_that_comes_back_to_where_it_has_walked_meanwhile_was_away() -> N
     uv = walking()
     uv[12:16, ANKLE, 0] -= 75
     uv[16:, ANKLE, 0] -= 25
-    found = told(uv)
+    found = reported(uv)
     assert found[12:16, ANKLE].all()
     assert found.sum() == 4
 
