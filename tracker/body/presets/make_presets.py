@@ -97,12 +97,13 @@ RANGES: dict[str, Limits] = {
 # How far upper arm and thigh turn about their own length, right side, outward positive. Textbooks
 # give about 70° inward and 90° outward at the shoulder, 45° each way at the hip. From where that is
 # counted changes with where the limb points, by up to 30°, and a hand behind the back turns the arm
-# inward in the chest by more than the joint does: the ranges have room for both, and for elbows of
-# recordings that are set 20° aside. Swings are counted from an arm held forward and out, a thigh
-# forward and down: what is not determined is an arm through the ribs, a thigh up behind.
+# inward in the chest by more than the joint does, a thigh drawn up outward as much: the ranges have
+# room for both, and for elbows of recordings that are set 20° aside. Swings are counted from an arm
+# held forward and out, a thigh forward and down: what is not determined is an arm through the ribs,
+# a thigh up behind.
 TWISTS: dict[str, Twist] = {
     "upper_arm": Twist(range_deg=(-125, 125), toward=(-3, 2, -3)),
-    "thigh": Twist(range_deg=(-70, 70), toward=(-1, 3, -3)),
+    "thigh": Twist(range_deg=(-80, 80), toward=(-1, 3, -3)),
 }
 
 
