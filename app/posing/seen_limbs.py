@@ -139,7 +139,7 @@ class SeenLimb:
         way, wanted = unit(R @ limb.tip), unit(end - joint)
         lacking = math.acos(min(max(float(way @ wanted), -1.0), 1.0))
         share = 1.0 - smooth_step((lacking - SIDEWAYS) / (NOT_SIDEWAYS - SIDEWAYS))
-        if lacking < 1e-6 or share == 0.0 or context.box(limb.lower) is None:
+        if lacking < 1e-6 or share == 0.0 or context.joint_range(limb.lower) is None:
             return bent
         by = turn(unit(cross(way, wanted)), share * lacking)
         lower = context.allowed(limb.lower, after.R_camera_parent(limb.lower).T @ by @ R)

@@ -93,9 +93,9 @@ export function draftedWords({ first, last, drafted, missing }) {
   return `Drafted ${drafted} of ${count(all, 'frame')}.`;
 }
 
-/** "No person found in 0–30 and 96.": where a draft is missing; or ''. */
+/** "No person found in 10–30 and 6.": where a draft is missing, the longest first; or ''. */
 export function nobodyWords() {
-  const runs = server.draft?.missing ?? [];
+  const runs = [...(server.draft?.missing ?? [])].sort((one, other) => length(other) - length(one));
   if (runs.length === 0) return '';
   const named = runs.slice(0, RUNS_NAMED).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
   const more = runs.length - named.length;
@@ -104,13 +104,17 @@ export function nobodyWords() {
 
 const RUNS_NAMED = 3;
 
-/** The longest run of these. */
-const longest = (runs) => runs.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));
+const length = ([first, last]) => last - first;
 
-/** The frame to draw a box at: the middle of the longest run without a draft. */
-export function boxFrameFor(runs) {
-  const [first, last] = longest(runs);
-  return Math.floor((first + last) / 2);
+/** The longest run of these. */
+const longest = (runs) => runs.reduce((one, other) => (length(other) > length(one) ? other : one));
+
+/** The frame to draw a box at, in the longest run without a draft: its middle; at an end of what was
+ * drafted, where the person was seen last, as somebody who has left is not seen in the middle. */
+export function boxFrameFor({ first, last, missing }) {
+  const [from, to] = longest(missing);
+  if (from === first) return to;
+  return to === last ? from : Math.floor((from + to) / 2);
 }
 
 /** The frames to draft from a box there. */

@@ -605,7 +605,7 @@
  * @property {Set<string>} [pulled]
  * @property {string} [lens]
  * @property {number} [lensKind]  The kind of camera that was chosen.
- * @property {'film' | 'hand'} [guidePath]
+ * @property {'film' | 'hand' | 'thing'} [guidePath]
  * @property {boolean} [allFreedoms]
  * @property {boolean} [fitFocal]
  * @property {boolean} [orbited]  The free view was turned at least once.

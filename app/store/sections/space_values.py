@@ -17,11 +17,12 @@ _REMEDIES: Final = {
     "below_floor": "floor",
     "keyframe_depth": "soften",
     "mirrored": "turn",
+    "twisted": "untwist",
     "leans": "",
     "shakes": "smooth",
 }
 _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
-                   "mirrored": 20.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
+                   "mirrored": 20.0, "twisted": 3.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
 """What makes findings of different kinds comparable: of 5 cm, of 20°, of 10 m/s² each about 1."""
 
 

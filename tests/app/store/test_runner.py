@@ -134,7 +134,7 @@ def few(count: int) -> EditorState:
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        (few(0), "Add a second keyframe first."),
+        (few(0), "Add two keyframes first."),
         (few(1), "Add a second keyframe first."),
         (surfaces(1, (0,)), "Nothing to fit: there is only one mesh."),
         (

@@ -38,6 +38,10 @@ def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
             found("mirrored", 0.2, "right_forearm"),
             "At keyframe 14 the right forearm may point the wrong way in depth",
         ),
+        (
+            found("twisted", -0.9, "left_upper_arm"),
+            "At keyframe 14 the left upper arm is turned 52° too far about its length",
+        ),
         (found("leans", 0.4, "waist"), "The body leans 23° out of balance, 10–20"),
         (found("shakes", 11.3, "waist"), "Waist shakes with 11 m/s², 10–20"),
     ],
@@ -79,6 +83,11 @@ def test_the_worst_is_reported_first_with_what_mends_it() -> None:
 def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:
     (reported,) = solved(known(stepping((5, 12))), found("mirrored", 0.2, "right_forearm"))
     assert (reported["remedy"], reported["part"], reported["go"]) == ("turn", "right_forearm", 14)
+
+
+def test_an_arm_that_is_twisted_at_a_keyframe_is_untwisted_with_one_press() -> None:
+    (reported,) = solved(known(stepping((5, 12))), found("twisted", -0.9, "left_upper_arm"))
+    assert (reported["remedy"], reported["part"], reported["go"]) == ("untwist", "left_upper_arm", 14)
 
 
 def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() -> None:

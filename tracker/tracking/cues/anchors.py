@@ -105,6 +105,19 @@ class Anchors:
             return self
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
+    def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
+        """With those of others in some frames (N,)."""
+        if not rows.any():
+            return self
+        return replace(
+            self, uv=np.where(rows[:, None, None], other.uv, self.uv),
+            scale=np.where(rows[:, None], other.scale, self.scale),
+            depth=np.where(rows[:, None], other.depth, self.depth),
+            depth_scale=np.where(rows[:, None], other.depth_scale, self.depth_scale),
+            visibility=np.where(rows[:, None], other.visibility, self.visibility),
+            by_hand=np.where(rows[:, None], other.by_hand, self.by_hand),
+        )  # fmt: skip
+
     @property
     def known(self) -> NDArray[np.bool_]:
         """(N, K) whether there is anything to compare with."""

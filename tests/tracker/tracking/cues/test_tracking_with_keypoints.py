@@ -122,9 +122,9 @@ ASTRAY = slice(4, 9)
 
 
 def _wrist_astray() -> Keypoints:
-    """The detector is sure of something else that goes along beside the wrist for five frames."""
+    """For five frames the detector slides onto something else beside the wrist, and is sure."""
     uv = FILM.keypoints.uv.copy()
-    uv[ASTRAY, WRIST] += (22.0, 9.0)
+    uv[ASTRAY, WRIST] += np.outer([0.5, 1.0, 1.0, 1.0, 0.5], [22.0, 9.0])
     return replace(FILM.keypoints, uv=uv)
 
 
