@@ -10,7 +10,7 @@ def order(job: int) -> Order:
     return Order(job, b"", "", (), ("full",))
 
 
-def test_an_order_is_taken_up_and_goes_on_until_told() -> None:
+def test_an_order_is_taken_up_and_goes_on_until_stopped() -> None:
     latest = LatestOrder()
     assert latest.put(order(1)) is None
     taken, cancelled = latest.take()

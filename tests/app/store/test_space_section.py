@@ -87,11 +87,8 @@ def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:
 
 def test_an_arm_that_is_twisted_at_a_keyframe_is_untwisted_with_one_press() -> None:
     (reported,) = solved(known(stepping((5, 12))), found("twisted", -0.9, "left_upper_arm"))
-    assert (reported["remedy"], reported["part"], reported["go"]) == (
-        "untwist",
-        "left_upper_arm",
-        14,
-    )
+    assert reported["remedy"] == "untwist"
+    assert (reported["part"], reported["go"]) == ("left_upper_arm", 14)
 
 
 def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() -> None:
