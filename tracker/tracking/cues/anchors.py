@@ -247,15 +247,16 @@ def _anchors(
     uv = seen.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
     by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
-    known &= by_hand | ~jumped_away(uv, known, height)
-    visibility = np.where(known, seen.visibility[:, index], 0.0)
+    told = known & ~by_hand
+    jumped = told & jumped_away(uv, known, height)  # in the picture: depth stays with its side
+    visibility = np.where(known & ~jumped, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
     ]
     if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
-    scale = np.where(known & ~by_hand, 1 / _sigma_px(height, visibility), 0.0)
+    scale = np.where(told & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
     loose = np.array([seen.names[k] in FACE for k in index])
@@ -267,7 +268,7 @@ def _anchors(
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND * height)
     return Anchors(
-        where, parts, uv, scale, depth, depth_scale * (scale > 0), visibility, height, joints, exact
+        where, parts, uv, scale, depth, depth_scale * told, visibility, height, joints, exact
     )
 
 
