@@ -148,7 +148,7 @@ def test_clavicles_are_its_collars() -> None:
 
 
 def test_a_body_that_is_no_person_is_refused() -> None:
-    with pytest.raises(FormatError, match="The rig smpl is for a person"):
+    with pytest.raises(FormatError, match="those of a whole person"):
         amass(recordings.recording("box"))
 
 
