@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session import Keyframe, Session, VideoReference
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import session_json

@@ -4,6 +4,7 @@ a browser apart from the rest."""
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,11 @@ BROWSER = "tests/browser/"
 
 # Whatever a person has chosen for themselves, tests begin with what is built in.
 os.environ["KEYPOSE_CONFIG"] = str(Path(__file__).with_name("there_is_no_config.toml"))
+
+# Whatever the environment says: a program that compiles itself at every start is not what people
+# have, and every server and worker of a test would spend half a second on it.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 @pytest.hookimpl(optionalhook=True)

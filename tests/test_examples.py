@@ -46,8 +46,8 @@ def test_example_1_tracks_the_box_and_reads_where_it_went(tmp_path: Path) -> Non
 
 def test_example_2_tracks_a_leg_of_its_own_and_saves_it(tmp_path: Path) -> None:
     lines = run("2_a_body_of_your_own.py", tmp_path)
-    said = [re.fullmatch(r"frame (\d+): the knee is bent by (\d+)°", line) for line in lines]
-    bends = {int(match[1]): int(match[2]) for match in said if match}
+    message = [re.fullmatch(r"frame (\d+): the knee is bent by (\d+)°", line) for line in lines]
+    bends = {int(match[1]): int(match[2]) for match in message if match}
     truth = {24: 16, 28: 14, 32: 7, 36: 6, 40: 8, 44: 18, 48: 42}  # of the rendered figure
     assert bends == pytest.approx(truth, abs=5)
     saved = tracker.load_session(tmp_path / "out" / "leg" / "session.json")
@@ -62,7 +62,7 @@ def test_example_3_plots_the_knees_of_a_filmed_man(tmp_path: Path) -> None:
     assert plot.startswith(b"\x89PNG")
 
 
-def test_example_4_tells_what_came_of_every_recording(tmp_path: Path) -> None:
+def test_example_4_shows_what_came_of_every_recording(tmp_path: Path) -> None:
     lines = run("4_batch.py", tmp_path)
     states = [line for line in lines if not line.startswith(" ")]
     assert states == ["box: tracked", "person: tracked"]

@@ -92,12 +92,12 @@ def _followed(
     from keypose.tracker.tracking.pool import Cancelled
 
     keypoints = of_session(session, arguments.session.parent)
-    with _reporter(arguments.json) as tell:
+    with _reporter(arguments.json) as report:
 
         def emit(motion: Trajectory) -> None:
             if stop.is_set():
                 raise Cancelled
-            tell(len(motion) - 1)
+            report(len(motion) - 1)
 
         return track_ahead(session, video, way, emit=emit, keypoints=keypoints)
 
@@ -112,11 +112,11 @@ def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
 
         with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 
-            def tell(frames: int) -> None:
+            def report(frames: int) -> None:
                 bar.n = frames
                 bar.refresh()
 
-            yield tell
+            yield report
     else:
         yield lambda frames: None
 

@@ -154,12 +154,18 @@ def _drafted(
     frames: tuple[int, int],
     as_json: bool,
 ) -> tuple[ClipDraft, str]:
-    from keypose.app.jobs.drafts import Telling, drafted
+    from keypose.app.jobs.drafts import DraftReporter, drafted
 
     stop = threading.Event()
-    with set_when_interrupted(stop), _reporter(as_json) as tell:
+    with set_when_interrupted(stop), _reporter(as_json) as report:
         return drafted(
-            session, video, at, box, frames, proportions=True, report=Telling(tell, stop.is_set)
+            session,
+            video,
+            at,
+            box,
+            frames,
+            proportions=True,
+            report=DraftReporter(report, stop.is_set),
         )
 
 
@@ -194,8 +200,8 @@ def _reporter(as_json: bool) -> Iterator[Callable[[DraftProgress], None]]:
     if as_json:
         yield _print_progress
     elif sys.stderr.isatty():
-        with _bar() as tell:
-            yield tell
+        with _bar() as report:
+            yield report
     else:
         yield lambda progress: None
 
@@ -213,12 +219,12 @@ def _bar() -> Iterator[Callable[[DraftProgress], None]]:
     words = {"keypoints": "Looking for the person", "poses": "Posing"}
     with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 
-        def tell(progress: DraftProgress) -> None:
+        def report(progress: DraftProgress) -> None:
             bar.set_description(words[progress.stage], refresh=False)
             bar.n, bar.total = progress.done, progress.expected
             bar.refresh()
 
-        yield tell
+        yield report
 
 
 def _print(

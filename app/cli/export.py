@@ -38,19 +38,8 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
-    gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
-    no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
-    own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
-    details = (
-        f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
-        f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
-        "the time of every frame and the others use the mean rate. For FBX, Blender converts glb: "
-        "the command is in app/README.md."
-    )
-    command = add_command(
-        commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
-    )
+    summary = "Write the tracked motion for other programs"
+    command = add_command(commands, "export", run, summary, _details(), _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--format",
@@ -109,6 +98,19 @@ def add(commands: Subcommands) -> None:
         "(pip install 'keypose[opensim]')",
     )
     add_output(command, "DIR", "folder; created if missing")
+
+
+def _details() -> str:
+    kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
+    gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
+    no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
+    own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
+    return (
+        f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
+        f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
+        "the time of every frame and the others use the mean rate. For FBX, Blender converts glb: "
+        "the command is in app/README.md."
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -22,7 +22,7 @@ from keypose.tracker.errors import SessionError
 
 if TYPE_CHECKING:
     from keypose.tracker.session import Session
-    from keypose.tracker.session.schema import Surface
+    from keypose.tracker.session.references import Surface
 
 _EXAMPLES = """\
   keypose open scan
@@ -163,11 +163,11 @@ def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
 
     surface = surface_of(session)
     for name, what in (("units", "in {}"), ("up", "with {} up")):
-        said, known = getattr(arguments, name), getattr(surface, name)
-        if said not in (None, known):
+        given, known = getattr(arguments, name), getattr(surface, name)
+        if given not in (None, known):
             raise SessionError(
                 f"{arguments.session.name} was posed in meshes read {what.format(known)}, not "
-                f"{what.format(said)}: change it under Fit in the page, where the poses follow."
+                f"{what.format(given)}: change it under Fit in the page, where the poses follow."
             )
     asked = {name: getattr(arguments, name) for name in ("weights", "distance", "binding")}
     if arguments.cameras is not None:

@@ -310,10 +310,10 @@ def _print_drafts(session: Session, found: KeypointImport, arguments: argparse.N
 
 def _places(arguments: argparse.Namespace) -> dict[str, str]:
     """What --map says."""
-    said = dict(arguments.map or ())
-    if len(said) < len(arguments.map or ()):
+    wanted = dict(arguments.map or ())
+    if len(wanted) < len(arguments.map or ()):
         raise FormatError("--map names a keypoint twice.")
-    return said
+    return wanted
 
 
 def _print_names(facts: dict[str, Any], what: str) -> None:

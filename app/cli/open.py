@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import gc
 import ipaddress
 import signal
 import socket
@@ -136,6 +137,7 @@ def _open(
     shown_from: Path | None,
 ) -> int:
     """Serve what was asked for until a signal asks to end."""
+    gc.disable()  # what is loaded stays: looking through it again and again is a seventh of a start
     from keypose.app.document.library import Library
     from keypose.app.server.server import Server
 
@@ -148,6 +150,7 @@ def _open(
     try:
         return _serve(server, listener, path, arguments, shown_from)
     finally:
+        gc.enable()
         listener.close()
         server.stage.stop()
 
@@ -156,8 +159,8 @@ def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
     """What to open, once its meshes are read as a person says."""
-    said = (arguments.units, arguments.up, arguments.cameras)
-    if said == (None, None, None):
+    given = (arguments.units, arguments.up, arguments.cameras)
+    if given == (None, None, None):
         return path
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")
@@ -190,6 +193,8 @@ def _serve(
     loop = server.stage.loop
     if path is not None:
         asyncio.run_coroutine_threadsafe(server.store.open(path), loop).result()
+    gc.freeze()
+    gc.enable()
     server.listen(listener)
     links = Links(server.guard, reachable(arguments.host), arguments.public_name)
     links.print_first()

@@ -119,8 +119,8 @@ def _save_found(
     }
     findings = [found for stretch in results.space for found in stretch.findings]
     if findings:
-        said = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
-        summary["in_space"] = said
+        rows = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
+        summary["in_space"] = rows
     return summary
 
 

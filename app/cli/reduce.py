@@ -144,11 +144,11 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 
     with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True, leave=False) as bar:
 
-        def tell(done: int, expected: int) -> None:
+        def report(done: int, expected: int) -> None:
             bar.n, bar.total = done, expected
             bar.refresh()
 
-        yield tell
+        yield report
 
 
 # --- what is printed
@@ -177,9 +177,9 @@ def _print(
 
 
 def _off(facts: dict[str, Any]) -> str:
-    said = {"cm": facts["tolerance_cm"], "px": facts["tolerance_px"]}
+    asked = {"cm": facts["tolerance_cm"], "px": facts["tolerance_px"]}
     return " and ".join(
-        f"{facts['worst_share'] * value:.2g} {unit}" for unit, value in said.items() if value
+        f"{facts['worst_share'] * value:.2g} {unit}" for unit, value in asked.items() if value
     )
 
 

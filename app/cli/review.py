@@ -63,7 +63,7 @@ def _facts(found: Review, goal: int) -> dict[str, Any]:
         "expected_px": found.px,
         "expected_cm": found.cm,
         "places": [_place(place) for place in found.above(goal)],
-        "answered": [said.model_dump(mode="json") for said in found.answered],
+        "answered": [one.model_dump(mode="json") for one in found.answered],
         "untracked": found.untracked,
     }
 

@@ -102,7 +102,7 @@ def read_defaults() -> Defaults:
     try:
         return Defaults.model_validate(_content(path))
     except ValidationError as error:
-        raise KeyposeError(f"{path}: {_said(error)}") from None
+        raise KeyposeError(f"{path}: {_sentence(error)}") from None
 
 
 def _content(path: Path) -> dict[str, Any]:
@@ -116,7 +116,7 @@ def _content(path: Path) -> dict[str, Any]:
         raise KeyposeError(f"{path} is not TOML: {error}.") from None
 
 
-def _said(error: ValidationError) -> str:
+def _sentence(error: ValidationError) -> str:
     """The first problem; a name that is not known comes with those that are."""
     first = error.errors(include_url=False)[0]
     if first["type"] != "extra_forbidden":

@@ -20,7 +20,8 @@ from keypose.tracker.errors import SessionError, SurfaceError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.session.evidence import surface_of
-from keypose.tracker.session.schema import Session, Surface, VideoReference
+from keypose.tracker.session.references import Surface, VideoReference
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.evidence import with_cameras_fingerprint
 from keypose.tracker.storage.files import load_session, save_session, video_path

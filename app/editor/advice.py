@@ -52,7 +52,8 @@ def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Sugge
 
 
 def _missing_of_film(session: Session) -> str:
-    return "Add a second keyframe first."
+    few = bool(session.keyframes)
+    return "Add a second keyframe first." if few else "Add two keyframes first."
 
 
 def _next_of_surfaces(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:

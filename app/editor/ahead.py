@@ -16,7 +16,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.ahead import Ahead, Direction, Stop
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.fingerprints import ahead_key
 
 if TYPE_CHECKING:

@@ -21,9 +21,10 @@ from keypose.tracker.body.clavicles import (
 )
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.reviewed import Reviewed
-from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
 
 Named = TypeVar("Named", Pin, Reviewed)

@@ -20,8 +20,8 @@ from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
-from keypose.tracker.session.schema import Keyframe, Position, Quaternion
-from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.session.keyframe import Keyframe, Quaternion
+from keypose.tracker.session.settings import FrameIndex, Position
 
 MOST_KEYS = 500
 MOST_PARTS = 1000

@@ -9,7 +9,8 @@ from keypose.app.editor.refusal import Refused
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage import changes
 
 Posed = TypeVar("Posed", bound=Keyframe)

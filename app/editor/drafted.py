@@ -21,8 +21,10 @@ from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import drafted as record
+from keypose.tracker.session.checks import MOST
 from keypose.tracker.session.drafted import LEARN_FRAMES
-from keypose.tracker.session.schema import MOST, KeypointFile, Session
+from keypose.tracker.session.references import KeypointFile
+from keypose.tracker.session.schema import Session
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal
@@ -135,7 +137,7 @@ def _can_learn(doc: Session) -> bool:
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:
-    """With the poses alone that tell what drafts near some frames learn."""
+    """With the poses alone that decide what drafts near some frames learn."""
     first, last = min(around) - LEARN_FRAMES - 1, max(around) + LEARN_FRAMES + 1
     near = {
         name: tuple(pose for pose in poses if first <= pose.frame <= last)
@@ -145,15 +147,17 @@ def near_frames(doc: Session, around: Collection[int]) -> Session:
 
 
 def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -> EditorState:
-    """With drafts as they are with what keyframes told, as part of the newest step: what undoes
+    """With drafts as they are with what keyframes gave, as part of the newest step: what undoes
     that step brings the drafts back.
 
     used: the document that they were found from. What has changed since stays as it is; all of it
-    where a keyframe that told is gone.
+    where a keyframe that gave it is gone.
     """
     doc, first, last = state.doc, min(poses, default=0), max(poses, default=-1)
-    told = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
-    if doc.body is not used.body or not {id(k) for k in told} <= {id(k) for k in doc.keyframes}:
+    learned_from = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
+    if doc.body is not used.body or not {id(k) for k in learned_from} <= {
+        id(k) for k in doc.keyframes
+    }:
         return state
     own = {id(draft) for draft in used.drafts}
     drafts = [

@@ -94,6 +94,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.ResetPose: EditKind(_alone(posing_edits.reset_pose), "reset the pose"),
     do.Exchange: EditKind(_alone(posing_edits.swap_sides), "swap left and right"),
     do.TurnInDepth: EditKind(depth_turn.turn_in_depth, "turn in depth", "part"),
+    do.Untwist: EditKind(posing_edits.untwist, "untwist", "part"),
     do.PastePose: EditKind(pasting.paste, pasting.pasting),
     do.CopyKey: EditKind(posing_edits.copy_key, "copy keyframe", "from_frame"),
     do.TakeTracked: EditKind(_alone(posing_edits.take_tracked), "use the tracked pose"),

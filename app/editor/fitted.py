@@ -24,7 +24,8 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.schema import Session
 
 
 def pose_to_fit(state: EditorState) -> Pose:

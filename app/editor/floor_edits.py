@@ -23,7 +23,7 @@ from keypose.tracker.tracking.space.level import up_from_places
 LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""
 LEAST_APART_M = 0.5
-"""Feet that stand nearer to each other than this do not tell what is level."""
+"""Feet that stand nearer to each other than this do not determine what is level."""
 SHORTEST_PX = 5
 
 
@@ -41,7 +41,7 @@ def set_floor(state: EditorState, action: do.Floor) -> Session:
 
 
 def set_up_from_feet(state: EditorState) -> Session:
-    """Up so that the pinned feet stand level; what they do not tell stays as it is."""
+    """Up so that the pinned feet stand level; what they do not determine stays as it is."""
     places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
     apart = np.ptp(places, axis=0) if len(places) else np.zeros(3)
     if np.linalg.norm(apart) < LEAST_APART_M:

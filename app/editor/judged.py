@@ -134,21 +134,21 @@ class Judged:
         span: of the segment that was looked at; neighbours share a keyframe.
         """
         limb = self.limb_of(part)
-        for said in reversed(self.reviewed):
-            is_then = said.first_frame <= frame <= said.last_frame
-            is_then = is_then and (span is None or span[0] <= said.frame <= span[1])
-            if is_then and self.index(said.part) in limb and self.counts(said):
-                return said
+        for one in reversed(self.reviewed):
+            is_then = one.first_frame <= frame <= one.last_frame
+            is_then = is_then and (span is None or span[0] <= one.frame <= span[1])
+            if is_then and self.index(one.part) in limb and self.counts(one):
+                return one
         return None
 
-    def counts(self, said: Reviewed) -> bool:
+    def counts(self, one: Reviewed) -> bool:
         """Whether the motion is still as it was when a person answered."""
-        return said.part in self.parts and self._is_as_seen(said)
+        return one.part in self.parts and self._is_as_seen(one)
 
-    def _is_as_seen(self, said: Reviewed) -> bool:
-        track = next((t for t in self.tracks.values() if t.first <= said.frame <= t.last), None)
-        end = None if track is None else self.far_end_m(track, said.frame, said.part)
-        return end is not None and bool(np.linalg.norm(end - said.seen_m) <= STILL_M)
+    def _is_as_seen(self, one: Reviewed) -> bool:
+        track = next((t for t in self.tracks.values() if t.first <= one.frame <= t.last), None)
+        end = None if track is None else self.far_end_m(track, one.frame, one.part)
+        return end is not None and bool(np.linalg.norm(end - one.seen_m) <= STILL_M)
 
 
 def _keyed(doc: Session, track: SegmentResult) -> SegmentResult:

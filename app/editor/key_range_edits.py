@@ -8,7 +8,8 @@ from keypose.app.editor import actions as do
 from keypose.app.editor.documents import with_drafts, with_keyframes
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.schema import Session
 
 MOST_NAMED = 3
 """Frames that a sentence lists one by one."""

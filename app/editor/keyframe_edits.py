@@ -17,7 +17,8 @@ from keypose.app.editor.part_edits import require_correctable
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.schema import Session
 
 
 def add_keyframe(state: EditorState, frame: int) -> Session:

@@ -41,8 +41,8 @@ def _with(
     _require_counting(state.doc, action.joint)
     place = (action.frame, action.joint)
     others = [each for each in state.doc.keypoint_corrections if _place(each) != place]
-    said = others if correction is None else [*others, correction]
-    return state.doc.model_copy(update={"keypoint_corrections": tuple(sorted(said, key=_place))})
+    every = others if correction is None else [*others, correction]
+    return state.doc.model_copy(update={"keypoint_corrections": tuple(sorted(every, key=_place))})
 
 
 def _place(each: KeypointCorrection) -> tuple[int, str]:

@@ -15,7 +15,7 @@ from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.schema import Keyframe
+from keypose.tracker.session.keyframe import Keyframe
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,8 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
-from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.schema import Session
 
 SAME = 1e-5
 """Entries of a rotation, and metres, up to which a part stands as it did."""

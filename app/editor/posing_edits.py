@@ -22,9 +22,12 @@ from keypose.app.posing import (
     drag,
     ends_to_hold,
     facing,
+    is_twisted,
     keep_pinned,
+    part_label,
     placed_ends,
     swap_left_right,
+    untwisted_limb,
     with_angles,
     with_reset,
 )
@@ -133,6 +136,14 @@ def swap_sides(state: EditorState) -> Session:
     return _with_pose(
         state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
     )
+
+
+def untwist(state: EditorState, action: do.Untwist) -> Session:
+    """A limb turned back about its own length, its joints where they are."""
+    pose, part = shown_pose(state).pose, state.doc.body.index(action.part)
+    if not is_twisted(state.skeleton, pose, part):
+        raise Refused(f"{part_label(action.part)} is not turned too far about its length.")
+    return _with_pose(state, untwisted_limb(state.skeleton, pose, part))
 
 
 def copy_key(state: EditorState, action: do.CopyKey) -> Session:

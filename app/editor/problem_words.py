@@ -47,19 +47,19 @@ def reason_of(found: Problem) -> str:
 def sentence_of(found: Problem) -> str:
     """By itself: "Left hand hidden behind the head, frames 83–92". The frames are left out where
     they are all of its segment."""
-    said = _SENTENCES.get(found.cause)
-    if said is None:
+    sentence = _SENTENCES.get(found.cause)
+    if sentence is None:
         return short_sentence(_verdict(found), *found.span)
     (first, last), (start, end) = found.frames, found.span
-    return said(found, "" if first <= start + 1 and last >= end - 1 else _within(found))
+    return sentence(found, "" if first <= start + 1 and last >= end - 1 else _within(found))
 
 
 def detail_of(found: Problem) -> str:
     """The same beside what to do, always with the frames it is about."""
-    said = _SENTENCES.get(found.cause)
-    if said is None:
+    sentence = _SENTENCES.get(found.cause)
+    if sentence is None:
         return reason_with_frames(_verdict(found), capital=True)
-    return said(found, _within(found))
+    return sentence(found, _within(found))
 
 
 def todo_of(found: Problem) -> str:

@@ -112,7 +112,7 @@ def is_past_mending(track: SegmentResult) -> bool:
 def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
     first, verdict = _first(known, track), track.verdict
     listed = [] if first is None else [first]
-    if first is not None and verdict is not None and not _says(first, verdict):
+    if first is not None and verdict is not None and not _agrees(first, verdict):
         said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
         listed += [] if _is_same(known, said, first) else [said]
     for doubt in doubts(track, known.limbs):
@@ -122,7 +122,7 @@ def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
     yield from listed
 
 
-def _says(found: Problem, verdict: Verdict) -> bool:
+def _agrees(found: Problem, verdict: Verdict) -> bool:
     """Whether a problem says what the verdict says."""
     return verdict.kind == "good" or (
         found.cause not in BY_MOTION and verdict.part in (None, found.part)
@@ -232,8 +232,8 @@ def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
 
 
 def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
-    """With how far off it is expected to be: the part where joints tell, else the body in the mean.
-    Where no part is named, it is the worst one."""
+    """With how far off it is expected to be: the part where joints are observed, else the body in
+    the mean. Where no part is named, it is the worst one."""
     row = found.frame - track.first
     errors = part_errors_px(track)
     if errors is not None and 0 < row < len(errors) - 1:

@@ -59,7 +59,7 @@ class Place:
 
     @property
     def id(self) -> str:
-        """Tells it from the others."""
+        """Distinguishes it from the others."""
         return f"{self.frame}-{self.part or 'body'}"
 
 
@@ -100,7 +100,9 @@ def _review(doc: ById, results: ById) -> Review:
     px, cm = _mean(known)
     return Review(
         places=tuple(places),
-        answered=tuple(said for said in session.reviewed if known.counts(said)),
+        answered=tuple(
+            answer_given for answer_given in session.reviewed if known.counts(answer_given)
+        ),
         goal_px=_goal(right),
         right_px=right,
         px=px,
@@ -214,15 +216,16 @@ def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
 def _is_unclear(doc: Session, place: Place) -> bool:
     """Whether a person could not tell of this very draft."""
     return any(
-        said.frame == place.frame and bool(np.allclose(said.seen_m, place.end_m, atol=1e-6))
-        for said in doc.reviewed
+        answer_given.frame == place.frame
+        and bool(np.allclose(answer_given.seen_m, place.end_m, atol=1e-6))
+        for answer_given in doc.reviewed
     )
 
 
 def _right_px(known: Judged) -> float | None:
     found = [right_error_px(track) for track in known.tracks.values()]
-    told = [px for px in found if px is not None]
-    return float(np.median(told)) if told else None
+    known_px = [px for px in found if px is not None]
+    return float(np.median(known_px)) if known_px else None
 
 
 def _mean(known: Judged) -> tuple[float | None, float | None]:

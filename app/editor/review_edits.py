@@ -37,7 +37,7 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
     x, y, z = (float(value) for value in place.end_m)
     part = place.part or doc.body.names[0]
     first, last = min(place.frames[0], place.frame), max(place.frames[1], place.frame)
-    said = Reviewed(
+    given = Reviewed(
         part=part, frame=place.frame, first_frame=first, last_frame=last, answer=answer,
         seen_m=(x, y, z),
     )  # fmt: skip
@@ -46,4 +46,4 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
         for old in doc.reviewed
         if old.part != part or old.last_frame < first or old.first_frame > last
     ]
-    return doc.model_copy(update={"reviewed": (*others, said)})
+    return doc.model_copy(update={"reviewed": (*others, given)})

@@ -58,10 +58,10 @@ def answers_words(answered: Sequence[Reviewed]) -> str:
     """ "4 places reviewed, 3 accepted. Nobody can tell: right thigh at 49."; empty without one."""
     if not answered:
         return ""
-    left = [said for said in answered if said.answer == "unclear"]
+    left = [one for one in answered if one.answer == "unclear"]
     count = len(answered)
-    told = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
+    counted = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
     if not left:
-        return told
-    places = ", ".join(f"{spoken(said.part)} at {said.frame}" for said in left)
-    return f"{told} Nobody can tell: {places}."
+        return counted
+    places = ", ".join(f"{spoken(one.part)} at {one.frame}" for one in left)
+    return f"{counted} Nobody can tell: {places}."

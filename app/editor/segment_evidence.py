@@ -87,7 +87,7 @@ def part_errors_px(track: SegmentResult) -> Array | None:
 
 
 def right_error_px(track: SegmentResult) -> float | None:
-    """Pixels by which a joint is expected to be off that is right; None where no joint tells."""
+    """Pixels by which a joint that is right is expected to be off; None where none is observed."""
     errors = part_errors_px(track)
     inside = np.zeros(0) if errors is None else errors[1:-1]
     some = inside[inside > 0]

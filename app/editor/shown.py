@@ -12,7 +12,7 @@ from keypose.app.editor.documents import Posed
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.rotations import rotation_between
-from keypose.tracker.session.schema import Keyframe
+from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
 

@@ -15,6 +15,7 @@ _SENTENCES: Final[Mapping[str, str]] = {
     "below_floor": "{part} goes {cm} cm into the floor, {frames}",
     "keyframe_depth": "At keyframe {go} {part} stands {cm} cm {way} than nearby",
     "mirrored": "At keyframe {go} {part} may point the wrong way in depth",
+    "twisted": "At keyframe {go} {part} is turned {deg}° too far about its length",
     "leans": "The body leans {deg}° out of balance, {frames}",
     "shakes": "{part} shakes with {acceleration} m/s², {frames}",
 }
@@ -23,7 +24,7 @@ _SENTENCES: Final[Mapping[str, str]] = {
 def space_sentence(found: SpaceFinding) -> str:
     """Such as "Left foot slides 9 cm, 40–55"."""
     part = part_label(found.part)
-    if found.kind in ("keyframe_depth", "mirrored"):
+    if found.kind in ("keyframe_depth", "mirrored", "twisted"):
         part = f"the {part[:1].lower()}{part[1:]}"
     return _SENTENCES[found.kind].format(
         part=part,
@@ -31,7 +32,7 @@ def space_sentence(found: SpaceFinding) -> str:
         frames=f"{found.first_frame}–{found.last_frame}",
         go=found.go,
         way="nearer" if found.amount < 0 else "farther away",
-        deg=round(math.degrees(found.amount)),
+        deg=round(abs(math.degrees(found.amount))),
         acceleration=f"{found.amount:.0f}",
     )
 

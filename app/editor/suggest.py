@@ -58,7 +58,7 @@ def suggestion(
 
     fitting: the results of the present segments (Results.fitting); unfinished ones count as none.
     parts: names of the body's parts, so that what is hidden where tracking was lost can be named.
-    known: the same with all that tells what is wrong with them.
+    known: the same with all that shows what is wrong with them.
     """
     if len(keys) < 2:
         return _first_poses(keys, frame_count)
@@ -107,11 +107,11 @@ def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | Non
 
 
 def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]:
-    """How much a keyframe would mend: by the joint that is farthest off where joints tell, else by
-    what may have drifted."""
+    """How much a keyframe would mend: by the joint that is farthest off where joints are observed,
+    else by what may have drifted."""
     found = problem_of(known, track)
-    tells = part_errors_px(track) is not None
-    px = found.px if tells and found is not None and found.px is not None else 0.0
+    has_parts = part_errors_px(track) is not None
+    px = found.px if has_parts and found is not None and found.px is not None else 0.0
     return px, float(possible_drift_px(track).sum()), gain(track)
 
 

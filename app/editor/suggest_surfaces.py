@@ -21,7 +21,7 @@ def surface_suggestion(
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     spans: the segments.  fitting: their results; unfinished ones count as none.
-    known: the same with all that tells what is wrong with them.
+    known: the same with all that shows what is wrong with them.
     """
     if not keys:
         title = "Pose the body in this surface, then press K"

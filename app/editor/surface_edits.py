@@ -18,7 +18,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.rotations import quaternion_wxyz
 from keypose.tracker.session.evidence import surface_of
-from keypose.tracker.session.schema import Keyframe, Session, Surface
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.schema import Session
 from keypose.tracker.surface.placing import METRES, Placement
 
 _PLAIN = ("weights", "distance", "binding", "model_frame", "fps", "units", "up")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from keypose.tracker.session.schema import Keyframe, Surface
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.references import Surface
 
 
 def retimed(poses: tuple[Keyframe, ...], surface: Surface) -> tuple[Keyframe, ...]:

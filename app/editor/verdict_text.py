@@ -32,12 +32,12 @@ _WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoi
 
 def sentence(verdict: Verdict, first: int, last: int) -> str:
     """Of the segment first … last: "Check: right hand hidden, frames 31–36"."""
-    said = short_sentence(verdict, first, last)
+    words = short_sentence(verdict, first, last)
     if verdict.cause == "not_followed" and verdict.go is not None:
-        return f"{said}. {add_keyframe(verdict.go)}"
+        return f"{words}. {add_keyframe(verdict.go)}"
     if verdict.kind == "check" and verdict.cause != "other":
         return f"Check: {_checked(verdict, first, last)}"
-    return said
+    return words
 
 
 def short_sentence(verdict: Verdict, first: int, last: int) -> str:

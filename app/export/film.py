@@ -97,10 +97,10 @@ def write_film(
 
 def film_words(session: Session, poses: KnownPoses, film: Film) -> list[str]:
     """What a person should know of a film: what it does not show, sentences."""
-    said = outdated_words(session, poses.tracks) if poses.tracks is not None else None
+    changed = outdated_words(session, poses.tracks) if poses.tracks is not None else None
     count, posed = film.last - film.first + 1, len(posed_frames(poses, film))
     without = f"{count - posed} of the film's {count} frames have no pose and show no body."
-    return [*([said] if said else []), *([without] if posed < count else [])]
+    return [*([changed] if changed else []), *([without] if posed < count else [])]
 
 
 def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:

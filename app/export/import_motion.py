@@ -87,7 +87,7 @@ def fit_to_session(
     times_s: (N,) of the video's frames; the motion's time 0 is at `offset_s`.
     names: our joints by the file's names; the usual names when left out.
     also: places of the body by names in the file, said by a person, beside what is known.
-    progress: told how many frames of how many are fitted.
+    progress: receives how many frames of how many are fitted.
     FormatError in one sentence where the motion does not suit the session.
     """
     skeleton = Skeleton.of(session.body)
@@ -131,8 +131,8 @@ def match_keypoints(
     skeleton, names = Skeleton.of(session.body), keypoints.names
     known = matched(skeleton, names, file)
     if also:
-        said = {keypoint_name(name): place for name, place in also.items()}
-        known = match_also(skeleton, known, names, file, said)
+        given = {keypoint_name(name): place for name, place in also.items()}
+        known = match_also(skeleton, known, names, file, given)
     if len(known.known) < LEAST_KEYPOINTS:
         few = ", ".join(known.left_out[:SHOWN])
         raise FormatError(
@@ -152,7 +152,7 @@ def drafts_of(
 ) -> tuple[Draft, ...]:
     """A draft at each of these frames that has keypoints and is neither a keyframe nor a draft.
 
-    progress: told how many frames of how many have been looked at.
+    progress: receives how many frames of how many have been looked at.
     """
     skeleton = Skeleton.of(session.body)
     posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}

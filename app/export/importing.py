@@ -81,7 +81,7 @@ def import_file(
     progress: Progress | None = None,
 ) -> Import:
     """What the file holds, brought to the session; FormatError in one sentence where it does not
-    suit it. progress: told how many frames of how many are done."""
+    suit it. progress: receives how many frames of how many are done."""
     if isinstance(choices, MotionChoices):
         motion = read_motion(path, choices)
         return import_motion(session, motion, path.name, choices, video.times_s, progress)

@@ -30,7 +30,7 @@ def sheet_png(
 ) -> tuple[bytes, str | None]:
     """The PNG file's bytes, and what a person should know of it, a sentence.
 
-    columns: None as it fits.  drawn: told how many of how many keyframes are drawn.
+    columns: None as it fits.  drawn: receives how many of how many keyframes are drawn.
     """
     keyed, count = len(session.keyframes), len(session.keyframes) + len(session.part_keyframes)
     if not keyed or count > MOST_KEYFRAMES:
@@ -64,6 +64,6 @@ def _cells(
         if frame in limbs:
             around = [span for span in subject.spans if span[0] < frame < span[1]]
             state = subject.states[around[0]] if around else None
-        said = f"{limbs[frame]} only" if frame in limbs else ""
-        yield Cell(small, frame, subject.time_s(frame), interval, state, said)
+        note = f"{limbs[frame]} only" if frame in limbs else ""
+        yield Cell(small, frame, subject.time_s(frame), interval, state, note)
         drawn(done)

@@ -94,10 +94,10 @@ def sampling_words(
     recording: Recording, sampling: Sampling, formats: Sequence[MotionFormat]
 ) -> str | None:
     """What a person should know of files in these formats; None where they are as tracked."""
-    said = []
+    sentences = []
     if sampling.filter_hz is not None:
         metres, radians = moved_at_keyframes(low_passed(recording, sampling.filter_hz), recording)
-        said.append(
+        sentences.append(
             f"Filtered at {sampling.filter_hz:g} Hz, which moves keyframes by up to "
             f"{metres * 1000:.1f} mm and {np.degrees(radians):.1f}°."
         )
@@ -106,8 +106,8 @@ def sampling_words(
         rate = recording.rate or recording.frames_per_second
         names = listed([name.upper() for name in even])
         verb = "has" if len(even) == 1 else "have"
-        said.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
-    return " ".join(said) or None
+        sentences.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
+    return " ".join(sentences) or None
 
 
 def motion_files(

@@ -36,7 +36,7 @@ MARKER_SETS: Final = ("keypose", "halpe26")
 
 @dataclass(frozen=True)
 class Format:
-    """A file format of motion. In the page it is one entry of `static/actions/table.js` besides.
+    """A file format of motion. In the page it is one entry of `static/actions/table/export.js`.
 
     words: what it is for, and in which units and axes.  write: one recording as it, with bones as
     they are asked for, which formats without bones pass over.

@@ -12,12 +12,14 @@ from pathlib import Path
 
 from keypose.app.export.motion_files import Sampling, sampled
 from keypose.tracker.formats.marker_sets import markers_of
+from keypose.tracker.formats.opensim.coordinates import trunk_flexion
 from keypose.tracker.formats.opensim.model import read_model
 from keypose.tracker.formats.opensim.mot import mot
 from keypose.tracker.formats.opensim.scaling import scaled
 from keypose.tracker.formats.opensim.setups import (
     IK_FILE,
     MARKERS_FILE,
+    MOTION_FILE,
     SCALE_FILE,
     ik_xml,
     markers_xml,
@@ -31,7 +33,7 @@ SCALING_S = 120.0
 
 _SCALING = "import sys, opensim; opensim.ScaleTool(sys.argv[1]).run()"
 """In a process of its own: the library logs into the present folder, and a fault ends Python.
-Whether there is a model then tells whether it worked."""
+Whether there is a model then shows whether it worked."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,13 @@ def files_for_model(
     sizes = scaled(model, body, markers)
     larger = f"{model_path.stem}-scaled.osim"
     times_s = (float(made.times_s[0]), float(made.times_s[-1]))
+    bend = None if sizes.tells_tilt else trunk_flexion(model)
     texts = {
         "motion.trc": trc(made, "motion.trc"),
-        "motion.mot": mot(made, model),
+        MOTION_FILE: mot(made, model),
         MARKERS_FILE: markers_xml(sizes),
         SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),
-        IK_FILE: ik_xml(sizes.placed, larger, times_s),
+        IK_FILE: ik_xml(sizes.placed, larger, times_s, beside=[] if bend is None else [bend]),
     }
     files = {name: text.encode() for name, text in texts.items()}
     done = _scaled_model(texts[MARKERS_FILE], scale_xml(sizes, str(model_path.absolute()), larger))

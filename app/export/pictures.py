@@ -22,7 +22,7 @@ def write_pictures(
     wanted: Still,
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
-    """A zip with frame0001.png and so on; `drawn` is told how many of how many are done."""
+    """A zip with frame0001.png and so on; `drawn` receives how many of how many are done."""
     digits = max(4, len(str(session.video.frame_count - 1)))
     with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
         for done, frame in enumerate(frames, start=1):

@@ -26,20 +26,20 @@ class DraftLeft(Exception):
 
 
 @dataclass
-class Telling:
+class DraftReporter:
     """Passes progress on, once for every whole number of per cent, and leaves when cancelled."""
 
-    tell: Callable[[DraftProgress], None]
+    report: Callable[[DraftProgress], None]
     cancelled: Callable[[], bool]
-    told: tuple[str, int] = ("", -1)
+    reported: tuple[str, int] = ("", -1)
 
     def __call__(self, progress: DraftProgress) -> None:
         if self.cancelled():
             raise DraftLeft
         now = (progress.stage, 100 * progress.done // max(progress.expected, 1))
-        if now != self.told:
-            self.told = now
-            self.tell(progress)
+        if now != self.reported:
+            self.reported = now
+            self.report(progress)
 
 
 def drafted(
@@ -73,7 +73,7 @@ def drafted(
 
 
 def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[int, Pose]:
-    """The drafts near some keyframes with what all keyframes there tell of the keypoints; none
+    """The drafts near some keyframes with what all keyframes there give of the keypoints; none
     where the keypoints are not beside the session any more. folder: of the session's file."""
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
     from keypose.tracker.storage.keypoints import of_session

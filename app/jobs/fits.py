@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from pydantic import ValidationError
 
-from keypose.app.jobs.drafts import DraftLeft, Telling, drafted, learned
+from keypose.app.jobs.drafts import DraftLeft, DraftReporter, drafted, learned
 from keypose.app.jobs.failure import failure_message
 from keypose.app.jobs.messages import (
     AheadOrder,
@@ -171,27 +171,27 @@ class Fit:
     def _reduce(self, order: ReduceOrder, session: Session) -> Reduced:
         from keypose.tracker.reduction.reduce import reduce_motion  # loads what only this needs
 
-        told = -1
+        reported = -1
 
-        def tell(done: int, expected: int) -> None:
-            nonlocal told
+        def report(done: int, expected: int) -> None:
+            nonlocal reported
             if self._cancelled.is_set():
                 raise DraftLeft
-            if 100 * done // expected != told:
-                told = 100 * done // expected
+            if 100 * done // expected != reported:
+                reported = 100 * done // expected
                 self._send(Reducing(order.job, done, expected))
 
         found, skeleton = order.found, Skeleton.of(session.body)
         given = (found.motion, order.tolerance, found.required, found.parts)
-        return Reduced(order.job, reduce_motion(skeleton, session.camera, *given, tell))
+        return Reduced(order.job, reduce_motion(skeleton, session.camera, *given, report))
 
     def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:
-        def tell(progress: DraftProgress) -> None:
+        def report(progress: DraftProgress) -> None:
             self._send(Drafting(order.job, progress.stage, progress.done, progress.expected))
 
         draft, network = drafted(
             session, video, order.frame, order.box, order.frames,
-            proportions=order.proportions, report=Telling(tell, self._cancelled.is_set),
+            proportions=order.proportions, report=DraftReporter(report, self._cancelled.is_set),
         )  # fmt: skip
         return Drafted(
             order.job, draft.body, draft.poses, draft.keypoints, network, draft.proposals

@@ -139,7 +139,7 @@ class SpaceOrder:
 
 @dataclass(frozen=True)
 class LearnOrder:
-    """Solve anew for drafts near keyframes that are new, with what these tell.
+    """Solve anew for drafts near keyframes that are new, with what these give.
 
     session: JSON of a session with its keyframes and drafts, as far as they are near.
     around: frames of the new keyframes.
@@ -350,7 +350,7 @@ class Reduced:
 
 @dataclass(frozen=True, eq=False)
 class Learned:
-    """Drafts with what keyframes tell, by frame."""
+    """Drafts with what keyframes give, by frame."""
 
     job: int
     poses: Mapping[int, Pose]

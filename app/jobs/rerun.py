@@ -144,7 +144,7 @@ def save_tracks_beside(
     found: Sequence[SegmentResult],
     refer: Callable[[saved.Results | None], None],
 ) -> saved.Results | None:
-    """Write the tracks beside another file, which `refer` writes: it is told of them.
+    """Write the tracks beside another file, which `refer` writes: it receives their names.
 
     Where the motion cannot be solved for in space both are written as it was tracked, and the error
     raised after that.

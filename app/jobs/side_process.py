@@ -21,7 +21,7 @@ from keypose.app.jobs.wire import receive, send
 from keypose.tracker.errors import KeyposeError
 
 Progress: TypeAlias = Callable[[int, int], None]
-"""Told how many of how many are done."""
+"""Receives how many of how many are done."""
 
 NICENESS = 10
 """After the page's server, before the tracker: somebody waits for it."""
@@ -108,6 +108,6 @@ def _work(work: Work, reports: Connection) -> None:
         send(reports, WorkState("failed", words=f"{error.strerror or error}."))
     except MemoryError:
         send(reports, WorkState("failed", words=work.died))
-    except Exception:  # noqa: BLE001 — a fault of ours, which must be told
+    except Exception:  # noqa: BLE001 — a fault of ours, which must be reported
         traceback.print_exc()
         send(reports, WorkState("failed", words=work.died))

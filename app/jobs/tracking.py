@@ -30,6 +30,9 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.stretches import Stretch
 
+WARM_AFTER_S = 2.0
+"""The page that a person waits for comes first; the worker takes as long to load as the server."""
+
 LIVE: tuple[Quality, ...] = ("preview", "full")
 """The stages while a person poses: something to see at once, then what is meant."""
 
@@ -39,7 +42,7 @@ _DIED_FITTING = "Fitting stopped unexpectedly; everything is as it was, fit agai
 
 
 class Tracking:
-    """One worker process, started and made ready in the background at once.
+    """One worker process, started and made ready in the background, soon or when it is needed.
 
     All methods are called on the loop's thread, and `report` is called there. One job at a time: a
     newer one ends the older within one pass, and what that one finished is still reported, with
@@ -55,7 +58,7 @@ class Tracking:
         """Jobs that have not ended, with what is said should the worker die."""
         self._warming: Warming | None = None
         self._closed = False
-        self._ensure_worker()
+        loop.call_soon_threadsafe(loop.call_later, WARM_AFTER_S, self._warm_up)
 
     def start(
         self,
@@ -136,6 +139,10 @@ class Tracking:
     def pid(self) -> int | None:
         """Of the worker process, if there is one."""
         return None if self._worker is None else self._worker.pid
+
+    def _warm_up(self) -> None:
+        if not self._closed:
+            self._ensure_worker()
 
     def _ensure_worker(self) -> WorkerProcess:
         """The worker, or a new one where there is none."""

@@ -40,6 +40,7 @@ from keypose.app.posing.resizing import (
     with_size,
 )
 from keypose.app.posing.swapping import swap_left_right
+from keypose.app.posing.untwisting import is_twisted, untwisted_limb
 from keypose.app.posing.upright import (
     CAMERA_UP,
     eye_rotation,
@@ -72,6 +73,7 @@ __all__ = [
     "facing",
     "handle_named",
     "handles",
+    "is_twisted",
     "keep_pinned",
     "lanes",
     "mirror_pose",
@@ -85,6 +87,7 @@ __all__ = [
     "short_label",
     "swap_left_right",
     "tilt_and_roll",
+    "untwisted_limb",
     "up_from_vertical",
     "view_rotations",
     "with_angles",

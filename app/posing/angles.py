@@ -5,8 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from keypose.app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
+from keypose.app.posing.limits import (
+    FREE,
+    SLACK,
+    TURN,
+    JointRange,
+    beyond,
+    box_of,
+    fitting,
+    furthest_share,
+    nearest_within,
+    range_of,
+    triples,
+    twist_of,
+)
 from keypose.tracker.body.body import Part
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -32,9 +46,11 @@ def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None
     plain = both[:, 0]
     plain[0] = _more_upright(both[0])
     for i, part in enumerate(skeleton.body.parts):
-        box = box_of(part)
-        if box is not None and beyond(plain[i], box) > SLACK:
-            plain[i] = fitting(pose.Rs_parent_part[i], box)
+        box, R = box_of(part), pose.Rs_parent_part[i]
+        if _is_twisted(part, R):
+            plain[i] = _more_upright(both[i])
+        elif box is not None and beyond(plain[i], box) > SLACK:
+            plain[i] = fitting(R, box)
     return np.degrees(plain) + 0.0
 
 
@@ -42,7 +58,8 @@ def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
     """One part's [x, y, z] (N, 3) in degrees, of N rotations (N, 3, 3).
 
     Of the two triples: the one that keeps the part's limits, else the one with y within ±90. The
-    root has no limits; a person who has turned round is described by y, not by lean and tilt.
+    root has no limits; a person who has turned round is described by y, not by lean and tilt, and
+    so is a part that is twisted beyond its limit.
     """
     both, box = triples(Rs_parent_part), box_of(part)
     if part.parent is None:
@@ -53,7 +70,17 @@ def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
         out = beyond(boxed, box)
         inner = np.where((out[:, 1] < out[:, 0] - SLACK)[:, None], boxed[:, 1], boxed[:, 0])
         plain = np.where((beyond(plain, box) > SLACK)[:, None], inner, plain)
-    return np.degrees(plain) + 0.0
+    twisted = _is_twisted(part, Rs_parent_part)
+    return np.degrees(np.where(twisted[:, None], _more_upright(both), plain)) + 0.0
+
+
+def _is_twisted(part: Part, rotations: Array) -> NDArray[np.bool_]:
+    """(...) Whether rotations (..., 3, 3) are twisted beyond the limit: a triple in the box would
+    not tell it, the other one does by the angle about the length."""
+    limits = twist_of(part)
+    if limits is None:
+        return np.zeros(rotations.shape[:-2], dtype=np.bool_)
+    return np.asarray(np.abs(limits.excess(rotations)) > SLACK)
 
 
 def _more_upright(both: Array) -> Array:
@@ -103,7 +130,24 @@ def with_angles(
             min(max(value, limits[axis][0]), limits[axis][1]) if axis in limits else value
             for axis, value in zip(AXES, wanted, strict=True)
         ]
+    if limits_on:
+        wanted = _stopped(skeleton.body.parts[i], now, wanted)
     return with_rotation(pose, i, rotation_of(wanted))
+
+
+def _stopped(part: Part, now: list[float], wanted: list[float]) -> list[float]:
+    """As far on the way from angles to others, degrees, as the part may twist."""
+    twist = twist_of(part)
+    if twist is None:
+        return wanted
+    start, way = np.array(now), np.array(wanted) - now
+    allowed = JointRange(FREE, twist).widened(rotation_of(now))
+
+    def on_the_way(shares: Array) -> Array:
+        return np.stack([rotation_of(start + share * way) for share in shares])
+
+    share = furthest_share(on_the_way, math.radians(float(np.abs(way).max())), allowed)
+    return list((start + share * way).tolist())
 
 
 def rotation_of(angles_xyz_deg: list[float] | Array) -> Array:
@@ -127,7 +171,7 @@ def with_reset(skeleton: Skeleton, pose: Pose, part: str) -> Pose:
 def clamp_to_limits(skeleton: Skeleton, pose: Pose) -> Pose:
     """The pose with every part turned back to its limits, by the least turn."""
     Rs = [
-        nearest_within(R, box_of(part))
+        nearest_within(R, range_of(part))
         for R, part in zip(pose.Rs_parent_part, skeleton.body.parts, strict=True)
     ]
     return Pose(np.stack(Rs), pose.p_camera_root)

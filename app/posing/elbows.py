@@ -18,7 +18,9 @@ import numpy as np
 from keypose.app.posing.moving import Aim
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.swinging import Swing, on_sphere
+from keypose.app.posing.turning import furthest
 from keypose.app.posing.two_bones import Reached, TwoBones
+from keypose.app.posing.untwisting import twist_range, untwisted
 from keypose.app.posing.vectors import (
     across,
     cross,
@@ -63,9 +65,19 @@ class Swivel:
         wanted = self._wanted(view, goal, foot, spoke, axis)
         clear = smooth_step(length(wanted) / (CLEAR * radius)) if radius > 0 else 0.0
         angle = clear * softened(signed_angle(spoke, wanted, axis)) if clear > 0 else 0.0
-        R = turn(axis, angle) @ context.R_camera_part(limb.upper)
-        rotations = {limb.upper: context.R_camera_parent(limb.upper).T @ R}
-        return Reached(rotations, foot, radius)
+        return Reached(
+            {limb.upper: self._turned(axis, angle, length(wanted - spoke))}, foot, radius
+        )
+
+    def _turned(self, axis: Array, angle: float, drawn_m: float) -> Array:
+        """The upper part's rotation in its parent's frame, as far on the way as it may twist."""
+        limb, context = self.limb, self.limb.context
+        in_parent = context.R_camera_parent(limb.upper).T @ axis
+        R = untwisted(
+            context, limb.upper, context.pose.Rs_parent_part[limb.upper], in_parent, drawn_m
+        )
+        allowed = twist_range(context, limb.upper, drawn_m)
+        return np.asarray(turn(in_parent, furthest(R, in_parent, angle, allowed)) @ R)
 
     def _wanted(
         self, view: PointerView, goal: Aim, foot: Array, spoke: Array, axis: Array
@@ -119,10 +131,14 @@ class Elbow:
         R_swung = self._swung(axis)
         twist = self._facing(R_swung, place, end)
         twist -= self._facing(context.R_camera_part(limb.upper), self.joint, limb.end)
-        R_upper = turn(axis, twist) @ R_swung
-        by = self._hinge_turn(R_upper, end)
+        to_parent = context.R_camera_parent(limb.upper).T
+        drawn_m = max(length(place - self.joint), length(end - limb.end))
+        R_parent_upper = untwisted(
+            context, limb.upper, to_parent @ turn(axis, twist) @ R_swung, to_parent @ axis, drawn_m
+        )
+        by = self._hinge_turn(to_parent.T @ R_parent_upper, end)
         rotations = {
-            limb.upper: context.R_camera_parent(limb.upper).T @ R_upper,
+            limb.upper: R_parent_upper,
             limb.lower: turn(limb.hinge.axis, by) @ context.pose.Rs_parent_part[limb.lower],
         }
         return Reached(rotations, limb.centre, length(self.joint - limb.centre))

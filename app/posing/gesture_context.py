@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypose.app.posing.limits import box_of, fitting, nearest_within, of_angles, widened
+from keypose.app.posing.limits import (
+    JointRange,
+    box_of,
+    fitting,
+    nearest_within,
+    range_of,
+    resting_rotation,
+)
 from keypose.app.posing.vectors import unit
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -18,17 +25,24 @@ class GestureContext:
     """The pose before a gesture.
 
     Ts_camera_part: (P, 4, 4).
-    limits_on:      whether joint limits count. What is beyond a limit already may stay there.
+    limits_on:      whether joint limits count.
+    posed:          the pose whose angles that are beyond a limit may stay there: the one before the
+                    gesture.
     """
 
     skeleton: Skeleton
     pose: Pose
     Ts_camera_part: Array
     limits_on: bool
+    posed: Pose
 
     @classmethod
-    def of(cls, skeleton: Skeleton, pose: Pose, limits_on: bool) -> GestureContext:
-        return cls(skeleton, pose, pose_transforms(skeleton, pose), limits_on)
+    def of(
+        cls, skeleton: Skeleton, pose: Pose, limits_on: bool, posed: Pose | None = None
+    ) -> GestureContext:
+        """posed: where the pose is one in the midst of a gesture, that before it."""
+        Ts = pose_transforms(skeleton, pose)
+        return cls(skeleton, pose, Ts, limits_on, pose if posed is None else posed)
 
     def joint(self, part: int) -> Array:
         """(3,) a part's joint in the camera frame."""
@@ -58,15 +72,14 @@ class GestureContext:
         T = self.Ts_camera_part[part]
         return np.asarray(T[:3, :3] @ p_part + T[:3, 3])
 
-    def box(self, part: int) -> Array | None:
-        """The limits (3, 2) that count for a part in this gesture, radians."""
-        if not self.limits_on:
-            return None
-        return widened(box_of(self.skeleton.body.parts[part]), self.pose.Rs_parent_part[part])
+    def joint_range(self, part: int) -> JointRange | None:
+        """The limits that count for a part in this gesture."""
+        allowed = range_of(self.skeleton.body.parts[part]) if self.limits_on else None
+        return None if allowed is None else allowed.widened(self.posed.Rs_parent_part[part])
 
     def allowed(self, part: int, R_parent_part: Array) -> Array:
         """The nearest rotation that the limits of the part allow."""
-        return nearest_within(R_parent_part, self.box(part))
+        return nearest_within(R_parent_part, self.joint_range(part))
 
     def resting_direction(self, part: int, p_part_tip: Array) -> Array:
         """(3,) where a limb that begins at this part points in the middle of its joint's range.
@@ -74,11 +87,7 @@ class GestureContext:
         Unit vector in the camera frame. p_part_tip: the limb's end in the rest pose, from the
         part's joint. Without limits it is where the limb points at rest.
         """
-        box = box_of(self.skeleton.body.parts[part])
-        R = np.eye(3)
-        if box is not None:
-            middle = np.where(np.isfinite(box).all(axis=1), box.mean(axis=1), 0.0)
-            R = of_angles(middle)
+        R = resting_rotation(self.skeleton.body.parts[part])
         return unit(self.R_camera_parent(part) @ (R @ p_part_tip))
 
     def turned(self, rotations: dict[int, Array]) -> Pose:

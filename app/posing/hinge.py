@@ -123,8 +123,8 @@ def _range(
     offset = bend - float(context.angles(part)[0])  # from the part's angle about x to the bend
     low, high = (float(end) for end in box[0] + offset)
     natural = math.copysign(1.0, wrapped((low + high) / 2))
-    counted = context.box(part)
+    counted = context.joint_range(part)
     if counted is None:
         return -math.pi, math.pi, natural
-    low, high = (float(end) for end in counted[0] + offset)
+    low, high = (float(end) for end in counted.box[0] + offset)
     return low, high, natural

@@ -160,7 +160,7 @@ class _BroughtBack:
     def found(self, after: Pose) -> tuple[Pose, float] | None:
         """The pose, and the metres its end is off; None where it never moved."""
         before, skeleton = self.before, self.before.skeleton
-        context = GestureContext.of(skeleton, after, before.limits_on)
+        context = GestureContext.of(skeleton, after, before.limits_on, before.posed)
         part, p_part = context.point(self.handle.anchor)
         place = before.placed(part, p_part)
         last = skeleton.body.index(self.handle.limb[-1])
@@ -183,7 +183,7 @@ class _BroughtBack:
         if _is_carried(self.handle, self.moved):
             R = context.R_camera_parent(parts[0]).T @ before.R_camera_part(parts[0])
             context = GestureContext.of(
-                before.skeleton, context.turned({parts[0]: R}), before.limits_on
+                before.skeleton, context.turned({parts[0]: R}), before.limits_on, before.posed
             )
         part, p_part = context.point(self.handle.anchor)
         tip = p_part if part == parts[-1] else before.skeleton.joints[part]

@@ -1,23 +1,63 @@
-"""Joint limits: ranges of a part's Euler angles (R = Qz·Qy·Qx), as boxes (3, 2) in radians.
+"""Joint limits: ranges of a part's Euler angles (R = Qz·Qy·Qx), as boxes (3, 2) in radians, and of
+its twist about its own length.
 
 Two triples of angles give the same rotation, and a turn of any angle may be added: a rotation is
-allowed when one of its triples lies in the box.
+allowed when one of its triples lies in the box, and its twist in its range.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from keypose.tracker.body.body import Part
-from keypose.tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.body.twist import TwistLimits
+from keypose.tracker.geometry.rotations import (
+    Array,
+    euler_from_rotation,
+    exp_rotation,
+    frozen,
+    log_rotation,
+)
 
 TURN = 2.0 * math.pi
 SLACK = 1e-7
 """Radians by which an angle may lie outside without being called so."""
 
+FREE = frozen(np.tile([-math.inf, math.inf], (3, 1)))
+"""A box without limits."""
+
 _SWEEPS = 12
+_ROUNDS, _HALVINGS = 20, 20
+_STEP = math.radians(2.0)
+"""So finely a turn is looked at for where it meets a limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointRange:
+    """The rotations that a joint allows: a box (3, 2) of angles, and limits of twist if any."""
+
+    box: Array
+    twist: TwistLimits | None = None
+
+    def beyond(self, rotations: Array) -> Array:
+        """(...) how far rotations (..., 3, 3) lie outside, radians; 0 inside."""
+        out = _beyond_either(rotations, self.box)
+        if self.twist is not None:
+            out = np.maximum(out, np.abs(self.twist.excess(rotations)))
+        return out
+
+    def widened(self, rotation: Array) -> JointRange:
+        """With room for a rotation: a pose that is beyond a limit may stay where it is."""
+        angles = fitting(rotation, self.box)
+        low, high = np.minimum(self.box[:, 0], angles), np.maximum(self.box[:, 1], angles)
+        twist = self.twist
+        if twist is not None:
+            twist = twist.widened(twist.excess(rotation))
+        return JointRange(np.stack([low, high], axis=1), twist)
 
 
 def box_of(part: Part) -> Array | None:
@@ -28,6 +68,19 @@ def box_of(part: Part) -> Array | None:
     return np.radians([part.limits_deg.get(axis, free) for axis in ("x", "y", "z")])
 
 
+def twist_of(part: Part) -> TwistLimits | None:
+    """The limits of a part's twist."""
+    return None if part.twist is None else TwistLimits.of([part]).one(0)
+
+
+def range_of(part: Part) -> JointRange | None:
+    """All that limits a part's rotation; None without any."""
+    box, twist = box_of(part), twist_of(part)
+    if twist is None:
+        return None if box is None else JointRange(box)
+    return JointRange(FREE if box is None else box, twist)
+
+
 def triples(rotations: Array, box: Array | None = None) -> Array:
     """Both Euler triples [x, y, z] (..., 2, 3) of rotations, each angle as near the box's middle
     as full turns allow; without a box within ±pi, the triple with y in ±pi/2 first."""
@@ -35,7 +88,7 @@ def triples(rotations: Array, box: Array | None = None) -> Array:
     one = np.stack([x, y, z], axis=-1)
     other = np.stack([x + math.pi, math.pi - y, z + math.pi], axis=-1)
     both = np.stack([one, other], axis=-2)
-    middle = np.zeros(3) if box is None else np.where(np.isfinite(box).all(1), box.mean(1), 0.0)
+    middle = np.zeros(3) if box is None else _middle(box)
     return np.asarray(both - TURN * np.round((both - middle) / TURN))
 
 
@@ -54,22 +107,69 @@ def fitting(rotation: Array, box: Array | None) -> Array:
     return np.asarray(both[1] if out[1] < out[0] - SLACK else both[0])
 
 
-def widened(box: Array | None, rotation: Array) -> Array | None:
-    """The box with room for a rotation: a pose that is beyond a limit may stay where it is."""
-    if box is None:
-        return None
-    angles = fitting(rotation, box)
-    return np.stack([np.minimum(box[:, 0], angles), np.maximum(box[:, 1], angles)], axis=1)
-
-
-def is_within(rotation: Array, box: Array | None) -> bool:
+def is_within(rotation: Array, allowed: JointRange | None) -> bool:
     """Whether the rotation is allowed."""
-    return box is None or bool(_beyond_either(rotation, box) <= SLACK)
+    return allowed is None or bool(allowed.beyond(rotation) <= SLACK)
 
 
-def nearest_within(rotation: Array, box: Array | None) -> Array:
-    """The allowed rotation that is the least turn away; the rotation itself if it is allowed."""
-    if box is None or is_within(rotation, box):
+def nearest_within(rotation: Array, allowed: JointRange | None) -> Array:
+    """The allowed rotation that is the least turn away; the rotation itself if it is allowed.
+
+    What is twisted too far is turned back about its own length, so that it points where it did.
+    """
+    if allowed is None or is_within(rotation, allowed):
+        return rotation
+    found = _nearest_in_box(rotation, allowed.box)
+    for _ in range(_ROUNDS):
+        if is_within(found, allowed):
+            return found
+        found = _nearest_in_box(_untwisted(found, allowed.twist), allowed.box)
+    return _toward_middle(found, allowed)
+
+
+def furthest_share(path: Callable[[Array], Array], angle: float, allowed: JointRange) -> float:
+    """The share of a turn at which it first meets a limit, so that it cannot come out on the other
+    side; 1 where it meets none.
+
+    path: rotations (N, 3, 3) of shares (N,).  angle: radians of the whole turn.
+    """
+    low, high = 0.0, 1.0
+    count = max(3, math.ceil(abs(angle) / _STEP) + 1)
+    for _ in range(4):
+        shares = np.linspace(low, high, count)
+        outside = allowed.beyond(path(shares)) > SLACK
+        if not outside.any():
+            return high if high == 1.0 else low
+        first = int(np.argmax(outside))
+        if first == 0:
+            return low
+        low, high = float(shares[first - 1]), float(shares[first])
+        count = 17
+    return low
+
+
+def _untwisted(rotation: Array, twist: TwistLimits | None) -> Array:
+    """Turned back about its own length to its limit of twist."""
+    if twist is None:
+        return rotation
+    back = np.array([0.0, -float(twist.excess(rotation)), 0.0])
+    return np.asarray(rotation @ exp_rotation(back))
+
+
+def _toward_middle(rotation: Array, allowed: JointRange) -> Array:
+    """Where angles and twist do not agree soon: on the way to the middle of the box."""
+    middle = of_angles(_middle(allowed.box))
+    way = log_rotation(rotation.T @ middle)
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        share = (low + high) / 2
+        inside = is_within(rotation @ exp_rotation(share * way), allowed)
+        low, high = (low, share) if inside else (share, high)
+    return np.asarray(rotation @ exp_rotation(high * way))
+
+
+def _nearest_in_box(rotation: Array, box: Array) -> Array:
+    if _beyond_either(rotation, box) <= SLACK:
         return rotation
     starts = np.clip(triples(rotation, box), box[:, 0], box[:, 1])
     found = [_descended(rotation, start.tolist(), box) for start in starts]
@@ -104,6 +204,18 @@ def _descended(wanted: Array, angles: list[float], box: Array) -> Array:
         if moved < 1e-9:
             break
     return np.asarray(Q[2] @ Q[1] @ Q[0])
+
+
+def resting_rotation(part: Part) -> Array:
+    """(3, 3) the middle of a joint's range; at rest where there are no limits."""
+    box = box_of(part)
+    return np.eye(3) if box is None else of_angles(_middle(box))
+
+
+def _middle(box: Array) -> Array:
+    """(3,) the middle of each range, 0 where it is free."""
+    bounded = np.isfinite(box).all(axis=1, keepdims=True)
+    return np.asarray(np.where(bounded, box, 0.0).mean(axis=1))
 
 
 def of_angles(angles: Array) -> Array:

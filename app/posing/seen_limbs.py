@@ -25,8 +25,8 @@ CLEAR = 0.2
 """Of `Elbow`: here the end is to be where it is seen also of a limb that is nearly straight."""
 
 LEVEL, CHANGED_M = 0.08, 0.01
-"""Of `farness`: a joint changes sides only where its depth told next to nothing, and soon, so that
-it hardly leaves the pointer."""
+"""Of `farness`: a joint changes sides only where its depth determined next to nothing, and soon, so
+that it hardly leaves the pointer."""
 
 NEAR_M, FAR_M = 0.1, 0.25
 """Taken nearer or farther by more than the first, a limb begins to point to where it was; by the
@@ -139,7 +139,7 @@ class SeenLimb:
         way, wanted = unit(R @ limb.tip), unit(end - joint)
         lacking = math.acos(min(max(float(way @ wanted), -1.0), 1.0))
         share = 1.0 - smooth_step((lacking - SIDEWAYS) / (NOT_SIDEWAYS - SIDEWAYS))
-        if lacking < 1e-6 or share == 0.0 or context.box(limb.lower) is None:
+        if lacking < 1e-6 or share == 0.0 or context.joint_range(limb.lower) is None:
             return bent
         by = turn(unit(cross(way, wanted)), share * lacking)
         lower = context.allowed(limb.lower, after.R_camera_parent(limb.lower).T @ by @ R)

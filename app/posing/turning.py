@@ -10,7 +10,7 @@ from keypose.app.posing.angles import continued
 from keypose.app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
 from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.labels import axis_labels, degrees_text
-from keypose.app.posing.limits import SLACK, TURN, beyond, triples
+from keypose.app.posing.limits import TURN, JointRange, furthest_share
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.vectors import across, any_across, cross, turn, unit
 from keypose.tracker.geometry.rotations import Array, exp_rotation
@@ -104,38 +104,26 @@ def _turned(
     R_parent = context.R_camera_parent(part)
     in_parent = R_parent.T @ direction
     R_before = context.pose.Rs_parent_part[part]
-    stopped = furthest(R_before, in_parent, wanted, context.box(part))
+    stopped = furthest(R_before, in_parent, wanted, context.joint_range(part))
     pose = context.turned({part: turn(in_parent, stopped) @ R_before})
     name = context.skeleton.body.names[part]
     label, value, change = _words(context, part, axis, pose.Rs_parent_part[part], stopped)
     return Posed(pose, None, Readout(label, value, change, name, axis, stopped))
 
 
-def furthest(rotation: Array, axis: Array, angle: float, box: Array | None) -> float:
-    """How far a rotation can be turned about an axis on the way to an angle, inside its limits.
-
-    It stops where it first meets a limit, so it cannot come out on the other side.
-    """
-    if box is None or angle == 0.0:
+def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | None) -> float:
+    """How far a rotation can be turned about an axis on the way to an angle, inside its limits."""
+    if allowed is None or angle == 0.0:
         return angle
     if abs(angle) > TURN:  # what does not stop one turn stops none
         once = math.copysign(TURN, angle)
-        stopped = furthest(rotation, axis, once, box)
+        stopped = furthest(rotation, axis, once, allowed)
         return angle if stopped == once else stopped
-    low, high = 0.0, 1.0
-    count = max(3, math.ceil(abs(angle) / math.radians(2.0)) + 1)
-    for _ in range(4):
-        shares = np.linspace(low, high, count)
-        on_the_way = exp_rotation(np.outer(shares * angle, axis)) @ rotation
-        outside = beyond(triples(on_the_way, box), box).min(axis=-1) > SLACK
-        if not outside.any():
-            return high * angle if high == 1.0 else low * angle
-        first = int(np.argmax(outside))
-        if first == 0:
-            return low * angle
-        low, high = float(shares[first - 1]), float(shares[first])
-        count = 17
-    return low * angle
+
+    def on_the_way(shares: Array) -> Array:
+        return exp_rotation(np.outer(shares * angle, axis)) @ rotation
+
+    return angle * furthest_share(on_the_way, angle, allowed)
 
 
 def _words(

@@ -12,11 +12,9 @@ from keypose.app.posing.moving import Aim
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.reach_limit import within_reach
 from keypose.app.posing.swinging import Swing
+from keypose.app.posing.untwisting import EASED_M, untwisted
 from keypose.app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
 from keypose.tracker.geometry.rotations import Array
-
-EASED_M = 0.05
-"""A joint bent the wrong way is brought to the right side over a drag of this length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +59,8 @@ class TwoBones:
 
         The hinge alone sets the distance; then the whole limb is swung there, and the plane in
         which it is bent goes along without turning about the limb. The hinge keeps its limits; the
-        upper joint is led by the middle of its range but not held, or the end could not follow.
+        upper joint is led by the middle of its range but not held, or the end could not follow;
+        where its part would be twisted too far, the whole limb turns about the line to its end.
         """
         hinge = self.hinge
         place = within_reach(view, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
@@ -79,9 +78,10 @@ class TwoBones:
         bend = self._eased(hinge.bend_for(length(place - self.centre)), drawn_m)
         lower = turn(hinge.axis, bend - hinge.bend)
         direction = unit(place - self.centre)
-        R_upper = context.R_camera_parent(self.upper).T @ self._swung(lower, direction)
+        to_parent = context.R_camera_parent(self.upper).T
+        R_upper = to_parent @ self._swung(lower, direction)
         rotations = {
-            self.upper: R_upper,
+            self.upper: untwisted(context, self.upper, R_upper, to_parent @ direction, drawn_m),
             self.lower: lower @ context.pose.Rs_parent_part[self.lower],
         }
         return Reached(rotations, self.centre, hinge.farthest_m)

@@ -201,26 +201,6 @@ def framing_of(
     return Framing(centre, across, Rs)
 
 
-def contact_sheet(
-    images: Sequence[Picture], columns: int, labels: Sequence[str] | None = None
-) -> Picture:
-    """Pictures in rows of `columns`, each resampled to the first one's size and named."""
-    if not images:
-        raise ValueError("a contact sheet needs at least one picture")
-    height, width = images[0].shape[:2]
-    cells = [
-        np.array(cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
-        for image in images
-    ]
-    for cell, words in zip(cells, labels or [], strict=bool(labels)):
-        plate(cell, words, 4, 4, _letter_px(height))
-    gap = max(2, height // 120)
-    blank = np.full_like(cells[0], GAP)
-    cells += [blank] * (-len(cells) % columns)
-    rows = [_stacked(cells[i : i + columns], gap, axis=1) for i in range(0, len(cells), columns)]
-    return _stacked(rows, gap, axis=0)
-
-
 def _over(
     image: Picture,
     view: ViewCamera,

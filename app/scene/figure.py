@@ -49,11 +49,12 @@ def hull_mesh(shape: Shape, lift_m: float) -> tuple[Vertices, Faces]:
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.where(lengths > 0, lengths, 1.0)
     # Every side that meets in a vertex counts once, into however many triangles it is cut.
-    lifted = mesh.vertices.copy()
-    for vertex in range(len(lifted)):
-        meeting = np.unique(normals[(mesh.faces == vertex).any(axis=1)].round(3), axis=0)
-        way = meeting.sum(axis=0)
-        lifted[vertex] += lift_m * way / max(float(np.linalg.norm(way)), 1e-9)
+    at_vertex = np.column_stack([mesh.faces.ravel(), np.repeat(normals.round(3), 3, axis=0)])
+    meeting = np.unique(at_vertex, axis=0)
+    ways = np.zeros_like(mesh.vertices)
+    np.add.at(ways, meeting[:, 0].astype(int), meeting[:, 1:])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
+    lifted = mesh.vertices + lift_m * ways
     return lifted.astype(np.float32), mesh.faces.astype(np.uint32)
 
 

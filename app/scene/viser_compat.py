@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import atexit
 import contextlib
+import functools
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import msgspec
 import rich
 import viser
+import viser._assignable_props_api
 import viser._messages
 import websockets.asyncio.server as websocket_server
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -36,6 +38,13 @@ PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 
 Role: TypeAlias = Literal["main", "top", "side", "front", "free"]
 ROLES: tuple[Role, ...] = get_args(Role)
+
+
+# Asked for every node anew, although a kind of node has always the same: a tenth of a second, until
+# a body is drawn.
+viser._assignable_props_api.get_type_hints = functools.cache(  # type: ignore[assignment,attr-defined]
+    viser._assignable_props_api.get_type_hints  # type: ignore[attr-defined]
+)
 
 
 class Portless:

@@ -7,7 +7,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from keypose.app.server.guard import headers_for
+from keypose.app.server.headers import headers_for
 from keypose.tracker.errors import FormatError
 
 

@@ -40,7 +40,7 @@ from keypose.app.render.studio import Paint
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.app.server.exchange import json_answer, read_body
-from keypose.app.server.guard import headers_for
+from keypose.app.server.headers import headers_for
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.session.schema import Session
@@ -212,14 +212,14 @@ class Exports:
 
     async def _state(self, request: Request) -> Response:
         process = self._under_way(request)
-        return _gone() if process is None else json_answer(_told(process.state))
+        return _gone() if process is None else json_answer(_state_fields(process.state))
 
     async def _cancel(self, request: Request) -> Response:
         process = self._under_way(request)
         if process is None:
             return _gone()
         await asyncio.to_thread(process.cancel)
-        state = _told(process.state)
+        state = _state_fields(process.state)
         await self.close()
         return json_answer(state)
 
@@ -245,8 +245,8 @@ def missing_here() -> dict[str, str]:
     return missing
 
 
-def _told(state: WorkState) -> dict[str, Any]:
-    """What a page is told of an export; done, what should be known of what was written."""
+def _state_fields(state: WorkState) -> dict[str, Any]:
+    """The state of an export, for the page; done, with what should be known of its files."""
     words = state.result if state.state == "done" else state.words
     return {"state": state.state, "done": state.done, "of": state.of, "words": words}
 

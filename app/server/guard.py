@@ -16,7 +16,6 @@ import re
 import secrets
 from collections.abc import Callable, Iterable
 from http.cookies import CookieError, SimpleCookie
-from typing import Literal, TypeAlias
 from urllib.parse import parse_qsl
 
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
@@ -24,15 +23,14 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from keypose.app.server.addresses import parse
 from keypose.app.server.browsers import LONGEST_S, Browsers
+from keypose.app.server.headers import headers_for
 from keypose.app.server.tokens import OneTimeTokens
-
-Kind: TypeAlias = Literal["page", "view", "data"]
 
 TOKEN = "token"
 """The query name that carries a one-time token."""
 
 SESSION = "session"
-"""The query name that tells which session the page opens. It is no secret."""
+"""The query name of the session that the page opens. It is no secret."""
 
 KEY_HEADER = "x-keypose-key"
 PROTOCOL = "keypose"
@@ -217,23 +215,6 @@ def _redirect() -> Response:
     return RedirectResponse("/", 303, {"Cache-Control": "no-store", **headers_for("data")})
 
 
-def headers_for(kind: Kind, host: str = "") -> dict[str, str]:
-    """Security headers for our page, for viser's page inside it, or for anything else.
-
-    `host` is the request's Host, already examined: some browsers want the socket's scheme named.
-    """
-    common = {
-        "X-Content-Type-Options": "nosniff",
-        "Referrer-Policy": "same-origin",
-        "Cross-Origin-Resource-Policy": "same-origin",
-        "Cross-Origin-Opener-Policy": "same-origin",
-        "X-Frame-Options": "SAMEORIGIN",
-    }
-    socket = f" ws://{host}" if host else ""
-    policy = {"page": _PAGE_POLICY, "view": _VIEW_POLICY, "data": _DATA_POLICY}[kind]
-    return {**common, "Content-Security-Policy": policy.format(socket=socket)}
-
-
 _HOW = "Open the newest link that `keypose open` printed."
 _OTHER_PAGE = "The request comes from a page of another server."
 _OTHER_HOST = "The request names another host than this server."
@@ -249,20 +230,6 @@ localStorage.setItem("keypose.key", "{key}");
 location.replace("/");
 </script>
 """
-
-_PAGE_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src 'self'; "
-    "img-src 'self' data: blob:; connect-src 'self'{socket}; frame-src 'self'; "
-    "frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
-)
-_VIEW_POLICY = (  # viser's page is one file that unpacks and starts itself
-    "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
-    "worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
-    "font-src 'self' data: blob:; img-src 'self' data: blob:; "
-    "connect-src 'self'{socket} data: blob:; "
-    "frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
-)
-_DATA_POLICY = "default-src 'none'; frame-ancestors 'self'"
 
 
 def _headers(scope: Scope) -> dict[str, list[str]]:

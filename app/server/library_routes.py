@@ -9,7 +9,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from keypose.app.document.library import Library, Upload
-from keypose.app.server.guard import headers_for
+from keypose.app.server.headers import headers_for
 from keypose.tracker.errors import KeyposeError
 
 MOST_AT_A_TIME = 2

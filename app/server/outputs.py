@@ -25,7 +25,7 @@ from keypose.app.render.snapshots import Look, View, png, snapshot
 from keypose.app.render.stills import from_viewpoint
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
-from keypose.app.server.guard import headers_for
+from keypose.app.server.headers import headers_for
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.store import Store
 from keypose.tracker.errors import KeyposeError, one_sentence

@@ -27,7 +27,8 @@ from keypose.app.scene.viser_compat import PAGE, ROLES
 from keypose.app.server.browsers import NAME as BROWSERS
 from keypose.app.server.browsers import Browsers
 from keypose.app.server.exports import Exports
-from keypose.app.server.guard import PROTOCOL, Guard, headers_for
+from keypose.app.server.guard import PROTOCOL, Guard
+from keypose.app.server.headers import headers_for
 from keypose.app.server.imports import Imports
 from keypose.app.server.library_routes import LibraryRoutes
 from keypose.app.server.outputs import Outputs
@@ -44,7 +45,7 @@ STATIC = Path(static.__file__).parent
 LARGEST_MESSAGE = 1 << 20
 SECONDS_TO_CLOSE = 2
 SECONDS_BETWEEN_BEATS = 1.0
-"""A tab that hears nothing for three of them takes the line for lost."""
+"""A tab that receives nothing for three of them takes the connection for lost."""
 
 
 class Server:
@@ -105,7 +106,7 @@ class Server:
         self._serving = asyncio.run_coroutine_threadsafe(self._serve(listener), self.stage.loop)
 
     def wait(self) -> None:
-        """Until the server has ended; short waits, so that signals are heard in between."""
+        """Until the server has ended; short waits, so that signals are handled in between."""
         while self._serving is not None:
             with contextlib.suppress(TimeoutError):
                 self._serving.result(timeout=0.2)
@@ -218,7 +219,7 @@ async def _send(websocket: WebSocket, tab: Tab) -> None:
 
 
 async def _news(tab: Tab) -> list[dict[str, Any]]:
-    """What a tab is to be told, if only that somebody is still here."""
+    """What is to be sent to a tab, if only that somebody is still here."""
     try:
         return await asyncio.wait_for(tab.next(), SECONDS_BETWEEN_BEATS)
     except TimeoutError:

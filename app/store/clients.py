@@ -7,14 +7,19 @@ must not be done twice.
 
 from __future__ import annotations
 
+import re
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from keypose.tracker.storage.chronicle import Received
 
+CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
+"""What a tab may call itself."""
+
 MOST = 200
-"""Tabs that are remembered: of those that were heard last."""
+"""Tabs that are remembered: those with the newest messages."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,7 @@ class Clients:
             return False
         self._client, self._before = client, before
         if client:
-            self._last.pop(client, None)  # the last heard stands last
+            self._last.pop(client, None)  # the newest stands last
             self._last[client] = number
             while len(self._last) > MOST:
                 self._last.pop(next(iter(self._last)))
@@ -67,7 +72,19 @@ class Clients:
         return Received(settled, self._revision())
 
     def _revision(self) -> str:
-        """Of a tab's own edits it tells whose they are: they do not surprise it."""
+        """Of a tab's own edits it names the tab: they do not surprise it."""
         if self._client:
             return f"{self._client}:{self._last[self._client]}"
         return secrets.token_hex(8)
+
+
+def split_envelope(message: Any) -> tuple[str, int, Any]:
+    """Who sends a message, its number, and what is left of it. Without a number nothing is sent
+    about it, and without a client it is not remembered."""
+    if not isinstance(message, dict):
+        return "", 0, message
+    number, client = message.get("n", 0), message.get("client", "")
+    is_number = type(number) is int and 0 <= number < 2**53
+    is_client = isinstance(client, str) and CLIENT.fullmatch(client)
+    rest = {key: value for key, value in message.items() if key not in ("n", "client")}
+    return client if is_client and is_number and number else "", number if is_number else 0, rest

@@ -37,11 +37,11 @@ class DraftLearner:
         self._host = host
         self._waiting: frozenset[int] = frozenset()
         self._found: tuple[Session, Learned] | None = None
-        self._told = False
+        self._announced = False
 
     def closed(self) -> None:
         """No session is open any more."""
-        self._waiting, self._found, self._told = frozenset(), None, False
+        self._waiting, self._found, self._announced = frozenset(), None, False
 
     def edited(self, before: EditorState, after: EditorState) -> None:
         """An edit is done; keyframes may be new."""
@@ -79,7 +79,7 @@ class DraftLearner:
         if after is edit or after.doc.drafts == edit.doc.drafts:
             return
         self._host.show_learned(after)
-        if not self._told:
-            self._told = True
+        if not self._announced:
+            self._announced = True
             words = f"{len(found.poses)} drafts learned from your keyframe and were moved."
             self._host.note("info", words)

@@ -12,6 +12,8 @@ from keypose.tracker.errors import VideoError
 from keypose.tracker.video import Video, VideoInfo
 
 _NICENESS = 10
+_BEGINS_AFTER_S = 2.0
+"""The page that a person waits for comes first: a low priority does not free the interpreter."""
 _SECONDS_TO_END = 5.0
 
 
@@ -34,6 +36,8 @@ class Examiner:
 
     def _run(self) -> None:
         _lower_priority()
+        if self._ended.wait(_BEGINS_AFTER_S):
+            return
         try:
             self._examine()
         except VideoError:

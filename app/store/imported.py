@@ -42,7 +42,7 @@ class ImportTarget:
 
 @dataclass(frozen=True)
 class ImportOutcome:
-    """What to tell of an import: a sentence, and what else is worth knowing."""
+    """What to report of an import: a sentence, and what else is worth knowing."""
 
     words: str
     detail: str = ""
@@ -84,16 +84,20 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
     found, motion = made.found, made.found.fit.trajectory
     rms_cm = 100 * float(np.sqrt(np.nanmean(found.fit.rms_m**2)))
     words = f"{file} imported, frames {motion.first_frame}–{motion.last_frame}."
-    said = [f"Joint error {rms_cm:.1f} cm (rms)."]
+    sentences = [f"Joint error {rms_cm:.1f} cm (rms)."]
     if found.aligned:
-        said.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
+        sentences.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
     if found.scale != 1.0:
-        said.append(f"Scaled to the body: × {found.scale:.3g}.")
+        sentences.append(f"Scaled to the body: × {found.scale:.3g}.")
     if doc.settings.initial == "linear":
-        said.append("Track › Initial guess is Linear: set it to Auto for the motion to be used.")
+        sentences.append(
+            "Track › Initial guess is Linear: set it to Auto for the motion to be used."
+        )
     else:
-        said.append("Tracking starts from it where it fits the video better than its own guess.")
-    return ImportOutcome(words, " ".join(said))
+        sentences.append(
+            "Tracking starts from it where it fits the video better than its own guess."
+        )
+    return ImportOutcome(words, " ".join(sentences))
 
 
 def _of_drafts(found: KeypointImport, file: str) -> ImportOutcome:

@@ -6,7 +6,6 @@ import asyncio
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Literal, TypeAlias
 
 from keypose.app.document.open import OpenSession
@@ -44,6 +43,13 @@ from keypose.app.jobs import (
     Warming,
     seconds_left,
 )
+from keypose.app.store.job_words import (
+    Ending,
+    closing_words,
+    drafting_progress,
+    following_progress,
+    spans_text,
+)
 from keypose.app.store.state import Job, Running
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
@@ -51,18 +57,13 @@ from keypose.tracker.storage.results import Results, Span, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
 
 What: TypeAlias = Literal["this", "changed", "all"]
-Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed | JobFinished], None]
-
-
 FitKind: TypeAlias = Literal["fit", "draft", "ahead", "reduce"]
 
 _FIT_KINDS: Mapping[type[FitOrder], FitKind] = {
     DraftOrder: "draft", AheadOrder: "ahead", ReduceOrder: "reduce",
 }  # fmt: skip
 """Those that know how far they are."""
-NETWORK_SHARE = 0.9
-"""Of the time that a draft takes."""
 SECONDS_TO_LEAVE = 3.0
 """A pass, or a step of time, takes less."""
 
@@ -178,7 +179,7 @@ class Runner:
         self._ended = self.job
         self._progress = None
         self._number = self._newest = self._tracking.solve_space(edit.doc, wanted)
-        spans = _spans_text([stretch.span for stretch in wanted])
+        spans = spans_text([stretch.span for stretch in wanted])
         self.job = Job("running", f"Smoothing {spans}", kind="space")
         self._notify(self, False)
 
@@ -228,7 +229,7 @@ class Runner:
         self.running = dict.fromkeys(self._wanted, Running())
         words = doc.evidence.words
         self._verbs = (words.doing.capitalize(), words.done.capitalize())
-        self.job = Job("running", f"{self._verbs[0]} {_spans_text(list(self._wanted))}", "starting")
+        self.job = Job("running", f"{self._verbs[0]} {spans_text(list(self._wanted))}", "starting")
         self._progress = None
         folder = opened.session_path.parent
         self._number = self._newest = self._tracking.start(
@@ -298,22 +299,14 @@ class Runner:
                 self._on_end("failed", report.words)
 
     def _on_drafting(self, report: Drafting) -> None:
-        """The network takes most of the time."""
-        share = report.done / max(report.expected, 1)
-        looking = report.stage == "keypoints"
-        percent = 100 * (
-            NETWORK_SHARE * share if looking else NETWORK_SHARE + (1 - NETWORK_SHARE) * share
-        )
-        verb = "Looking for the person" if looking else "Posing"
-        words = f"{verb}: {report.done} of {report.expected} frames"
+        words, percent = drafting_progress(report)
         left = seconds_left(time.monotonic() - self._began, percent / 100)
         self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
     def _on_following(self, report: FollowingAhead) -> None:
         self.following = report
-        steps = len(report.motion) - 1
-        words = f"{steps} frames so far" if steps else "Looking for the person"
-        self.job = replace(self.job, words=words, percent=100 * steps / report.of)
+        words, percent = following_progress(report)
+        self.job = replace(self.job, words=words, percent=percent)
 
     def _on_fit_end(self, report: Fitted | JobFailed | JobFinished) -> None:
         self._number, self.fitting, self.following = 0, None, None
@@ -342,23 +335,15 @@ class Runner:
 
     def _on_end(self, state: Ending, words: str = "") -> None:
         doing, done = self._verbs
-        finished = f"{done} {_spans_text(list(self._wanted))}"
+        finished = f"{done} {spans_text(list(self._wanted))}"
         title = {"done": finished, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
-        self.job = Job(state, title, words or self._closing_message(state), 100)
+        self.job = Job(state, title, words or closing_words(state, self._found()), 100)
         self.running = {}
 
-    def _closing_message(self, state: Ending) -> str:
-        found = (
-            [self.results.by_key.get(key) for key in self._wanted.values()] if self.results else []
-        )
-        kinds = [track.kind for track in found if track is not None]
-        if state == "cancelled" and any(track is not None and track.missing for track in found):
-            return "finished frames are kept; Fit continues from there"
-        if state == "cancelled":
-            return "finished segments are kept" if any(kinds) else "no segment finished"
-        counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
-        said = {"check": "to check"}
-        return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)
+    def _found(self) -> list[SegmentResult | None]:
+        """What there is of the segments that were to be tracked."""
+        known = self.results.by_key if self.results else {}
+        return [known.get(key) for key in self._wanted.values()]
 
 
 def _spans_to_track(edit: EditorState, what: What) -> list[Wanted]:
@@ -372,10 +357,3 @@ def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
     """Those that touch the present frame; all of them where none does."""
     near = [w for w in wanted if w[0] <= edit.frame <= w[1]]
     return near or list(wanted)
-
-
-def _spans_text(spans: list[Span]) -> str:
-    """ "39–61" when the segments follow one another, else how many there are."""
-    if all(one[1] == other[0] for one, other in pairwise(spans)):
-        return f"{spans[0][0]}–{spans[-1][1]}"
-    return f"{len(spans)} segments"

@@ -12,7 +12,7 @@ from keypose.app.editor import actions
 from keypose.app.store.state import AppState
 
 LIBRARY_CHANGED = {"t": "library"}
-"""Tells the tabs to look anew at what can be opened."""
+"""Has the tabs look anew at what can be opened."""
 
 
 class Host(Protocol):
@@ -29,7 +29,7 @@ class Host(Protocol):
 
     async def saved_path(self) -> Path: ...
 
-    def tell(self, message: dict[str, Any]) -> None: ...
+    def broadcast(self, message: dict[str, Any]) -> None: ...
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None: ...
 
@@ -52,7 +52,7 @@ class Shelf:
             else:
                 await self._restore(action)
         finally:
-            self._host.tell(LIBRARY_CHANGED)
+            self._host.broadcast(LIBRARY_CHANGED)
 
     def _is_open(self, id: str) -> bool:
         opened = self._host.app_state.opened

@@ -7,39 +7,35 @@ session saved, segments tracked anew) is done once per turn of the loop, for the
 from __future__ import annotations
 
 import asyncio
-import re
 import secrets
 import time
 from collections.abc import Callable, Coroutine
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from keypose.app.document.library import Library, id_of
+from keypose.app.document.library import Library
 from keypose.app.document.library.names import clean_name
-from keypose.app.document.open import OpenSession, edit_state, open_for_editing, with_kept_motion
+from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
-from keypose.app.jobs import ReduceOrder
 from keypose.app.jobs.failure import failure_message
 from keypose.app.render.video_frames import Frames
-from keypose.app.store.clients import Clients
+from keypose.app.store.clients import Clients, split_envelope
 from keypose.app.store.draft_learner import DraftLearner
-from keypose.app.store.examiner import Examiner
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
 from keypose.app.store.keypoint_finder import KeypointFinder
+from keypose.app.store.opener import Opener
 from keypose.app.store.pose_library import PoseLibrary
-from keypose.app.store.preview import WAITING, SizesPreview
-from keypose.app.store.reduction import WAITING as REDUCTION_WAITING
-from keypose.app.store.reduction import ReductionPreview
+from keypose.app.store.preview import SizesPreview
+from keypose.app.store.proposals import Proposals
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import Sections
@@ -55,19 +51,10 @@ from keypose.app.store.state import (
     SurfaceSeen,
 )
 from keypose.app.store.tabs import Tab, Tabs
-from keypose.tracker.errors import (
-    KeyposeError,
-    SessionError,
-    SurfaceError,
-    VideoError,
-    one_sentence,
-)
+from keypose.tracker.errors import one_sentence
 from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.storage.chronicle import mark_of
 from keypose.tracker.video import VideoInfo
-
-CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
-"""What a tab may call itself."""
 
 SECONDS_BETWEEN_PROGRESS = 0.2
 SECONDS_IN_A_GESTURE = 0.6
@@ -93,7 +80,6 @@ class Store:
         self._app_state = AppState(server=secrets.token_hex(8))
         self._sections = Sections()
         self._tabs = Tabs()
-        self._opened: OpenSession | None = None
         self._runner = Runner(loop, self._on_progress)
         self._fitter = Fitter(self._runner, self)
         self._learner = DraftLearner(self._runner, self)
@@ -102,15 +88,14 @@ class Store:
         self._dragging: Tab | None = None
         self._progress_later: asyncio.TimerHandle | None = None
         self._next_progress = 0.0
-        self._opening = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._warned: str | None = None
         self._writer = SessionWriter(loop, self, library, self._on_saved)
+        self._opener = Opener(loop, self, library, self._writer, self._runner)
         self._shelf = Shelf(self, library)
-        self._examiner: Examiner | None = None
+        lock = self._writer.lock
+        self._proposals = Proposals(self, self._fitter, lock, self._set, self._edit_to)
         self._clients = Clients()
         self._poses = PoseLibrary(library.workspace, lambda poses: self._set(poses=poses))
-        self.frames: Frames | None = None
 
     @property
     def app_state(self) -> AppState:
@@ -119,14 +104,19 @@ class Store:
     @property
     def name(self) -> str:
         """What its files are called, without what no file can be called."""
-        if self._opened is None or self._app_state.edit is None:
+        if self.opened is None or self._app_state.edit is None:
             return "keypose"
         title = self._app_state.edit.doc.title
-        return clean_name(title) if title else self._opened.name
+        return clean_name(title) if title else self.opened.name
 
     @property
     def opened(self) -> OpenSession | None:
-        return self._opened
+        return self._opener.opened
+
+    @property
+    def frames(self) -> Frames | None:
+        """The pictures of what is open."""
+        return self._opener.frames
 
     # --- tabs
 
@@ -150,7 +140,7 @@ class Store:
 
     def receive(self, tab: Tab, message: Any) -> None:
         """An action from a tab: validated, done once, acknowledged."""
-        client, number, message = _split_envelope(message)
+        client, number, message = split_envelope(message)
         try:
             if not self._clients.begin(client, number):
                 return
@@ -187,7 +177,7 @@ class Store:
             action = self._poses.inserting(action)
         if not isinstance(action, actions.Looking):
             self._writer.lock.require_writable()
-            self._require_no_preview()
+            self._proposals.require_none()
         self._edit_to(update(self._app_state.edit, action))
         guide = guide_after(self._app_state.guide, action, self._app_state.edit.doc.body)
         if guide is not self._app_state.guide:
@@ -200,8 +190,8 @@ class Store:
         if edit is before:
             return
         if before is not None:
-            if self._opened and edit.doc.first_motion != before.doc.first_motion:
-                edit = with_kept_motion(edit, self._opened.session_path)
+            if self.opened and edit.doc.first_motion != before.doc.first_motion:
+                edit = with_kept_motion(edit, self.opened.session_path)
             edit = edit.stamped(before, time.time())
         fit = self._app_state.fit
         self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
@@ -214,7 +204,7 @@ class Store:
         if before is None:
             return
         if edit.stroke is None and edit.doc is not before.settled:
-            self._runner.changed(self._opened, edit)
+            self._runner.changed(self.opened, edit)
             self._learner.edited(before, edit)
             self._solve_space()
         self._fitter.changed()
@@ -229,8 +219,8 @@ class Store:
     def _publish(self) -> None:
         self._turn_asked = False
         self._send_sections()
-        if self._app_state.edit is not None and self._opened is not None:
-            self._keypoints.look(self._opened, self._app_state.edit)
+        if self._app_state.edit is not None and self.opened is not None:
+            self._keypoints.look(self.opened, self._app_state.edit)
         edit = self._app_state.displayed.edit
         if edit is not None:
             self._show(edit, self._sections.all["trail"])
@@ -250,7 +240,7 @@ class Store:
 
     def _on_saved(self, saved: Saved) -> None:
         if saved.state == "saved":
-            self._warned = None
+            self._opener.saved()
         self._set(saved=saved)
 
     # --- tracking
@@ -294,7 +284,7 @@ class Store:
 
     def _run_action(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
-            self._in_background(self._open_named(action))
+            self._in_background(self._opener.open_named(action))
         elif isinstance(action, actions.Close):
             self._in_background(self.close_session())
         elif isinstance(action, actions.Shelving):
@@ -309,21 +299,21 @@ class Store:
         elif isinstance(action, actions.CloseFit):
             self._set(fit=None)
         elif isinstance(action, actions.Previewing):
-            self._answer_preview(action)
+            self._proposals.answer_sizes(action)
         elif isinstance(action, actions.ApplyReduction | actions.DiscardReduction):
-            self._answer_reduction(action)
-        elif self._app_state.edit is None or self._opened is None:
+            self._proposals.answer_reduction(action)
+        elif self._app_state.edit is None or self.opened is None:
             raise Refused("Open a video first.")
         else:
             self._writer.lock.require_writable()
             if isinstance(action, actions.Reduce):
-                self._reduce(action)
+                self._proposals.reduce(action)
                 return
-            self._require_no_preview()
+            self._proposals.require_none()
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
-                self._runner.track(self._opened, self._app_state.edit, action.what)
+                self._runner.track(self.opened, self._app_state.edit, action.what)
             else:
                 self._fitter.ask(action)
 
@@ -338,51 +328,10 @@ class Store:
         """Show new sizes, and wait for an answer."""
         self._set(preview=preview, fit=None)
 
-    def _answer_preview(self, action: actions.Previewing) -> None:
-        preview, edit = self._app_state.preview, self._app_state.edit
-        if preview is None or edit is None:
-            raise Refused("There are no new sizes to answer.")
-        if isinstance(action, actions.PreviewPoses):
-            self._set(preview=preview.choosing(action.on))
-            return
-        if isinstance(action, actions.ApplySizes):
-            self._writer.lock.require_writable()
-            edit = preview.applied_to(edit)
-        self._set(preview=None)
-        self._edit_to(edit)
-
-    def _require_no_preview(self) -> None:
-        if self._app_state.preview is not None:
-            raise Refused(WAITING)
-        if self._app_state.reduction is not None:
-            raise Refused(REDUCTION_WAITING)
-
-    def _reduce(self, action: actions.Reduce) -> None:
-        """Find the keyframes of a motion; asked again, with another tolerance, find those."""
-        known = self._app_state.reduction
-        if known is None:
-            self._require_no_preview()
-        order = self._fitter.ask(action).order
-        assert isinstance(order, ReduceOrder)
-        asked = known.asking(action, order.found) if known else None
-        self._set(reduction=asked or ReductionPreview(action, order.found), fit=None)
-
     def show_reduction(self, reduction: Reduction | None) -> None:
         """Show the keyframes that were found, and wait for an answer; None: there are none."""
         known = self._app_state.reduction
         self._set(reduction=None if known is None or reduction is None else known.done(reduction))
-
-    def _answer_reduction(self, action: actions.ApplyReduction | actions.DiscardReduction) -> None:
-        known, edit, opened = self._app_state.reduction, self._app_state.edit, self._opened
-        if known is None or edit is None or opened is None:
-            raise Refused("There are no keyframes of a reduction to answer.")
-        if isinstance(action, actions.ApplyReduction):
-            self._writer.lock.require_writable()
-            edit = known.applied_to(edit, opened.session_path)
-        elif known.busy:
-            self._fitter.cancel()
-        self._set(reduction=None)
-        self._edit_to(edit)
 
     def show_draft(self, edit: EditorState) -> None:
         """Go on from the drafts of the clip."""
@@ -401,11 +350,11 @@ class Store:
 
     def import_target(self) -> ImportTarget:
         """What a file would be imported into now; Refused where nothing can be."""
-        edit, opened = self._app_state.edit, self._opened
+        edit, opened = self._app_state.edit, self.opened
         if edit is None or opened is None:
             raise Refused("Open a video first.")
         self._writer.lock.require_writable()
-        self._require_no_preview()
+        self._proposals.require_none()
         return ImportTarget(edit.settled, opened.session_path, opened.video.info)
 
     def take_import(self, target: ImportTarget, found: Import, file: str) -> ImportOutcome:
@@ -441,110 +390,42 @@ class Store:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _open_named(self, action: actions.Open) -> None:
-        def find() -> Path:
-            return self._library.find(action.kind, action.id, action.video)
-
-        try:
-            await self.open(await asyncio.to_thread(find))
-        except (VideoError, SurfaceError):
-            if action.kind == "upload":  # what is no video need not stay
-                await asyncio.to_thread(self._library.discard, action.id)
-            raise
-
     async def open(self, path: Path) -> None:
-        """Open a session or a video; KeyposeError when it cannot be, and all stays as it was.
-
-        What is open already stays open as it is: the file may lag behind.
-        """
-        async with self._opening:
-            await self._poses.read()
-            opened = await asyncio.to_thread(open_for_editing, path, self._library.session_for)
-            try:
-                if self._opened is not None and self._opened.is_same(opened):
-                    await asyncio.to_thread(opened.video.close)
-                    return
-                edit, problem = await asyncio.to_thread(edit_state, opened)
-                film = await asyncio.to_thread(opened.film)
-                await self._close_open()
-                self._writer.lock.take(opened)
-                if opened.is_stale():  # another Keypose wrote on until it let go of the lock
-                    opened.video.close()
-                    opened = await asyncio.to_thread(
-                        open_for_editing, opened.session_path, self._library.session_for
-                    )
-                    edit, problem = await asyncio.to_thread(edit_state, opened)
-            except BaseException:
-                opened.video.close()
-                self._writer.lock.release()
-                raise
-            read_only = self._writer.lock.read_only
-            self._writer.begin(opened, edit)
-            received = opened.journal.received
-            self._clients = Clients(received.clients)
-            self._opened, self.frames = opened, Frames(opened.video)
-            self._set(
-                opened=_opened_file(opened, film),
-                revision=received.revision or mark_of(edit.doc),
-                edit=edit,
-                guide=Guide(first=not edit.doc.keyframes),
-                saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
-            )
-            self._runner.opened(edit)
-            self._solve_space()
-            if edit.doc.evidence.can_be_damaged:
-                self._examiner = Examiner(self._loop, opened.video, self._on_damage)
-            for words in (*opened.news, *([problem] if problem else [])):
-                self.note("check", words)
-            await self._visit(opened)
-
-    async def _visit(self, opened: OpenSession) -> None:
-        """The page's address leads to it from now on."""
-        source = opened.video.info.path if opened.fresh else opened.session_path
-        with suppress(KeyposeError):  # then it is found until the program ends
-            await asyncio.to_thread(
-                self._library.visit, opened.session_path, source, opened.session
-            )
-
-    def _on_damage(self, info: VideoInfo) -> None:
-        """More frames of the open video are known to be missing or damaged."""
-        if self._app_state.opened is not None:
-            self._set(opened=replace(self._app_state.opened, info=info))
+        """Open a session or a video; KeyposeError when it cannot be, and all stays as it was."""
+        await self._opener.open(path)
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
-        async with self._opening:
-            await self._close_open()
+        await self._opener.close()
 
-    async def _close_open(self) -> None:
-        """Close what is open; SessionError, and it stays open, when it cannot be saved.
+    async def stop(self) -> None:
+        """Save what is unsaved and end the worker; SessionError when something is lost."""
+        await self._opener.stop()
 
-        A person who asks for it once more gives up what is not saved.
-        """
-        await self._settle()
-        problem = self._writer.saver.problem
-        if problem is not None and problem != self._warned:
-            self._warned = problem
-            raise SessionError(f"{problem} Repeat to continue without saving.")
-        self._writer.give_up()
-        await self._release()
+    async def saved_path(self) -> Path:
+        """The session's file once it holds everything; SessionError when it cannot be written."""
+        return await self._opener.saved_path()
 
-    async def _settle(self) -> None:
-        """Have everything written, as far as the disk takes it, with what is tracked until now."""
-        await self._runner.leave()
-        self._writer.saver.retry()
-        while True:
-            if self._app_state.edit is not None:
-                self._edit_to(end_stroke(self._app_state.edit))
-            self._writer.save_waiting()
-            if self._writer.saver.is_idle:
-                return
-            await self._writer.saver.wait()
+    async def read_poses(self) -> None:
+        """The kept poses may have changed since another session was opened."""
+        await self._poses.read()
 
-    async def _release(self) -> None:
-        """Nothing is open from here on, at once; what is slow to close is closed after that."""
-        opened, frames, examiner = self._opened, self.frames, self._examiner
-        self._opened = self.frames = self._warned = self._examiner = None
+    def session_opened(self, opened: OpenSession, file: OpenedFile, edit: EditorState) -> None:
+        """Another session is open."""
+        received, read_only = opened.journal.received, self._writer.lock.read_only
+        self._clients = Clients(received.clients)
+        self._set(
+            opened=file,
+            revision=received.revision or mark_of(edit.doc),
+            edit=edit,
+            guide=Guide(first=not edit.doc.keyframes),
+            saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
+        )
+        self._runner.opened(edit)
+        self._solve_space()
+
+    def session_closed(self) -> None:
+        """Nothing is open any more."""
         self._fitter.closed()
         self._learner.closed()
         self._keypoints.closed()
@@ -561,40 +442,18 @@ class Store:
             keypoints=KnownKeypoints(),
         )
         self._set(surface=SurfaceSeen(), unusable="", revision="")
-        if examiner is not None:
-            await asyncio.to_thread(examiner.close)
-        if frames is not None:
-            frames.close()
-        if opened is not None:
-            await asyncio.to_thread(opened.video.close)
 
-    async def stop(self) -> None:
-        """Save what is unsaved and end the worker; SessionError when something is lost."""
-        try:
-            async with self._opening:
-                await self._settle()
-                problem = self._writer.saver.problem
-                kept = self._writer.is_logged
-                await self._release()
-        finally:
-            await asyncio.to_thread(self._runner.stop)
-        if problem is not None:
-            rest = "The last changes are in its journal." if kept else "The last changes are lost."
-            raise SessionError(f"{problem} {rest}")
+    def end_gesture(self) -> None:
+        """The gesture under way, if there is one, ends as it is."""
+        if self._app_state.edit is not None:
+            self._edit_to(end_stroke(self._app_state.edit))
 
-    async def saved_path(self) -> Path:
-        """The session's file once it holds everything; SessionError when it cannot be written."""
-        opened = self._opened
-        if opened is None:
-            raise Refused("Open a video first.")
-        self._writer.saver.retry()
-        self._writer.save_waiting()
-        await self._writer.saver.wait()
-        if self._writer.saver.problem is not None:
-            raise SessionError(self._writer.saver.problem)
-        return opened.session_path
+    def show_damage(self, info: VideoInfo) -> None:
+        """More frames of the open video are known to be missing or damaged."""
+        if self._app_state.opened is not None:
+            self._set(opened=replace(self._app_state.opened, info=info))
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def broadcast(self, message: dict[str, Any]) -> None:
         """Send every tab that is there a message that needs no words."""
         if len(self._tabs):
             self._tabs.send(message)
@@ -602,20 +461,3 @@ class Store:
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Send every tab a sentence; when there is none, the first that comes."""
         self._tabs.send({"t": "note", "kind": kind, "words": words, "button": button})
-
-
-def _opened_file(opened: OpenSession, film: str) -> OpenedFile:
-    path = opened.session_path
-    return OpenedFile(opened.name, str(path), id_of(str(path.absolute())), opened.video.info, film)
-
-
-def _split_envelope(message: Any) -> tuple[str, int, Any]:
-    """Who sends a message, its number, and what is left of it. Without a number nothing is sent
-    about it, and without a client it is not remembered."""
-    if not isinstance(message, dict):
-        return "", 0, message
-    number, client = message.get("n", 0), message.get("client", "")
-    is_number = type(number) is int and 0 <= number < 2**53
-    is_client = isinstance(client, str) and CLIENT.fullmatch(client)
-    rest = {key: value for key, value in message.items() if key not in ("n", "client")}
-    return client if is_client and is_number and number else "", number if is_number else 0, rest

@@ -6,7 +6,7 @@ import { toast } from '../controls/toasts.js';
 import { ACTIONS, GROUPS } from './table.js';
 
 /** @typedef {import('./table.js').ActionId} ActionId */
-/** @typedef {import('./table.js').Action} Action */
+/** @typedef {import('./table/action.js').Action} Action */
 
 const SIGNS = { ArrowLeft: '←', ArrowRight: '→', Backspace: '⌫', Escape: 'Esc' };
 const CTRL = /Mac|iPhone|iPad/.test(globalThis.navigator?.platform ?? '') ? '⌘' : 'Ctrl';
@@ -60,15 +60,15 @@ export function perform(id, ...about) {
 /** @typedef {{ id: ActionId, repeats?: boolean, always?: boolean }} Binding */
 
 /**
- * What each chord does that the keyboard's table hears.
+ * What each chord does that the keyboard's table handles.
  * @type {Map<string, Binding>}
  */
 export const BY_CHORD = new Map(
   GROUPS.flatMap(({ actions }) => Object.entries(actions)).flatMap(([id, entry]) => {
     /** @type {Action} */
-    const { keys = [], aliases = [], heard, repeats, always } = entry;
+    const { keys = [], aliases = [], handledBy, repeats, always } = entry;
     const binding = /** @type {Binding} */ ({ id, repeats, always });
-    return heard ? [] : [...keys, ...aliases].map((chord) => /** @type {[string, Binding]} */ ([chord, binding]));
+    return handledBy ? [] : [...keys, ...aliases].map((chord) => /** @type {[string, Binding]} */ ([chord, binding]));
   }),
 );
 
@@ -76,8 +76,8 @@ export const BY_CHORD = new Map(
 export const WHILE_PLAYING = new Map(
   Object.entries(ACTIONS).flatMap(([id, entry]) => {
     /** @type {Action} */
-    const { keys = [], heard } = entry;
-    return heard === 'playing' ? keys.map((chord) => /** @type {[string, ActionId]} */ ([chord, id])) : [];
+    const { keys = [], handledBy } = entry;
+    return handledBy === 'playing' ? keys.map((chord) => /** @type {[string, ActionId]} */ ([chord, id])) : [];
   }),
 );
 

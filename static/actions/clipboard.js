@@ -6,7 +6,7 @@ export async function writeText(text) {
     if (window.ClipboardItem && navigator.clipboard?.write) {
       // Given as a promise, so that the key that was pressed still counts when it comes.
       const blob = text.then((known) => new Blob([known], { type: 'text/plain' }));
-      blob.catch(() => {}); // told by the clipboard, too
+      blob.catch(() => {}); // reported by the clipboard, too
       await navigator.clipboard.write([new ClipboardItem({ 'text/plain': blob })]);
     } else {
       await navigator.clipboard.writeText(await text);

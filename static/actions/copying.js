@@ -26,7 +26,7 @@ let unwritten = null;
 
 export const copyWords = () => (selectedKeys().length > 1 ? `Copy ${selectedKeys().length} keyframes` : 'Copy pose');
 
-export const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
+const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
 
 export const nothingCopied = () => (server.clipboard || canRead() ? '' : 'Copy a pose first (Ctrl C)');
 
@@ -44,7 +44,7 @@ export async function copy() {
 }
 
 /**
- * What a text holds, as far as the page can tell: the server checks the rest.
+ * What a text holds, as far as the page can see: the server checks the rest.
  * @param {string | null} text
  * @returns {Copied | null}
  */
@@ -97,14 +97,14 @@ export async function pasteWith(how) {
   pasteText(ui.copiedHere ? '' : await readText(), how);
 }
 
-// --- by its keys the browser tells by itself what is on the clipboard
+// --- on its keys the browser delivers by itself what is on the clipboard
 
 const PATIENCE_MS = 1000; // a browser that has much to do is late with it
 /** @type {{ mirrored: boolean, timer: number } | null} */
 let awaited = null;
 let isOverdue = false;
 
-/** Ctrl V was pressed: what is on the clipboard comes next; in a browser that tells nothing, nothing. */
+/** Ctrl V was pressed: the paste event comes next; in a browser without one, nothing. */
 export function awaitPaste(mirrored) {
   clearTimeout(awaited?.timer);
   isOverdue = false;
@@ -116,8 +116,8 @@ function giveUp() {
   isOverdue = true;
 }
 
-/** The browser tells what is on its clipboard. Told too late, it would be pasted a second time. */
-export function hearPaste(text) {
+/** The browser delivers what is on its clipboard. If it came too late, it would be pasted a second time. */
+export function onPaste(text) {
   if (isOverdue) isOverdue = false;
   else settle(text);
 }
@@ -127,7 +127,7 @@ export function mountPaste(isElsewhere) {
   document.addEventListener('paste', (event) => {
     if (isElsewhere() || !server.file) return;
     event.preventDefault();
-    hearPaste(event.clipboardData?.getData('text/plain') ?? '');
+    onPaste(event.clipboardData?.getData('text/plain') ?? '');
   });
 }
 

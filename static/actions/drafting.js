@@ -93,24 +93,28 @@ export function draftedWords({ first, last, drafted, missing }) {
   return `Drafted ${drafted} of ${count(all, 'frame')}.`;
 }
 
-/** "No person found in 0–30 and 96.": where a draft is missing; or ''. */
+/** "No person found in 10–30 and 6.": where a draft is missing, the longest first; or ''. */
 export function nobodyWords() {
-  const runs = server.draft?.missing ?? [];
+  const runs = [...(server.draft?.missing ?? [])].sort((one, other) => length(other) - length(one));
   if (runs.length === 0) return '';
-  const told = runs.slice(0, RUNS_TOLD).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
-  const more = runs.length - told.length;
-  return `No person found in ${joined(more > 0 ? [...told, `${more} more places`] : told)}.`;
+  const named = runs.slice(0, RUNS_NAMED).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const more = runs.length - named.length;
+  return `No person found in ${joined(more > 0 ? [...named, `${more} more places`] : named)}.`;
 }
 
-const RUNS_TOLD = 3;
+const RUNS_NAMED = 3;
+
+const length = ([first, last]) => last - first;
 
 /** The longest run of these. */
-const longest = (runs) => runs.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));
+const longest = (runs) => runs.reduce((one, other) => (length(other) > length(one) ? other : one));
 
-/** The frame to draw a box at: the middle of the longest run without a draft. */
-export function boxFrameFor(runs) {
-  const [first, last] = longest(runs);
-  return Math.floor((first + last) / 2);
+/** The frame to draw a box at, in the longest run without a draft: its middle; at an end of what was
+ * drafted, where the person was seen last, as somebody who has left is not seen in the middle. */
+export function boxFrameFor({ first, last, missing }) {
+  const [from, to] = longest(missing);
+  if (from === first) return to;
+  return to === last ? from : Math.floor((from + to) / 2);
 }
 
 /** The frames to draft from a box there. */

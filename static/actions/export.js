@@ -101,7 +101,7 @@ const fetchBlob = async (address) => (await fetchOk(address)).blob();
 export async function fetchOk(address, options = {}) {
   const response = await fetchOwn(address, options);
   if (response.ok) return response;
-  const words = (await response.text()).slice(0, 300);
+  const words = (await response.text()).slice(0, 300).trim();
   let problem;
   try {
     problem = JSON.parse(words).words;

@@ -43,7 +43,7 @@ function standing({ done: now }, done) {
 const sentence = (words) => words[0].toUpperCase() + words.slice(1);
 
 /** "14:32". */
-export function timeOf(made) {
+function timeOf(made) {
   return made === null ? '' : new Date(made * 1000).toLocaleTimeString('en-GB', { hour: '2-digit', minute: '2-digit' });
 }
 

@@ -19,7 +19,7 @@ const STABILISED = 1.1;
  * @property {string} label
  * @property {string} detail
  * @property {number} [mm]  The usual one.
- * @property {[number, number]} [range]  The focal lengths by which it is told.
+ * @property {[number, number]} [range]  The focal lengths that it is known by.
  * @property {boolean} [bent]  It bends straight edges.
  */
 

@@ -22,13 +22,13 @@ export function frame() {
   return wanted === null ? clampFrame(server.view?.frame ?? 0) : wanted.frame;
 }
 
-/** Move the playhead. The server hears of it before any edit that follows. */
+/** Move the playhead. The server receives it before any edit that follows. */
 export function goTo(target) {
   glideTo(target);
   if (!stopping) sendSoon.flush();
 }
 
-/** Move it as part of a drag: the server hears of it once per animation frame, newest wins. */
+/** Move it as part of a drag: the server receives it once per animation frame, newest wins. */
 export function glideTo(target) {
   const to = clampFrame(target);
   if (to === frame()) return;

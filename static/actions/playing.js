@@ -71,7 +71,7 @@ export const hasSpan = () => ui.span.first !== null || ui.span.last !== null;
  * @param {'first' | 'last'} end
  * @returns {Span}
  */
-export function withEnd(span, end, at) {
+function withEnd(span, end, at) {
   const other = end === 'first' ? 'last' : 'first';
   const stays = span[other] !== null && (end === 'first' ? at < span[other] : at > span[other]);
   return /** @type {Span} */ ({ [end]: at, [other]: stays ? span[other] : null });

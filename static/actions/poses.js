@@ -22,7 +22,7 @@ export function freeName(poses = keptPoses()) {
 }
 
 /** A name as it is kept; null where nothing is left of it. */
-export const readableName = (text) => text.replace(/\p{Cc}/gu, ' ').trim().slice(0, LONGEST) || null;
+const readableName = (text) => text.replace(/\p{Cc}/gu, ' ').trim().slice(0, LONGEST) || null;
 
 export const whyNotKeep = () => (keptPoses().length >= MOST ? `The library holds ${MOST} poses. Delete some first` : '');
 

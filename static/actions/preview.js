@@ -9,7 +9,7 @@ export const isPreview = () => Boolean(server.sizes_preview);
 
 export const applySizes = () => send({ do: 'apply_sizes' });
 
-/** Tells whether there was anything to discard. */
+/** Returns whether there was anything to discard. */
 export function discardSizes() {
   if (!isPreview()) return false;
   lookBack(false);

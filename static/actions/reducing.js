@@ -41,14 +41,14 @@ export function limbToReduce() {
   return part && !isRoot() ? part : null;
 }
 
-/** Tells whether there were keyframes to apply. */
+/** Returns whether there were keyframes to apply. */
 export function applyReduction() {
   if (!isReducing() || server.reduction.busy) return false;
   send({ do: 'apply_reduction' });
   return true;
 }
 
-/** Tells whether there was anything to discard. */
+/** Returns whether there was anything to discard. */
 export function discardReduction() {
   if (!isReducing()) return false;
   send({ do: 'discard_reduction' });

@@ -48,7 +48,7 @@ export function toggleReview() {
   change(listOf(places()));
 }
 
-/** Close it; tells whether it was open. The picture is seen as before. */
+/** Close it; returns whether it was open. The picture is seen as before. */
 export function closeReview() {
   if (!isReviewing()) return false;
   setUi('reviewLeft', places().length > 0);
@@ -79,12 +79,12 @@ export const whyNoPlace = () => (place() ? '' : 'Nothing is left to review');
 /** @type {Record<'accepted' | 'unclear', string>} */
 const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
 
-/** @param {'accepted' | 'unclear'} said */
-export function answer(said) {
+/** @param {'accepted' | 'unclear'} given */
+export function answer(given) {
   const row = place();
   if (!row) return;
-  send({ do: WORDS[said], frame: row.frame, part: row.part });
-  note(row.id, said);
+  send({ do: WORDS[given], frame: row.frame, part: row.part });
+  note(row.id, given);
 }
 
 /** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
@@ -196,7 +196,7 @@ const KEYS = {
 /** Whether a drag keys only the limb: at a place to review that is no keyframe. Drafts are posed as a whole. */
 export const keysLimb = () => Boolean(place()) && place()?.kind !== 'draft' && !isKey(server.view?.frame);
 
-/** Tells whether the key was the review's. */
+/** Whether the key was the review's. */
 export function onReviewKey(chord, event) {
   const act = isReviewing() && !ui.sheet && !ui.chooser ? KEYS[chord] : undefined;
   if (!act) return false;

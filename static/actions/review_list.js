@@ -88,11 +88,11 @@ export function withUndone(list, places) {
 }
 
 /** @type {[Answer, string][]} */
-const TOLD = [['accepted', 'accepted'], ['corrected', 'corrected'], ['unclear', 'left open']];
+const OUTCOMES = [['accepted', 'accepted'], ['corrected', 'corrected'], ['unclear', 'left open']];
 
 /** "3 reviewed: 2 accepted, 1 corrected." @param {ReviewList} list */
 export function doneWords({ done }) {
   const many = (answer) => done.filter((one) => one.answer === answer).length;
-  const told = TOLD.filter(([answer]) => many(answer)).map(([answer, word]) => `${many(answer)} ${word}`);
-  return `${done.length} reviewed${told.length ? `: ${told.join(', ')}` : ''}.`;
+  const counts = OUTCOMES.filter(([answer]) => many(answer)).map(([answer, word]) => `${many(answer)} ${word}`);
+  return `${done.length} reviewed${counts.length ? `: ${counts.join(', ')}` : ''}.`;
 }

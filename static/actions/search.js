@@ -38,8 +38,8 @@ const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent'
 /** What the others are done to here, where it is not the playhead or what is selected. */
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
-/** Heard in the review alone, and done in it alone. */
-const isOfReview = (heard) => heard === 'review' && !isReviewing();
+/** Its keys are handled in the review alone, and it is done in it alone. */
+const isOfReview = (handledBy) => handledBy === 'review' && !isReviewing();
 
 const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };
 const FOR_RECENT = 6;
@@ -99,8 +99,8 @@ function actionEntries() {
 
 /** @param {ActionId} id */
 function actionEntry(id, group) {
-  const { heard, keys = [], always } = entryOf(id);
-  const held = HELD[heard] ?? (isOfReview(heard) ? `Start the review first${reviewKey()}` : undefined);
+  const { handledBy, keys = [], always } = entryOf(id);
+  const held = HELD[handledBy] ?? (isOfReview(handledBy) ? `Start the review first${reviewKey()}` : undefined);
   const needsFile = !server.file && !always && id !== 'openFile' ? 'Open a video first' : '';
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';

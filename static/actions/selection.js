@@ -145,7 +145,7 @@ export function nudge(by) {
   selectKeys(to);
 }
 
-export function endNudge() {
+function endNudge() {
   if (nudging) send({ do: 'end_stroke', stroke: nudging.stroke });
   nudging = null;
 }

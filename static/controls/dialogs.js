@@ -26,7 +26,7 @@ export function openChooser(kind, lost = null) {
   setUi('chooser', { kind, lost });
 }
 
-/** Close the sheets; tells whether one was open, or about to open with the next frame. */
+/** Close the sheets; returns whether one was open, or about to open with the next frame. */
 export function closeSheets() {
   if (SHEETS.every((name) => !ui[name])) return false;
   for (const name of SHEETS) setUi(name, null);
@@ -41,7 +41,7 @@ export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');
   dialog.className = 'sheet';
   dialog.setAttribute('aria-label', label);
-  let isClosing = false; // by the page, which may have opened it again until the browser tells
+  let isClosing = false; // by the page, which may have opened it again until the browser reports it
   dialog.addEventListener('close', () => {
     if (!isClosing) setUi(name, null);
     isClosing = false;

@@ -50,20 +50,20 @@ class DropDown extends HTMLElement {
 
   draw() {
     const { kind = 'field', text, label, title = label, off = '', value } = this.known;
-    const said = text ?? this.known.options.find((option) => option.id === value)?.label ?? '';
+    const shown = text ?? this.known.options.find((option) => option.id === value)?.label ?? '';
     render(
       html`<button
           type="button"
           class="${kind === 'field' ? 'drop' : 'btn ghost sm'} ${off ? 'off' : ''}"
           title=${off || title}
-          aria-label=${`${label}: ${said}`}
+          aria-label=${`${label}: ${shown}`}
           aria-haspopup="listbox"
           aria-expanded=${this.isOpen === true}
           aria-disabled=${off ? 'true' : nothing}
           @click=${() => off || this.open()}
           @keydown=${(event) => this.opener(event)}
         >
-          <span class="cut">${said}</span>${icon('chev')}
+          <span class="cut">${shown}</span>${icon('chev')}
         </button>
         <div class="menu drop-list" id=${this.popId} popover="auto" @keydown=${(e) => this.key(e)}>
           ${this.isOpen ? this.choices() : nothing}

@@ -27,7 +27,7 @@ export function keepsKey(chord) {
   return byKey && OWN.has(chord);
 }
 
-/** Take the focus off a control, so that all keys reach the page; tells whether it had it. */
+/** Take the focus off a control, so that all keys reach the page; returns whether it had it. */
 export function leaveControl() {
   const element = document.activeElement;
   if (!isControl(element)) return false;

@@ -5,7 +5,7 @@ const FITS = { whole: 100, beginning: 85, inside: 55, slip: 35, letters: 30 };
 const LEAST_FOR_SLIP = 4;
 
 /** Lower case, without accents, in words. */
-export const wordsIn = (text) =>
+const wordsIn = (text) =>
   text.toLowerCase().normalize('NFD').replace(/\p{M}/gu, '').split(/[^\p{L}\p{N}]+/u).filter(Boolean);
 
 /**

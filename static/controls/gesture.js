@@ -21,7 +21,7 @@ export function pull(element, down, { move, end = () => {} }) {
 
 /**
  * Follow a pointer until it is released; Esc, the right button and a lost pointer cancel.
- * `holdsKeys` tells whether other keys wait until it is over. Returns how to stop without an end.
+ * `holdsKeys` is whether other keys wait until it is over. Returns how to stop without an end.
  * @param {HTMLElement | SVGElement} element
  * @param {PointerEvent} down
  * @param {{ move: (event: PointerEvent) => void, end: (event: PointerEvent) => void,

@@ -38,7 +38,7 @@ export function mountMenus() {
   addEventListener('resize', () => closeAtPointer());
 }
 
-/** Close what is open; tells whether anything was. */
+/** Close what is open; returns whether anything was. */
 export function closeMenu() {
   return closeAtPointer() || closeHanging();
 }

@@ -17,7 +17,7 @@ let hiddenAt = 0;
 
 export function mountTips() {
   place = addOnTop('tip', 'div');
-  // Who listens is told the title by the control itself.
+  // To a screen reader the control itself gives the title.
   place.setAttribute('aria-hidden', 'true');
   addEventListener('pointerover', (event) => enter(event.target));
   addEventListener('pointerout', (event) => event.relatedTarget === null && leave());

@@ -88,9 +88,10 @@ function takeThing(name) {
   send({ do: 'preset', name });
   send({ do: 'select', part: name });
   setUi('box', null);
-  setUi('tool', 'select');
+  setUi('tool', 'move');
   setUi('tab', 'part');
-  setUi('guideStep', null);
+  setUi('guidePath', 'thing');
+  setUi('guideStep', 0);
 }
 
 function draftButton() {

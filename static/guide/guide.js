@@ -10,15 +10,17 @@ import { isHeld } from '../controls/steady.js';
 import { keepsKey } from '../controls/focus.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
+import { isSurface } from '../store/subject.js';
 import { onViews, view } from '../views/views.js';
 import { interaction, onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/covered_by.js';
 import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
 import { REVIEW } from './film_steps.js';
-import { ending, isByHand, isDone, isKept, steps, takeWaist } from './steps.js';
+import { ending, isByHand, isDone, isKept, pathByHand, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
+const CLOSED_FOR_GOOD = 3;
 /** Of a wide card in its view, clear of the tools and the heading. */
 const LEFT = { x: 72, y: 60 };
 const PAUSE_MS = 900; // long enough to see the tick
@@ -37,25 +39,34 @@ let isPutAside = false; // by hand: then it stays there
 /** The guide to a pose by hand from its first step, for the present frame, whatever was done before. */
 export function openGuide() {
   isPutAside = false;
-  setUi('guidePath', 'hand');
+  setUi('guidePath', pathByHand());
   send({ do: 'begin_guide' });
   show(0);
+}
+
+/** Which way leads to a first pose of this body. */
+const pathFor = () => (server.body?.is_persons ? 'film' : pathByHand());
+
+/** Another body, also one that undo brings back, may have another way. */
+function followBody() {
+  if (isOpen() && !isSurface() && ui.guidePath !== 'hand' && ui.guidePath !== pathFor()) offerGuide();
 }
 
 /** The guide at the first step that is not done yet; at its end when all are. */
 function offerGuide() {
   isPutAside = false;
-  setUi('guidePath', server.body?.is_persons ? 'film' : 'hand');
+  setUi('guidePath', pathFor());
   const first = steps().findIndex((step) => !isDone(step));
   show(first < 0 ? steps().length : first);
 }
 
-/** Close the guide for good; tells whether it was open. */
+/** Close the guide for this film, at its end and the third time for good; returns whether it was open. */
 export function closeGuide() {
   if (!isOpen()) return false;
+  const times = currentStep() ? timesClosed() + 1 : CLOSED_FOR_GOOD;
   if (currentStep()?.tool === 'box' && ui.tool === 'box') setUi('tool', 'select');
   setUi('guideStep', null);
-  inBrowser.write(KEY, 'closed');
+  inBrowser.write(KEY, String(times));
   return true;
 }
 
@@ -71,6 +82,7 @@ export function mountGuide() {
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
+  watch(['body'], followBody);
   watch(['draft'], leaveToDraft);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
@@ -179,7 +191,10 @@ function advance() {
 
 const finish = () => show(steps().length);
 
-const wasClosed = () => inBrowser.read(KEY) === 'closed';
+/** How often it was closed in this browser. Who closes it once may film something else next time. */
+const timesClosed = () => Number(inBrowser.read(KEY)) || 0;
+
+const wasClosed = () => timesClosed() >= CLOSED_FOR_GOOD;
 
 function coach() {
   const step = currentStep();
@@ -215,7 +230,7 @@ function choiceButton(step, { label, title, act, ends }) {
 function stepFoot(step) {
   const done = isDone(step);
   return html`<span class="dim num">Step ${ui.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
-    <button class="btn ghost sm" title="Don’t show again" data-key="Esc" @click=${closeGuide}>
+    <button class="btn ghost sm" title="Show it again: ?" data-key="Esc" @click=${closeGuide}>
       Close guide
     </button>
     ${step.done ? continueButton(step) : html`<button

@@ -230,7 +230,7 @@ function cornersOf(frame, { width, height }) {
   ];
 }
 
-/** Where the colours of an observed surface are chosen, and where a draft is told of, nothing stands over them. */
+/** Where the colours of an observed surface are chosen, and where a draft is described, nothing stands over them. */
 function belowBars() {
   const bars = ['mtint', 'mdraft'].map((id) => document.getElementById(id)?.getBoundingClientRect());
   return Math.max(0, ...bars.map((bar) => (bar ? bar.bottom + 8 : 0)));

@@ -1,5 +1,5 @@
 // The steps to a first pose, in the order the guide goes through them: six of a film posed by hand, four
-// of observed surfaces; those of a new film are in `film_steps`. A step takes its tool in hand; any other
+// of a thing and of observed surfaces; those of a new film are in `film_steps`. A step takes its tool in hand; any other
 // way of doing it counts as well. `name` is the server's key.
 
 import { send } from '../store/link.js';
@@ -108,6 +108,44 @@ const BY_HAND = [
 ];
 
 /** @type {Step[]} */
+const OF_THING = [
+  {
+    name: 'hips',
+    also: 'height',
+    tool: 'move',
+    again: true,
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Place',
+    title: 'Move it onto the thing',
+    text: `Drag the point between the four arrows. Hold D and drag up to move it farther away, down to
+      bring it nearer.`,
+  },
+  {
+    word: 'Size',
+    title: 'Set its sizes',
+    tool: 'size',
+    text: `Drag its ends and sides until it is as long and as wide as the thing. Sizes you have measured go
+      into the Part tab, in centimetres: they make every distance right.`,
+  },
+  {
+    name: 'facing',
+    tool: 'rotate',
+    again: true,
+    rings: true,
+    word: 'Turn',
+    title: 'Turn it like the thing',
+    text: `Drag the rings. The corners of a box can also be dragged to where the picture shows them (V): four
+      give its whole pose.`,
+  },
+  {
+    name: 'key',
+    word: 'Key',
+    title: 'Press K',
+    text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
+  },
+];
+
+/** @type {Step[]} */
 const IN_SURFACE = [
   {
     name: 'hips',
@@ -148,7 +186,13 @@ const IN_SURFACE = [
 ];
 
 /** The steps of the guide for what the session is about. */
-export const steps = () => (isSurface() ? IN_SURFACE : isByHand() ? BY_HAND : IN_FILM);
+export function steps() {
+  if (isSurface()) return IN_SURFACE;
+  return { film: IN_FILM, thing: OF_THING }[ui.guidePath] ?? BY_HAND;
+}
+
+/** The way by hand for this body: a thing of one part has no limbs. */
+export const pathByHand = () => (server.body?.parts.length === 1 ? 'thing' : 'hand');
 
 /** Whether the guide leads to a pose by hand, not to a draft of the whole film. */
 export const isByHand = () => isSurface() || ui.guidePath !== 'film';

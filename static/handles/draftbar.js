@@ -11,9 +11,9 @@ import { drawBoxAt } from './sketch.js';
 
 export function draftbar() {
   const { draft } = server;
-  if (!draft?.latest || ui.draftRead === server.revision || ui.tool === 'box') return nothing;
+  if (!draft?.latest || ui.draftRead === server.revision || ui.tool === 'box' || ui.review) return nothing;
   const nobody = nobodyWords();
-  const at = nobody && boxFrameFor(draft.missing);
+  const at = nobody && boxFrameFor(draft);
   return html`<div class="glass ${nobody ? 'lacking' : ''}" id="mdraft" role="status">
     ${icon(nobody ? 'warn' : 'check')}
     <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`}</span>

@@ -77,12 +77,12 @@ function chip(segment, isShort) {
 }
 
 /** What is said of a segment, and what to do at which frame, where there is one. */
-function verdict({ state, words: said, short, todo, pass, part, px }) {
-  if (state === 'tracking') return { say: pass == null ? subject().doing : said };
+function verdict({ state, words: full, short, todo, pass, part, px }) {
+  if (state === 'tracking') return { say: pass == null ? subject().doing : full };
   if (state === 'waiting') return { say: VERDICTS.waiting.word };
   const label = px === null ? '' : partNamed(part)?.label.toLowerCase();
   const good = state === 'good' ? 'Good, ' : '';
-  return { say: label ? `${good}${roughError(px, null)} at the ${label}` : short || said, why: short || said, where: todo };
+  return { say: label ? `${good}${roughError(px, null)} at the ${label}` : short || full, why: short || full, where: todo };
 }
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */

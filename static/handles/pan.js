@@ -10,7 +10,7 @@ const PER_NOTCH = 0.0015;
 const PER_PINCH = 0.01;
 const LINE_PX = 33;
 
-/** What turns a wheel by one notch, in the unit of old that every browser still tells. */
+/** What turns a wheel by one notch, in the unit of old that every browser still reports. */
 const NOTCH = 120;
 const SAME_GESTURE_MS = 200;
 let fingers = { at: -Infinity, isTwo: false };

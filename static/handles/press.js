@@ -238,7 +238,7 @@ function finish(x, y) {
 function finishClick(done) {
   const { view, x, y, target, picked, releasedAt } = done;
   newest = done;
-  // The time of the release counts, however late the page comes to it or hears which parts were there.
+  // The time of the release counts, however late the page comes to it or learns which parts were there.
   const at = { x, y, time: releasedAt };
   if (target) {
     click(view, at, target, []);

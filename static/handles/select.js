@@ -62,7 +62,6 @@ export const partOf = (target) =>
 
 function clickOnce(view, x, y, target, part) {
   if (target?.kind === 'trail') return void send({ do: 'go', frame: target.frame });
-  if (target?.tell) return chooseMask(target.index);
   if (target?.kind === 'ring' || target?.kind === 'keypoint') return undefined;
   const mask = part ? null : maskAt(view, x, y);
   chooseMask(mask ? mask.index : null);

@@ -1,7 +1,7 @@
 // Everything that can be grabbed in a view, and which of it a pointer means.
 
 import { server, ui } from '../store/state.js';
-import { boxCornersIn } from './boxcorners.js';
+import { boxCornersIn, cornerBeside } from './boxcorners.js';
 import { gripsIn } from './grips.js';
 import { interaction } from './interaction.js';
 import { keypointsIn, ringAt } from './keypoints.js';
@@ -61,6 +61,7 @@ export function stackAt(view, x, y, touch = false) {
     .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
     .filter(({ miss }) => miss <= 1)
     .sort((a, b) => a.miss - b.miss);
+  if (!found.length) return cornerBeside(corners, x, y);
   // A ring seen edge-on runs through the handle in its middle, which must stay within reach.
   const sure = found.filter(({ target, miss }) => target.kind !== 'ring' && miss <= SURE);
   const handles = sure.filter(({ target }) => target.handle);

@@ -46,7 +46,7 @@ function frames() {
 function nobody() {
   const words = nobodyWords();
   if (!words) return nothing;
-  const at = boxFrameFor(server.draft.missing);
+  const at = boxFrameFor(server.draft);
   return html`<p class="note warned">${icon('warn')}<span>${words}</span></p>
     ${button({ name: 'crop', label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', kind: 'full', act: () => drawBoxAt(at) })}`;
 }

@@ -45,7 +45,7 @@ function why() {
   if (frames.length < fewestKeys()) {
     return isSurface()
       ? 'Nothing to fit yet. Add a keyframe first.'
-      : 'Nothing to track yet. Add a second keyframe.';
+      : `Nothing to track yet. Add ${frames.length ? 'a second keyframe' : 'two keyframes'}.`;
   }
   const { frame } = server.view;
   const side = frame < frames[0] ? `before ${frames[0]}` : `after ${frames.at(-1)}`;

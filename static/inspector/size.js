@@ -21,7 +21,7 @@ export function size(part) {
   return section('Size', html`${named}${shape(part)}${list}${where}`, linkButton(part));
 }
 
-/** A person's parts keep their names, by which keypoints are told. */
+/** A person's parts keep their names, by which keypoints are known. */
 function name(part) {
   const rename = (text) => text && send({ do: 'rename_part', part: part.name, name: text });
   return line('Name', textField({ label: `Name of ${part.label.toLowerCase()}`, value: part.name, act: rename, most: 60 }));

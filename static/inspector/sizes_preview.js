@@ -15,7 +15,7 @@ export function sizesPreview() {
   const found = server.sizes_preview;
   const large = found.changes.filter(isLarge);
   const small = found.changes.filter((one) => !isLarge(one));
-  const said = found.keyframes === 1 ? '1 keyframe' : `${found.keyframes} keyframes`;
+  const basis = found.keyframes === 1 ? '1 keyframe' : `${found.keyframes} keyframes`;
   return section('Fit sizes', html`
     ${error(found.error)}
     <div class="newsizes" role="table" aria-label="New sizes in centimetres">
@@ -27,7 +27,7 @@ export function sizesPreview() {
     </div>
     ${small.length ? more(small.length) : nothing}
     ${poses(found)}
-    ${answer()}`, html`<span class="dim num">${said}</span>`);
+    ${answer()}`, html`<span class="dim num">${basis}</span>`);
 }
 
 const isLarge = ({ before, after }) => Math.abs(after - before) >= LEAST_CM;
@@ -59,7 +59,7 @@ function more(count) {
     @click=${() => setUi('allSizes', !ui.allSizes)}>${count} more, all under 0.5 cm</button>`;
 }
 
-/** Other poses are never taken without a tick; what they turn is told part by part. */
+/** Other poses are never taken without a tick; what they turn is listed part by part. */
 function poses(found) {
   if (!found.turns.length) return nothing;
   const most = Math.max(...found.turns.map(({ parts }) => parts[0].deg));

@@ -33,6 +33,13 @@ const REMEDIES = {
       send({ do: 'turn_in_depth', part });
     },
   },
+  untwist: {
+    label: 'Untwist',
+    act: ({ part, go }) => {
+      goTo(go);
+      send({ do: 'untwist', part });
+    },
+  },
   soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },

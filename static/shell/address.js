@@ -17,7 +17,7 @@ export function mountAddress() {
   addEventListener('popstate', () => lead(inAddress()));
   listen('note', ({ kind }) => kind === 'lost' && wanted !== null && giveUp());
   listen('refused', () => wanted !== null && giveUp());
-  // At once, not with the next picture: the first answer tells what was open when the page came.
+  // At once, not with the next picture: the first answer names what was open when the page came.
   listen('state', ({ set }) => ('file' in set || 'server' in set) && follow());
 }
 
@@ -35,7 +35,7 @@ function lead(id) {
   send(id ? { do: 'open', kind: 'recent', id } : { do: 'close' });
 }
 
-/** The address tells what is open, whoever opened it. */
+/** The address names what is open, whoever opened it. */
 function follow() {
   if (server.file === undefined) return;
   const id = openNow();
@@ -70,7 +70,7 @@ function keepUp(id) {
   write(id, document.hasFocus() ? 'push' : 'replace');
 }
 
-/** It cannot be opened or closed, for a reason that is said: the address tells what is open. */
+/** It cannot be opened or closed, for a reason that is said: the address names what is open. */
 function giveUp() {
   wanted = null;
   setUi('returning', false);

@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { RIGS, UNITS, beginExport, cancelExport, notInstalled, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
-import { MOTION } from '../actions/table.js';
+import { MOTION } from '../actions/table/export.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented, textField } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';

@@ -8,7 +8,7 @@ import { frame } from '../actions/playhead.js';
 import { askWhatIsMissing, notInstalled } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
-import { MOTION } from '../actions/table.js';
+import { MOTION } from '../actions/table/export.js';
 import { hasMotion, viewShown } from '../actions/export.js';
 import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';

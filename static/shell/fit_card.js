@@ -29,7 +29,7 @@ export function mountFitCard() {
   for (const kind of ['pointerup', 'pointercancel', 'blur']) addEventListener(kind, () => lookBack(false));
 }
 
-/** Take the card away; tells whether there was one. */
+/** Take the card away; returns whether there was one. */
 export function closeFit() {
   if (!isOpen()) return false;
   send({ do: 'close_fit' });

@@ -24,7 +24,7 @@ function shown() {
   return ui.ended ? endedJob(ui.ended) : nothing;
 }
 
-/** Stop the running job; tells whether there was one. */
+/** Stop the running job; returns whether there was one. */
 export function cancelJob() {
   if (whyNot('cancel')) return false;
   perform('cancel');

@@ -66,7 +66,7 @@ function onKeyDown(event) {
     return;
   }
   if (server.file && (chord === 'Ctrl V' || chord === 'Ctrl Shift V')) {
-    awaitPaste(chord === 'Ctrl Shift V'); // the browser goes on to tell what is on its clipboard
+    awaitPaste(chord === 'Ctrl Shift V'); // the browser goes on to deliver what is on its clipboard
     return;
   }
   if (ui.playing && WHILE_PLAYING.has(chord)) {

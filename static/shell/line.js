@@ -1,7 +1,7 @@
 // How the line to the server stands, for those who show it: ui.line is null while it is up or only
 // just down, "lost", "long" when it may not come back by itself, "ended" when another Keypose answers.
 
-import { lastHeard } from '../store/link.js';
+import { lastReceived } from '../store/link.js';
 import { ui, setUi, watch } from '../store/state.js';
 
 const LOST_MS = 2000;
@@ -24,7 +24,7 @@ function tick() {
     setUi('line', null);
     return;
   }
-  downSince ||= lastHeard();
+  downSince ||= lastReceived();
   const down = performance.now() - downSince;
   if (down <= LOST_MS) return;
   setUi('line', ui.turnedAway ? 'ended' : down > LONG_MS ? 'long' : 'lost');

@@ -30,18 +30,18 @@ function isSaving() {
 }
 
 function hasFailed({ words }) {
-  const said = words ? `Not saved: ${words}` : 'Not saved';
+  const text = words ? `Not saved: ${words}` : 'Not saved';
   // Where the bar has no room for it a banner says it.
-  if (isNarrow()) return html`<span class="row saved failed" title=${said}>${icon('lost')}</span>`;
-  return html`<span class="chip lost notsaved" title=${said}>
+  if (isNarrow()) return html`<span class="row saved failed" title=${text}>${icon('lost')}</span>`;
+  return html`<span class="chip lost notsaved" title=${text}>
     ${icon('lost')}<button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
-    <span class="cut">${said}</span>
+    <span class="cut">${text}</span>
   </span>`;
 }
 
 function isReadOnly({ words }) {
-  const said = words || 'Read only';
-  return html`<span class="row saved readonly" title=${said}>
-    ${icon('lock')}<span class="cut say">${said}</span>
+  const text = words || 'Read only';
+  return html`<span class="row saved readonly" title=${text}>
+    ${icon('lock')}<span class="cut say">${text}</span>
   </span>`;
 }

@@ -36,7 +36,7 @@ function bar() {
     ${isNarrow() ? moreButton() : html`${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`}`;
 }
 
-/** The browser's tab tells how far the tracking is while one works elsewhere. */
+/** The browser's tab shows how far the tracking is while one works elsewhere. */
 function title() {
   if (!server.file) return 'Keypose';
   const percent = server.job?.state === 'running' ? `${Math.round(server.job.percent ?? 0)} % ` : '';

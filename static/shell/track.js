@@ -59,7 +59,7 @@ function split(open) {
 /** As wide with either label, so that nothing beside it moves when the first track begins. */
 function label(verb) {
   const first = isFirstTrack();
-  const one = (said, shown) => html`<span class=${shown ? 'shown' : ''} aria-hidden=${!shown}>${said}</span>`;
+  const one = (text, shown) => html`<span class=${shown ? 'shown' : ''} aria-hidden=${!shown}>${text}</span>`;
   return html`<span class="either">${one(verb, first)}${one(`${verb} changed`, !first)}</span>`;
 }
 

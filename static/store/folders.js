@@ -14,7 +14,7 @@ export async function enterLastFolder() {
   if (!(last && (await enterFolder(last)))) await enterFolder('');
 }
 
-/** Go into a folder, by its id; an only folder is entered at once. Tells whether it is there. */
+/** Go into a folder, by its id; an only folder is entered at once. Returns whether it is there. */
 export async function enterFolder(id) {
   const number = ++asked;
   const listing = await fetchFolder(id);

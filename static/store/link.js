@@ -13,7 +13,7 @@ const AGAIN_MS = 300;
 let socket = null;
 let line = 0;
 let isGreeted = false;
-let heardAt = performance.now(); // the last word of the server, or when the line was laid
+let receivedAt = performance.now(); // the last message of the server, or when the connection was made
 let lookedAt = performance.now();
 let questionCount = 0;
 let strokes = 0;
@@ -56,8 +56,8 @@ export function listen(kind, fn) {
   listeners.get(kind).add(fn);
 }
 
-/** When the server was last heard, in the milliseconds of performance.now(). */
-export const lastHeard = () => heardAt;
+/** When the server last sent something, in the milliseconds of performance.now(). */
+export const lastReceived = () => receivedAt;
 
 export function connect() {
   setInterval(listenForSilence, LOOK_MS);
@@ -65,7 +65,7 @@ export function connect() {
 }
 
 function layLine() {
-  heardAt = performance.now();
+  receivedAt = performance.now();
   socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/events`, keyProtocols());
   socket.onopen = onOpen;
   socket.onmessage = (event) => receive(JSON.parse(event.data));
@@ -108,12 +108,12 @@ async function answerOf(path) {
 /** A line can be dead without having been closed: a computer asleep, a network gone. */
 function listenForSilence() {
   const now = performance.now();
-  // A tab that was asleep itself has not heard what was said meanwhile.
-  if (now - lookedAt > 2 * LOOK_MS + 1000) heardAt = now;
+  // A tab that was asleep itself has not received what was sent meanwhile.
+  if (now - lookedAt > 2 * LOOK_MS + 1000) receivedAt = now;
   lookedAt = now;
   if (!socket || socket.readyState > WebSocket.OPEN) return; // it is about to be laid anew
-  if (now - heardAt > GIVEN_UP_MS) giveUp();
-  else if (now - heardAt > SILENT_MS) setUi('connected', false);
+  if (now - receivedAt > GIVEN_UP_MS) giveUp();
+  else if (now - receivedAt > SILENT_MS) setUi('connected', false);
 }
 
 function giveUp() {
@@ -134,7 +134,7 @@ function dropQuestions() {
 }
 
 function receive(message) {
-  heardAt = performance.now();
+  receivedAt = performance.now();
   if (!ui.connected) {
     setUi('connected', true);
     sendDue();

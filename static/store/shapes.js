@@ -20,7 +20,7 @@
  * @property {number} duration_s
  * @property {number[]} missing
  * @property {number[] | null} times  Only where the rate varies.
- * @property {{ focal_mm: number, device: string } | null} lens  As the file tells it.
+ * @property {{ focal_mm: number, device: string } | null} lens  As the file gives it.
  */
 
 /**
@@ -291,7 +291,7 @@
  * @property {string} problem
  */
 
-/** @typedef {{ height_m: number | null, has_feet: boolean }} Floor  Along up from the camera; whether pinned feet could tell. */
+/** @typedef {{ height_m: number | null, has_feet: boolean }} Floor  Along up from the camera; whether pinned feet could determine it. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 
@@ -368,7 +368,7 @@
  * @property {Difference} error  Of the body's outline, pixels.
  * @property {Difference} height  Centimetres.
  * @property {NewSize[]} changes  Centimetres.
- * @property {string[]} unseen  Parts that the pictures do not tell.
+ * @property {string[]} unseen  Parts whose sizes the pictures do not determine.
  * @property {boolean} poses  Whether other poses are shown with them.
  * @property {boolean} choice  Whether they fit better both with and without other poses.
  * @property {NewPose[]} turns  What other poses turn.
@@ -463,7 +463,7 @@
  * @property {SpaceFinding[]} space  The worst first.
  * @property {Suggestion | null} suggest
  * @property {Series} need  Pixels that a keyframe is expected to mend.
- * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.
+ * @property {Record<string, Series>} lanes  How much the picture shows of a part, 0 to 1.
  * @property {Curve | null} curve
  * @property {Trail | null} trail
  * @property {Pin[]} pins
@@ -605,7 +605,7 @@
  * @property {Set<string>} [pulled]
  * @property {string} [lens]
  * @property {number} [lensKind]  The kind of camera that was chosen.
- * @property {'film' | 'hand'} [guidePath]
+ * @property {'film' | 'hand' | 'thing'} [guidePath]
  * @property {boolean} [allFreedoms]
  * @property {boolean} [fitFocal]
  * @property {boolean} [orbited]  The free view was turned at least once.

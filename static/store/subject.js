@@ -16,4 +16,4 @@ export const fewestKeys = () => (isSurface() ? 1 : 2);
 
 /** Why nothing can be tracked or fitted yet. */
 export const tooFewWords = () =>
-  isSurface() ? 'Add a keyframe first' : 'Add a second keyframe first';
+  isSurface() ? 'Add a keyframe first' : `Add ${server.keys?.frames.length ? 'a second keyframe' : 'two keyframes'} first`;

@@ -59,10 +59,10 @@ function drawSuggestion() {
   if (!suggest) return html`<div class="sug none"></div>`;
   const { state, title, words, kind } = server.job ?? {};
   const atWork = state === 'running' && (suggest.kind === 'track' || kind === 'ahead');
-  const said = atWork ? { title, detail: words } : suggest;
-  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${said.title}. ${said.detail}`}>
+  const shown = atWork ? { title, detail: words } : suggest;
+  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
-    <span class="tx"><b>${said.title}</b> <span class="mut">${said.detail}</span></span>
+    <span class="tx"><b>${shown.title}</b> <span class="mut">${shown.detail}</span></span>
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
 }
 
@@ -143,9 +143,9 @@ function counts() {
 
 function drawCount(number, state) {
   if (number === 0) return html`<span class="count ${state}"></span>`;
-  const said = state === 'check' ? 'to check' : state;
-  const inside = html`${icon(VERDICTS[state].sign)}${number}<span class="word"> ${said}</span>`;
-  const words = `${number} ${said}`;
+  const word = state === 'check' ? 'to check' : state;
+  const inside = html`${icon(VERDICTS[state].sign)}${number}<span class="word"> ${word}</span>`;
+  const words = `${number} ${word}`;
   if (state === 'good') return html`<span class="count good" title=${words}>${inside}</span>`;
   return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
     title=${titleOf('nextProblem', state)} data-key=${keyOf('nextProblem')}

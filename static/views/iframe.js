@@ -28,7 +28,7 @@ function handleOf(frame) {
 
 /**
  * viser's picture for a role. `aim(camera)` is called before every picture and sets the three.js
- * camera; `ready()` once there is something to see; `pace()` tells how many milliseconds to let
+ * camera; `ready()` once there is something to see; `pace()` gives how many milliseconds to let
  * pass between two pictures (rest), before the first (behind), and until all is drawn (settled),
  * and whether one picture has to do for all that came at once (once). While `isHidden()` nothing is
  * drawn.

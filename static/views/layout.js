@@ -63,16 +63,16 @@ function splitter(name) {
   element.ariaOrientation = SPLITTERS[name].along === 'x' ? 'vertical' : 'horizontal';
   element.ariaLabel = SPLITTERS[name].label;
   element.title = 'Drag to resize, double-click to restore';
-  element.addEventListener('focus', () => tellSize(element, name));
-  tellSize(element, name);
+  element.addEventListener('focus', () => describeSize(element, name));
+  describeSize(element, name);
   element.addEventListener('pointerdown', (event) => drag(event, name));
   element.addEventListener('dblclick', () => set(name, null));
   element.addEventListener('keydown', (event) => nudge(event, name));
   return element;
 }
 
-/** To who does not see it. */
-function tellSize(element, name) {
+/** For a screen reader. */
+function describeSize(element, name) {
   const { least, most, rows } = SPLITTERS[name];
   const largest = rows === undefined ? (typeof most === 'function' ? most() : most) : innerHeight;
   element.ariaValueMin = String(least);
@@ -102,7 +102,7 @@ function nudge(event, name) {
   event.stopPropagation();
   set(name, sizeOf(name) + grows * (way === 0 ? -STEP_PX : STEP_PX));
   keep();
-  tellSize(event.currentTarget, name);
+  describeSize(event.currentTarget, name);
 }
 
 /** The size now, in pixels. */

@@ -37,20 +37,20 @@ def kill_once(session_path: Path, seed: int) -> Death:
         time.sleep(random.Random(seed).random() * LONGEST_S)
         process.kill()
         rest = process.stdout.read()
-    told = [line.split()[1] for line in rest.splitlines(keepends=True) if line.endswith("\n")]
-    return _death([first[1], *told], session_path)
+    reported = [line.split()[1] for line in rest.splitlines(keepends=True) if line.endswith("\n")]
+    return _death([first[1], *reported], session_path)
 
 
-def _death(told: list[str], session_path: Path) -> Death:
+def _death(reported: list[str], session_path: Path) -> Death:
     opened = open_session(session_path)
     found = [
         str(r["mark"]) for r in read_journal(journal_path(session_path)).records if "mark" in r
     ]
     newest = mark_of(without_results(opened.session))
     lost, at = 0, 0
-    for mark in told:  # in their order, looking is no step of its own
+    for mark in reported:  # in their order, looking is no step of its own
         while at < len(found) and found[at] != mark:
             at += 1
         if at == len(found) and mark != newest:
             lost, at = lost + 1, 0
-    return Death(len(told) - 1, lost, len(opened.recovered.moment.history.past))
+    return Death(len(reported) - 1, lost, len(opened.recovered.moment.history.past))

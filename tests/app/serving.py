@@ -176,7 +176,7 @@ class Visitor:
             max_queue=None,  # one that does not listen for a while must not be taken for gone
         )
         self.seen: dict[str, Any] = {}
-        self.said: list[dict[str, Any]] = []
+        self.replies: list[dict[str, Any]] = []
         self.ack = 0
         self._number = 0
         self.until(lambda: "file" in self.seen)
@@ -197,8 +197,8 @@ class Visitor:
         self._number += 1
         number = self._number
         self.line.send(json.dumps({**question, "id": number}))
-        self.until(lambda: any(m.get("id") == number for m in self.said))
-        return next(m for m in self.said if m.get("id") == number)
+        self.until(lambda: any(m.get("id") == number for m in self.replies))
+        return next(m for m in self.replies if m.get("id") == number)
 
     def until(self, there: Any, seconds: float = LONGEST_S) -> None:
         """Listen until something is so."""
@@ -210,7 +210,7 @@ class Visitor:
 
     def refusal(self) -> str:
         """What the last refused action was told."""
-        return str([m for m in self.said if m["t"] == "refused"][-1]["words"])
+        return str([m for m in self.replies if m["t"] == "refused"][-1]["words"])
 
     def leave(self) -> None:
         self.line.close()
@@ -220,4 +220,4 @@ class Visitor:
             self.seen.update(message["set"])
             self.ack = max(self.ack, message["ack"])
         elif message["t"] != "beat":
-            self.said.append(message)
+            self.replies.append(message)

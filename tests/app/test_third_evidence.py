@@ -109,15 +109,15 @@ def test_storage_speaks_its_words(path: Path) -> None:
 def test_what_it_was_tracked_for_is_named_in_its_words(path: Path) -> None:
     tracked = save_result(load_session(path), path, cases.result())
     other = tracked.model_copy(update={"camera": cases.CAMERA.model_copy(update={"fx": 61.0})})
-    said = outdated_words(other, load_tracks(tracked, path))
-    assert said == "the tracked motion is out of date (body or either film have changed)."
+    message = outdated_words(other, load_tracks(tracked, path))
+    assert message == "the tracked motion is out of date (body or either film have changed)."
 
 
 def test_the_page_speaks_its_words() -> None:
     edit = desk()
-    told = Sections().changed(AppState(edit=replace(edit, doc=with_second(edit.doc))))
-    assert {segment["words"] for segment in told["segments"]} == {"Not followed"}
-    assert told["surface"] is None
+    reported = Sections().changed(AppState(edit=replace(edit, doc=with_second(edit.doc))))
+    assert {segment["words"] for segment in reported["segments"]} == {"Not followed"}
+    assert reported["surface"] is None
 
 
 def test_advice_is_that_of_what_it_is_derived_from() -> None:

@@ -26,6 +26,7 @@ from tests.benchmarks.arms import MARKS as ARMS_MARKS
 from tests.benchmarks.arms import SIDE
 from tests.benchmarks.arms import VIDEO as ARMS_VIDEO
 from tests.benchmarks.keeping import Absent, data_folder, kept_folder
+from tests.benchmarks.measured_person import person_reference
 from tests.benchmarks.posing import MARKS
 
 Marks: TypeAlias = Mapping[int, Mapping[str, tuple[float, float]]]
@@ -103,22 +104,15 @@ def clip(name: str) -> Clip:
 def _person() -> Clip:
     """The man on the balance beam, seen from behind."""
     folder = data_folder("person")
-    meta = _json(folder / "meta.json")
-    lens, K = meta["camera"], meta["camera"]["K"]
-    camera = Camera(
-        width=lens["width"], height=lens["height"], fx=K[0][0], fy=K[1][1], cx=K[0][2], cy=K[1][2],
-        distortion=(*lens["dist_k1k2p1p2"], 0.0),
-    )  # fmt: skip
-    with np.load(folder / "reference.npz") as reference:
-        names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
-    joints = world @ np.array(lens["R_world_to_cam"]).T + np.array(lens["t_world_to_cam_m"])
+    video, camera, names, joints = person_reference(folder)
     limbs = tuple(n for n in MARKS if n in names)
     space = limbs, joints[:, [names.index(n) for n in limbs]]
     marks = _marked("person", folder / "marked_joints.json")
     still = (Stance("LAnkle", 0, 75),)
     also = _pixels(_json(MORE_MARKS)["also_posed"]["person"])
-    video = folder / meta["video"]
-    return Clip("person", video, camera, preset("adult_male"), 150.0, marks, still, also, space)
+    return Clip(
+        "person", folder / video, camera, preset("adult_male"), 150.0, marks, still, also, space
+    )
 
 
 def _walk() -> Clip:

@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from keypose.app.render.pictures import contact_sheet, overlay
+from keypose.app.render.pictures import overlay
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.kernels.matching import find_exhaustively, find_sequentially
 from keypose.tracker.tracking.initial.templates.search import GreyPicture, Template, cut, outwards
@@ -18,6 +18,7 @@ from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.pyramid import prepare
 from tests.benchmarks.arms import load_arms
+from tests.benchmarks.contact_sheet import contact_sheet
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_walk
 from tests.benchmarks.sequences import Sequence, sequence

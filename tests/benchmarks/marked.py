@@ -17,6 +17,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoint
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
+from tests.benchmarks.measured_person import person_reference
 from tests.benchmarks.posing import MARKS, Marked, fit
 
 FITTED_FROM = ("body", "geometry")
@@ -52,18 +53,10 @@ class _Given:
 def load_person() -> Person:
     """The man on the balance beam."""
     folder = data_folder("person")
-    meta = _json(folder / "meta.json")
-    lens, K = meta["camera"], meta["camera"]["K"]
-    camera = Camera(
-        width=lens["width"], height=lens["height"], fx=K[0][0], fy=K[1][1], cx=K[0][2], cy=K[1][2],
-        distortion=(*lens["dist_k1k2p1p2"], 0.0),
-    )  # fmt: skip
-    with np.load(folder / "reference.npz") as reference:
-        names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
-    joints = world @ np.array(lens["R_world_to_cam"]).T + np.array(lens["t_world_to_cam_m"])
+    video, camera, names, joints = person_reference(folder)
     known = {n: joints[:, names.index(n)] for n in (*MARKS, "Head") if n in names}
     given = _Given(
-        folder, meta["video"], camera, _marked(folder, known), preset("adult_male"),
+        folder, video, camera, _marked(folder, known), preset("adult_male"),
         float(np.nanmean(joints[0, :, 2])),
     )  # fmt: skip
     person = _posed(given)

@@ -19,7 +19,7 @@ from tests.benchmarks.probe import Probe
 from tests.benchmarks.stand import FPS, cpu_s, family, film, sample, serving
 from tests.benchmarks.table import Expected, Report, Table
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.hands import section, settled, spot, until, until_told
+from tests.browser.interaction import section, settled, spot, until, until_state
 from tests.browser.shared import let_in, opened
 
 TIMES, PASSES = 40, 12
@@ -149,7 +149,7 @@ def _answers(visitor: Visitor, act: Act) -> list[float]:
 def _moves(tab: Page, probe: Probe, visitor: Visitor) -> dict[str, list[float]]:
     """A hand dragged, each move once the one before is drawn everywhere."""
     visitor.do(do="go", frame=FRAME)
-    until_told(tab, "view.frame", lambda frame: frame == FRAME)
+    until_state(tab, "view.frame", lambda frame: frame == FRAME)
     x, y = spot(tab, "left_hand")
     tab.mouse.move(x, y)
     tab.mouse.down()
@@ -163,14 +163,14 @@ def _moves(tab: Page, probe: Probe, visitor: Visitor) -> dict[str, list[float]]:
             for name, ms in zip(found, (marks["told"], marks["main"], last), strict=True):
                 found[name].append(ms)
     tab.mouse.up()
-    until_told(tab, "pose.stroke", lambda stroke: stroke is None)
+    until_state(tab, "pose.stroke", lambda stroke: stroke is None)
     _put_back(visitor)
     return found
 
 
 def _steps(report: Report, tab: Page, probe: Probe, visitor: Visitor) -> None:
     visitor.do(do="go", frame=0)
-    until_told(tab, "view.frame", lambda frame: frame == 0)
+    until_state(tab, "view.frame", lambda frame: frame == 0)
     settled(tab)
     shown, stands = [], []
     for _ in range(TIMES):
@@ -189,11 +189,11 @@ def _first_passes(report: Report, tab: Page, probe: Probe, visitor: Visitor) -> 
     for quality in ("preview", "full"):
         visitor.do(do="settings", quality=quality)
         visitor.do(do="go", frame=12)
-        until_told(tab, "view.frame", lambda frame: frame == 12)
+        until_state(tab, "view.frame", lambda frame: frame == 12)
         _passes(table, f"{quality}: Track", tab, probe, lambda: tab.keyboard.press("Shift+T"))
     visitor.do(do="live", on=True)
     visitor.do(do="go", frame=FRAME)
-    until_told(tab, "view.frame", lambda frame: frame == FRAME)
+    until_state(tab, "view.frame", lambda frame: frame == FRAME)
     ways = iter((-4, 4) * 100)
 
     def drag() -> None:
@@ -219,13 +219,13 @@ def _passes(
     """Again and again, each time once the job before is done."""
     here, seen = [], []
     for i in range(PASSES + 1):
-        until_told(tab, "job.state", lambda state: state != "running", 120)
+        until_state(tab, "job.state", lambda state: state != "running", 120)
         probe.arm(kind, "pass seen", gate="pass")
         act()
         if (marks := probe.marks()) is not None and i:
             here.append(marks["pass"])
             seen.append(marks["pass seen"])
-    until_told(tab, "job.state", lambda state: state != "running", 120)
+    until_state(tab, "job.state", lambda state: state != "running", 120)
     table.row(f"{name}, here", *_spread(here))
     table.row(f"{name}, drawn", *_spread(seen), expected=[_under(seen, 1000 * FIRST_PASS_S)])
 

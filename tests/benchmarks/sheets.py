@@ -11,13 +11,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.render.pictures import contact_sheet, overlay
+from keypose.app.render.pictures import overlay
 from keypose.tracker.body.pose import joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.video import Video
+from tests.benchmarks.contact_sheet import contact_sheet
 from tests.benchmarks.keeping import ROOT
 from tests.benchmarks.marked import Person
 from tests.benchmarks.table import Pair

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import let_in
+from tests.browser.shared import Desk, let_in
 
 
 @pytest.fixture(scope="package")
@@ -64,3 +64,10 @@ def page(browser: Browser, keypose: Keypose, drawn: bool) -> Iterator[Page]:
         tab.goto(keypose.address)
         tab.wait_for_selector("html[data-ready]", state="attached")
         yield tab
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page of a module's own `shared` desk, as if it had just been opened."""
+    shared.fresh()
+    return shared

@@ -12,7 +12,7 @@ from typing import Any
 from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.hands import PICTURES, answered, section, settled, until
+from tests.browser.interaction import PICTURES, answered, section, settled, until
 from tests.browser.late import new_context
 
 SIZE = (1280, 720)
@@ -64,7 +64,7 @@ def opened(context: BrowserContext, keypose: Keypose) -> Page:
 
 @dataclass
 class Desk:
-    """The page; what the server says of itself to another visitor; the session on disk."""
+    """The page; the state as another visitor receives it; the session on disk."""
 
     page: Page
     visitor: Visitor
@@ -73,22 +73,22 @@ class Desk:
 
     @property
     def served(self) -> dict[str, Any]:
-        """The newest of every section, as the server tells it to others once it has dealt with all
-        that was done at the page; what a page does without a line is not waited for."""
+        """The newest of every section, as the server sends it to others once it has dealt with all
+        that was done at the page; what a page does without a connection is not waited for."""
         if self.page.evaluate("() => window.keypose.ui.connected"):
             answered(self.page)
-        return self._told
+        return self._sent
 
     def agreed(self, name: str) -> Any:
-        """A section once the server has dealt with all that was done, and both say the same."""
+        """A section once the server has dealt with all that was done, and both have the same."""
         answered(self.page)
-        until(lambda: section(self.page, name) == self._told[name], name)
+        until(lambda: section(self.page, name) == self._sent[name], name)
         return section(self.page, name)
 
     @property
-    def _told(self) -> dict[str, Any]:
-        """The newest of every section, as the server tells it to others now."""
-        self.visitor.do(do="end_stroke", stroke="-")  # whatever was told before has come now
+    def _sent(self) -> dict[str, Any]:
+        """The newest of every section, as the server sends it to others now."""
+        self.visitor.do(do="end_stroke", stroke="-")  # whatever was sent before has come now
         return self.visitor.seen
 
     def fresh(self) -> None:
@@ -97,7 +97,7 @@ class Desk:
         page.mouse.up()
         page.keyboard.press("Escape")
         answered(page)
-        while self._told["undo"]["undo"] is not None:
+        while self._sent["undo"]["undo"] is not None:
             visitor.do(do="undo")
         visitor.do(do="go", frame=0)
         visitor.do(do="select", part=None)
@@ -114,7 +114,7 @@ class Desk:
         page.mouse.move(2, 2)
         answered(page)
         for name in ("pose", "view", "keys", "body", "masks", "undo"):
-            until(lambda name=name: section(page, name) == self._told[name], name)  # type: ignore[misc]
+            until(lambda name=name: section(page, name) == self._sent[name], name)  # type: ignore[misc]
         settled(page)
 
 

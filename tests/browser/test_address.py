@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, Page
 
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 from tests.browser.shared import let_in, opened
 from tests.browser.test_restart import MARK, WAITING
 
@@ -85,7 +85,9 @@ def test_back_forward_reload_and_a_bookmark_lead_to_the_session(
     assert "token" not in _address(page)
 
 
-def test_an_address_that_leads_nowhere_is_told_and_corrected(visit: tuple[Page, Keypose]) -> None:
+def test_an_address_that_leads_nowhere_is_reported_and_corrected(
+    visit: tuple[Page, Keypose],
+) -> None:
     page, keypose = visit
     page.goto(f"{keypose.origin}/?session={'0' * 16}")
     page.get_by_text("This session no longer exists.").wait_for()
@@ -112,7 +114,7 @@ def test_a_tab_returns_to_its_session_at_another_keypose_of_the_workspace_with_i
     assert code == 0, words
 
 
-def test_a_silent_server_is_told_and_what_was_done_meanwhile_arrives_once(
+def test_a_silent_server_is_reported_and_what_was_done_meanwhile_arrives_once(
     browser: Browser, tmp_path: Path, workspace: tuple[str, str]
 ) -> None:
     session = tmp_path / "person" / "session.json"

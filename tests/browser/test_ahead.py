@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import screens, section, until
+from tests.browser.interaction import screens, section, until
 from tests.browser.shared import Desk, desk
 
 

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from keypose.tracker.geometry.rotations import Array
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 from tests.browser.shared import Desk, desk
 
 LIMIT_PX = 0.5

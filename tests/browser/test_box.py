@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     drag,
     screens,
@@ -17,7 +17,7 @@ from tests.browser.hands import (
     settled,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -155,7 +155,7 @@ def banner(page: Page) -> Locator:
     return page.locator("#mdraft")
 
 
-def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None:
+def test_a_draft_is_reported_of_shown_on_the_timeline_and_undone(page: Page) -> None:
     page.evaluate("async () => (await import('/static/guide/guide.js')).openGuide()")
     page.locator(".coach").wait_for()
     draw(page, 310, 10, 520, 350)
@@ -175,16 +175,16 @@ def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None
     page.locator("#tsvg .plate", has_text=f"Go to {frames[1]}").wait_for()
     page.mouse.down()
     page.mouse.up()
-    until_told(page, "view.frame", lambda frame: frame == frames[1])
+    until_state(page, "view.frame", lambda frame: frame == frames[1])
     banner(page).get_by_role("button", name="to confirm").click()
     page.get_by_role("region", name="Review").wait_for()
     page.keyboard.press("Escape")
     listed = page.get_by_role("group", name="Places to confirm").get_by_role("button")
     until(lambda: listed.count() == len(frames), "the places, back in the panel the review covered")
     listed.nth(0).click()
-    until_told(page, "view.frame", lambda frame: frame == frames[0])
+    until_state(page, "view.frame", lambda frame: frame == frames[0])
     page.keyboard.press("n")
-    until_told(page, "view.frame", lambda frame: frame == frames[1])
+    until_state(page, "view.frame", lambda frame: frame == frames[1])
 
     page.keyboard.press("k")
     until_counted(page, "#tsvg .place", len(frames) - 1)
@@ -192,6 +192,6 @@ def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None
     screens(page, "draft-2-confirmed")
     page.keyboard.press("Control+z")
     banner(page).get_by_role("button", name="Undo draft").click()
-    until_told(page, "draft", lambda draft: draft is None)
+    until_state(page, "draft", lambda draft: draft is None)
     until_counted(page, "#tsvg .drafted", 0)
     until(lambda: banner(page).count() == 0, "the banner to go")

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     answered,
     drag,
@@ -16,7 +16,7 @@ from tests.browser.hands import (
     section,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -85,7 +85,7 @@ def test_corners_dragged_one_after_another_stay_where_they_were_put(
     until(lambda: placed(page) == seen[:2], "two corners")
     for known in seen[:2]:
         until(lambda i=known: is_at(page, i, spots[i]), f"corner {known} where it was put")
-    until_told(page, "undo.undo", lambda label: label == "move a corner of box")
+    until_state(page, "undo.undo", lambda label: label == "move a corner of box")
 
 
 def test_alt_lets_go_of_the_other_corners(page: Page, shared: Desk) -> None:

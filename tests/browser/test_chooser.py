@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 from tests.browser.shared import let_in
 
 SAMPLES = ROOT / "sample_videos"

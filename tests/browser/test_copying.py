@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import section, until, until_told
+from tests.browser.interaction import section, until, until_state
 from tests.browser.shared import Desk, desk
 
 KEYS = [0, 24, 48, 72]
@@ -43,7 +43,7 @@ def _copied(page: Page, keys: list[int]) -> str:
 
 def _go(desk: Desk, frame: int) -> None:
     desk.visitor.do(do="go", frame=frame)
-    until_told(desk.page, "view.frame", lambda now: now == frame)
+    until_state(desk.page, "view.frame", lambda now: now == frame)
 
 
 def test_keyframes_are_copied_as_text_and_pasted_from_the_playhead_on(at: Desk) -> None:
@@ -52,7 +52,7 @@ def test_keyframes_are_copied_as_text_and_pasted_from_the_playhead_on(at: Desk) 
     assert [key["after"] for key in json.loads(text)["keys"]] == [0, 24]
     _go(at, 30)
     page.keyboard.press("Control+v")
-    until_told(page, "keys.frames", lambda now: now == [0, 24, 30, 48, 54, 72])
+    until_state(page, "keys.frames", lambda now: now == [0, 24, 30, 48, 54, 72])
     until(lambda: page.evaluate("() => window.keypose.ui.timeKeys") == [30, 54], "the pasted ones")
     assert at.agreed("undo")["undo"] == "paste 2 keyframes"
 
@@ -66,7 +66,7 @@ def test_the_text_of_another_session_is_taken_and_any_other_text_is_not(at: Desk
     page.get_by_text("The clipboard holds no pose or keyframes.").wait_for()
     page.evaluate("(text) => navigator.clipboard.writeText(text)", text)
     page.keyboard.press("Control+v")
-    until_told(page, "keys.drafts", lambda now: now == [30])
+    until_state(page, "keys.drafts", lambda now: now == [30])
 
 
 def test_shift_v_pastes_onto_the_body_here(at: Desk) -> None:
@@ -76,7 +76,7 @@ def test_shift_v_pastes_onto_the_body_here(at: Desk) -> None:
     root = at.agreed("pose")["root"]
     angles = section(page, "pose.angles.left_thigh")
     page.keyboard.press("Shift+V")
-    until_told(page, "pose.angles.left_thigh", lambda now: now != angles)
+    until_state(page, "pose.angles.left_thigh", lambda now: now != angles)
     assert at.agreed("pose")["root"] == root
 
 
@@ -88,5 +88,5 @@ def test_what_is_in_the_way_is_replaced_only_with_its_button(at: Desk) -> None:
     page.get_by_text("Frames 24 and 48 are already keyframes.").wait_for()
     assert at.agreed("undo")["undo"] is None
     page.get_by_role("button", name="Replace them").click()
-    until_told(page, "undo.undo", lambda step: step == "paste 2 keyframes")
+    until_state(page, "undo.undo", lambda step: step == "paste 2 keyframes")
     assert at.agreed("keys")["frames"] == KEYS

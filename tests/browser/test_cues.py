@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import screen, screens, section, until, until_told
+from tests.browser.interaction import screen, screens, section, until, until_state
 from tests.browser.shared import Desk, desk, let_in, opened
 
 SIZE = (1440, 900)
@@ -40,12 +40,12 @@ def test_a_cue_is_switched_off_by_mouse_or_keyboard_and_undone(at: Desk) -> None
     page = at.page
     screen(page, "cues-1-both")
     cue(page, "Keypoints").click()
-    until_told(page, "settings.cues", lambda cues: cues == ["brightness"])
+    until_state(page, "settings.cues", lambda cues: cues == ["brightness"])
     page.keyboard.press("Control+z")
-    until_told(page, "settings.cues", lambda cues: cues == ["brightness", "keypoints"])
+    until_state(page, "settings.cues", lambda cues: cues == ["brightness", "keypoints"])
     cue(page, "Brightness").focus()
     page.keyboard.press("Enter")
-    until_told(page, "settings.cues", lambda cues: cues == ["keypoints"])
+    until_state(page, "settings.cues", lambda cues: cues == ["keypoints"])
     at.agreed("undo")
     at.visitor.do(do="undo")
     at.agreed("settings")
@@ -54,7 +54,7 @@ def test_a_cue_is_switched_off_by_mouse_or_keyboard_and_undone(at: Desk) -> None
 def test_the_last_cue_stays_on_and_says_why(at: Desk) -> None:
     page = at.page
     cue(page, "Keypoints").click()
-    until_told(page, "settings.cues", lambda cues: cues == ["brightness"])
+    until_state(page, "settings.cues", lambda cues: cues == ["brightness"])
     last = cue(page, "Brightness")
     until(lambda: last.get_attribute("aria-disabled") == "true", "the last cue")
     assert last.get_attribute("title") == "At least one cue stays on"

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import screen, until, until_told
+from tests.browser.interaction import screen, until, until_state
 from tests.tracker.video_cases import flip_bit
 
 DAMAGED = "Frames 31–47 are damaged in the file and are not used for tracking."
@@ -27,7 +27,7 @@ def sample(sample: Path) -> Path:
 
 
 def test_damaged_frames_are_hatched_and_said_to_be_damaged(page: Page, keypose: Keypose) -> None:
-    until_told(page, "damage", lambda runs: runs == [[31, 47]])
+    until_state(page, "damage", lambda runs: runs == [[31, 47]])
     hatched = page.locator("#tsvg .damaged")
     until(lambda: hatched.count() == 1, "hatched")
     assert hatched.locator("title").text_content() == DAMAGED

@@ -15,9 +15,9 @@ from playwright.sync_api import Browser, BrowserContext, Page
 
 from keypose.app.scene.viser_compat import SUBPROTOCOL
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor, family
-from tests.browser.cable import Cable, cable
-from tests.browser.foreigner import Foreigner, foreigner
-from tests.browser.hands import section
+from tests.browser.interaction import section
+from tests.browser.other_site import OtherSite, other_site
+from tests.browser.proxy import Proxy, proxy
 from tests.browser.shared import let_in, opened, served
 
 ATTEMPTS = """
@@ -89,7 +89,7 @@ class Doors:
     session: Path
     context: BrowserContext
     page: Page
-    foreigner: Foreigner
+    other_site: OtherSite
     visitor: Visitor
 
     def known(self) -> dict[str, Any]:
@@ -108,7 +108,7 @@ class Doors:
 def doors(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Doors]:
     folder = tmp_path_factory.mktemp("doors")
     with (
-        foreigner() as other,
+        other_site() as other,
         served(folder) as (keypose, session),
         let_in(browser, drawn=False) as context,
     ):
@@ -165,7 +165,7 @@ def test_the_page_itself_is_let_in(doors: Doors) -> None:
 def test_a_page_of_another_server_on_this_computer_is_refused(
     doors: Doors, home: str, target: str
 ) -> None:
-    hostile = visiting(doors.context, f"http://{home}:{doors.foreigner.port}/")
+    hostile = visiting(doors.context, f"http://{home}:{doors.other_site.port}/")
     origin = doors.keypose.origin.replace("127.0.0.1", target)
     assert all_refused(hostile.evaluate(ATTEMPTS, [origin, None]))
     assert cannot_frame(hostile, origin)
@@ -173,17 +173,17 @@ def test_a_page_of_another_server_on_this_computer_is_refused(
 
 
 @pytest.fixture(scope="module")
-def far(browser: Browser, doors: Doors) -> Iterator[tuple[BrowserContext, Cable]]:
+def far(browser: Browser, doors: Doors) -> Iterator[tuple[BrowserContext, Proxy]]:
     """A browser that was let in, too, whose names lead where they are told."""
-    with cable() as laid, let_in(browser, drawn=False, proxy={"server": laid.address}) as context:
+    with proxy() as laid, let_in(browser, drawn=False, proxy={"server": laid.address}) as context:
         opened(context, doors.keypose).close()
         yield context, laid
 
 
 @pytest.mark.usefixtures("untouched")
-def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext, Cable]) -> None:
+def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext, Proxy]) -> None:
     context, laid = far
-    laid.lead("attacker.test", f"127.0.0.1:{doors.foreigner.port}")
+    laid.lead("attacker.test", f"127.0.0.1:{doors.other_site.port}")
     hostile = visiting(context, "http://attacker.test/")
     assert all_refused(hostile.evaluate(ATTEMPTS, [doors.keypose.origin, None]))
     assert cannot_frame(hostile, doors.keypose.origin)
@@ -192,11 +192,11 @@ def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext
 
 @pytest.mark.usefixtures("untouched")
 def test_a_name_that_suddenly_leads_here_is_refused(
-    doors: Doors, far: tuple[BrowserContext, Cable]
+    doors: Doors, far: tuple[BrowserContext, Proxy]
 ) -> None:
     context, laid = far
     host = f"attacker.test:{doors.keypose.port}"
-    laid.lead(host, f"127.0.0.1:{doors.foreigner.port}")
+    laid.lead(host, f"127.0.0.1:{doors.other_site.port}")
     hostile = visiting(context, f"http://{host}/")
     laid.lead(host, doors.keypose.host)
     words = "The request names another host than this server.\n"
@@ -218,10 +218,14 @@ def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) 
     origin = doors.keypose.origin
     with let_in(browser, drawn=True) as stranger:
         page = stranger.new_page()
-        for path, told in (("/", words[0]), ("/view/main", words[0]), ("/?token=guess", words[1])):
+        for path, reported in (
+            ("/", words[0]),
+            ("/view/main", words[0]),
+            ("/?token=guess", words[1]),
+        ):
             answer = page.goto(origin + path)
             assert answer is not None
-            assert (answer.status, answer.text()) == (403, told)
+            assert (answer.status, answer.text()) == (403, reported)
         assert stranger.cookies() == []
         stranger.route(origin + "/", lambda route: route.fulfill(body="<!doctype html>"))
         page.goto(origin + "/")
@@ -233,15 +237,15 @@ def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) 
 def test_an_address_that_names_another_socket_is_refused(
     browser: Browser, doors: Doors, path: str
 ) -> None:
-    doors.foreigner.visits.clear()
-    evil = f"ws://127.0.0.1:{doors.foreigner.port}{path}"
+    doors.other_site.visits.clear()
+    evil = f"ws://127.0.0.1:{doors.other_site.port}{path}"
     with let_in(browser, drawn=True) as context:
         page = visiting(context, doors.keypose.address)
         answer = page.goto(f"{doors.keypose.origin}{path}?websocket={evil}")
         assert answer is not None
         assert answer.status == 403
         assert page.locator("script").count() == 0
-    assert doors.foreigner.visits == []
+    assert doors.other_site.visits == []
 
 
 FORGED: tuple[tuple[Any, str], ...] = (
@@ -277,11 +281,11 @@ def test_forged_values_are_refused_in_words(doors: Doors) -> None:
         messages.append(json.dumps(numbered))
     messages.append(json.dumps({"do": "end_stroke", "stroke": "-", "n": len(messages) + 1}))
     address = f"ws://{doors.keypose.host}/events"
-    code, told = doors.page.evaluate(SPEAK, [address, messages])
+    code, reported = doors.page.evaluate(SPEAK, [address, messages])
     assert code == 1005  # closed by us, when all was dealt with
     expected = [words for message, words in FORGED if message not in _BY_NOTE]
-    assert len(told) == len(expected)
-    for sentence, words in zip(told, expected, strict=True):
+    assert len(reported) == len(expected)
+    for sentence, words in zip(reported, expected, strict=True):
         assert words in sentence
         assert sentence.endswith(".")
 
@@ -327,7 +331,7 @@ def test_what_is_no_message_ends_its_own_line_at_most(doors: Doors, what: str) -
 
 @pytest.mark.usefixtures("untouched")
 def test_nothing_that_is_said_to_a_view_reaches_viser(doors: Doors) -> None:
-    heard = doors.page.evaluate(
+    received = doors.page.evaluate(
         """
         ([address, viser]) => new Promise((done) => {
           const socket = new WebSocket(address, viser);
@@ -346,8 +350,8 @@ def test_nothing_that_is_said_to_a_view_reaches_viser(doors: Doors) -> None:
         """,
         [f"ws://{doors.keypose.host}/view/main", SUBPROTOCOL],
     )
-    assert isinstance(heard, int)
-    assert heard > 0
+    assert isinstance(received, int)
+    assert received > 0
     for path, kinds in (("/view/tail", [SUBPROTOCOL]), ("/view/main", ["viser-v0.2"])):
         refused = doors.page.evaluate(
             """

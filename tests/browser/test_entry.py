@@ -13,8 +13,8 @@ from websockets.sync.client import connect
 from keypose.app.server.addresses import reachable
 from tests.app.server.test_links import started_with, status
 from tests.app.serving import Keypose, Visitor
-from tests.browser.foreigner import foreigner
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
+from tests.browser.other_site import other_site
 from tests.browser.shared import let_in, opened
 
 READY = "html[data-ready]"
@@ -32,15 +32,17 @@ def secrets_seen(page: Page) -> list[str]:
 def test_a_browser_that_is_started_with_the_file_gets_the_page_without_a_token(
     browser: Browser, tmp_path: Path
 ) -> None:
-    told = tmp_path / "arguments"
+    reported = tmp_path / "arguments"
     script = tmp_path / "browser"
-    script.write_text(f'#!/bin/sh\nprintf "%s" "$*" > {told}.part\nmv {told}.part {told}\n')
+    script.write_text(
+        f'#!/bin/sh\nprintf "%s" "$*" > {reported}.part\nmv {reported}.part {reported}\n'
+    )
     script.chmod(0o700)
     with (
         Keypose("--workspace", str(tmp_path / "work"), browser=f"{script} %s &") as keypose,
         let_in(browser, drawn=False) as context,
     ):
-        address = started_with(told)
+        address = started_with(reported)
         page = context.new_page()
         page.goto(address)
         page.wait_for_selector(READY, state="attached")
@@ -65,7 +67,7 @@ def test_another_server_on_this_computer_gets_the_cookie_and_can_do_nothing_with
 ) -> None:
     with (
         Keypose("--workspace", str(tmp_path)) as keypose,
-        foreigner() as other,
+        other_site() as other,
         let_in(browser, drawn=False) as context,
     ):
         page = context.new_page()

@@ -14,7 +14,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import (
+from tests.browser.interaction import (
     answered,
     between,
     faded,
@@ -25,12 +25,12 @@ from tests.browser.hands import (
     themed,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
+from tests.browser.random_states import RandomStates
 from tests.browser.shared import Desk, desk, let_in, opened
 from tests.browser.test_guide import button, title
 from tests.browser.test_lens import new_film
-from tests.browser.weather import Weather
 
 AXE = ROOT / "tests" / "page" / "node_modules" / "axe-core" / "axe.min.js"
 SET_UP = (Path(__file__).parent / "steady.js").read_text()
@@ -104,9 +104,9 @@ def list_of_choices(at: Desk) -> None:
 
 
 def running(at: Desk) -> None:
-    weather = Weather(at.page, 3)
+    states = RandomStates(at.page, 3)
     for _ in range(4):
-        at.page.evaluate("(news) => window.steady.feed(news)", weather.next())
+        at.page.evaluate("(news) => window.steady.feed(news)", states.next())
 
 
 def selected(at: Desk) -> None:
@@ -240,7 +240,7 @@ ALWAYS = (
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
-def test_in_forced_colours_what_colour_tells_is_seen(
+def test_in_forced_colours_what_colour_gives_is_seen(
     browser: Browser, shared: Desk, scheme: Any
 ) -> None:
     shared.fresh()
@@ -388,7 +388,7 @@ def test_a_first_pose_is_made_and_tracked_with_the_keyboard_alone(
 ) -> None:
     with new_film(browser, tmp_path) as page:
         page.keyboard.press("1")  # a phone's lens
-        until_told(page, "camera.lens_source", lambda source: source == "person")
+        until_state(page, "camera.lens_source", lambda source: source == "person")
         page.keyboard.press("Enter")
         until(lambda: title(page) == "Draw a box around the person", "the person")
         focus(page, "Pose by hand instead")
@@ -400,22 +400,22 @@ def test_a_first_pose_is_made_and_tracked_with_the_keyboard_alone(
         typed(page, "5", "pose.root", lambda root: abs(root[2] - 5) < 0.01)
         page.keyboard.press("Escape")
         page.keyboard.press("]")
-        until_told(page, "view.selected", lambda part: part != "waist")
+        until_state(page, "view.selected", lambda part: part != "waist")
         focus(page, "Bend")
         bend = section(page, "pose.angles")
         page.keyboard.press("ArrowRight")
-        until_told(page, "pose.angles", lambda angles: angles != bend)
-        until_told(page, "pose.stroke", lambda stroke: stroke is None)  # else Esc would cancel it
+        until_state(page, "pose.angles", lambda angles: angles != bend)
+        until_state(page, "pose.stroke", lambda stroke: stroke is None)  # else Esc would cancel it
         page.keyboard.press("Escape")
         page.keyboard.press("k")
-        until_told(page, "keys.frames", lambda frames: frames == [0])
+        until_state(page, "keys.frames", lambda frames: frames == [0])
         for _ in range(2):
             page.keyboard.press("Shift+ArrowRight")
-        until_told(page, "view.frame", lambda frame: frame == 20)
+        until_state(page, "view.frame", lambda frame: frame == 20)
         page.keyboard.press("k")
-        until_told(page, "keys.frames", lambda frames: frames == [0, 20])
+        until_state(page, "keys.frames", lambda frames: frames == [0, 20])
         page.keyboard.press("t")
-        until_told(page, "job.state", lambda state: state == "done")
+        until_state(page, "job.state", lambda state: state == "done")
         until_counted(page, "#tsvg .playhead", 1)
         page.keyboard.press("n")
         answered(page)
@@ -427,4 +427,4 @@ def typed(page: Page, value: str, path: str, wanted: Callable[[Any], bool]) -> N
     page.keyboard.press("Control+a")
     page.keyboard.type(value)
     page.keyboard.press("Enter")
-    until_told(page, path, wanted)
+    until_state(page, path, wanted)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator
 
-from tests.browser.hands import until
+from tests.browser.interaction import until
 from tests.browser.shared import Desk, desk
 
 

@@ -12,7 +12,7 @@ from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_t
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT
-from tests.browser.hands import (
+from tests.browser.interaction import (
     answered,
     drag,
     screen,
@@ -21,7 +21,7 @@ from tests.browser.hands import (
     themed,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -42,7 +42,7 @@ def at(shared: Desk) -> Desk:
     """The page as if it had just been opened, at a frame with a keyframe."""
     shared.fresh()
     shared.visitor.do(do="go", frame=FRAME)
-    until_told(shared.page, "view.frame", lambda frame: frame == FRAME)
+    until_state(shared.page, "view.frame", lambda frame: frame == FRAME)
     return shared
 
 
@@ -62,8 +62,8 @@ def error_px(desk: Desk) -> float:
     with np.load(ROOT / "sample_videos" / "person" / "truth.npz") as truth:
         pose = Pose(truth["Rs_parent_part"][FRAME], truth["ps_camera_root"][FRAME])
     true = joint_positions(skeleton, pose_transforms(skeleton, pose))
-    told = desk.served["pose"]["points"]
-    here = np.array([told[name] for name in joint_names(skeleton)])
+    reported = desk.served["pose"]["points"]
+    here = np.array([reported[name] for name in joint_names(skeleton)])
     uv = (session.camera.project(points) for points in (here, true))
     return float(np.linalg.norm(np.subtract(*uv), axis=-1).mean())
 
@@ -77,7 +77,7 @@ def shin_cm(desk: Desk) -> float:
 
 def fitted(page: Page) -> None:
     """Wait for the card that tells what a fit did."""
-    until_told(page, "fit", bool)
+    until_state(page, "fit", bool)
     until_counted(page, ".fitcard", 1)
 
 
@@ -85,7 +85,7 @@ def held_before(page: Page, name: str) -> None:
     """Hold the card's button, look, and let go."""
     page.locator(".fitcard .before").hover()
     page.mouse.down()
-    until_told(page, "fit.looking_back", bool)
+    until_state(page, "fit.looking_back", bool)
     page.get_by_text("Before the fit").wait_for()
     screen(page, name)
 
@@ -102,7 +102,7 @@ def test_f_lays_a_keyframe_onto_what_the_picture_shows(at: Desk) -> None:
     assert section(page, "undo.undo") == "fit the pose"
     screen(page, "fit-1-card")
     held_before(page, "fit-2-before")
-    until_told(page, "pose.points", lambda points: points == root["points"])
+    until_state(page, "pose.points", lambda points: points == root["points"])
     page.mouse.up()
     until(lambda: section(page, "pose.points") == after["points"], "what was fitted")
     page.keyboard.press("Control+z")
@@ -157,7 +157,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     before = at.agreed("body")
     page.get_by_role("tab", name="Body").click()
     page.get_by_role("button", name="Fit sizes").click()
-    until_told(page, "sizes_preview", bool)
+    until_state(page, "sizes_preview", bool)
     page.get_by_text("Preview of new sizes").wait_for()
     page.get_by_text("New sizes fit better.").wait_for()
     screen(page, "fit-3-sizes")
@@ -165,7 +165,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     assert section(page, "sizes_preview.turns")
     if section(page, "sizes_preview.choice"):
         adjust.click()
-    until_told(page, "sizes_preview.poses", bool)
+    until_state(page, "sizes_preview.poses", bool)
     assert abs(shin_cm(at) - true_cm) < 1.5
     after = at.agreed("body")
     page.get_by_role("button", name="Show", exact=True).click()
@@ -176,7 +176,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     page.keyboard.up("b")
     until(lambda: section(page, "body") == after, "the new sizes")
     page.keyboard.press("Enter")
-    until_told(page, "sizes_preview", lambda preview: preview is None)
+    until_state(page, "sizes_preview", lambda preview: preview is None)
     assert at.agreed("undo")["undo"] == "fit the sizes"
     assert at.agreed("body") == after
     page.keyboard.press("Control+z")
@@ -189,9 +189,9 @@ def test_new_sizes_that_are_discarded_with_esc_change_nothing(at: Desk) -> None:
     before = at.agreed("body")
     page.get_by_role("tab", name="Body").click()
     page.get_by_role("button", name="Fit sizes").click()
-    until_told(page, "sizes_preview", bool)
+    until_state(page, "sizes_preview", bool)
     page.keyboard.press("Escape")
-    until_told(page, "sizes_preview", lambda preview: preview is None)
+    until_state(page, "sizes_preview", lambda preview: preview is None)
     assert at.agreed("body") == before
     page.get_by_role("button", name="Fit sizes").wait_for()
 
@@ -204,12 +204,12 @@ def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> 
     assert "Import a motion first" in (imported.get_attribute("title") or "")
     screen(page, "fit-6-start")
     page.get_by_role("option", name="Templates").click()
-    until_told(page, "settings.initial", lambda start: start == "templates")
+    until_state(page, "settings.initial", lambda start: start == "templates")
     page.get_by_role("checkbox", name="Hands").click()
     hands = ["left_hand", "right_hand"]
-    until_told(page, "settings.left_out", lambda names: sorted(names) == hands)
+    until_state(page, "settings.left_out", lambda names: sorted(names) == hands)
     screen(page, "fit-7-left-out")
-    until_told(page, "saved.state", lambda state: state == "saved")
+    until_state(page, "saved.state", lambda state: state == "saved")
     settings = load_session(at.session).settings
     assert settings.initial == "templates"
     assert sorted(settings.left_out) == hands
@@ -222,16 +222,16 @@ def test_tracking_waits_for_a_fit_and_goes_on_after_it(at: Desk) -> None:
     page = at.page
     disturbed(at)
     page.keyboard.press("t")
-    until_told(page, "segments", lambda all: any(s["state"] == "tracking" for s in all))
+    until_state(page, "segments", lambda all: any(s["state"] == "tracking" for s in all))
     with at.keypose.workers_stopped():  # else the fit may be done before it is seen
         page.keyboard.press("f")
-        until_told(page, "job.kind", lambda kind: kind == "fit")
+        until_state(page, "job.kind", lambda kind: kind == "fit")
         screen(page, "fit-8-while-tracking")
     fitted(page)
     themed(page, "light")
     screen(page, "fit-9-after-light")
     themed(page, "dark")
-    until_told(page, "job.state", lambda state: state == "done")
+    until_state(page, "job.state", lambda state: state == "done")
     assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
 
 
@@ -242,11 +242,11 @@ def test_a_drag_that_begins_at_once_wins_over_the_fit(at: Desk) -> None:
     end = (start[0] + 30, start[1] - 20)
     with at.keypose.workers_stopped():  # else the fit may be done before the drag begins
         page.keyboard.press("f")
-        until_told(page, "job.kind", lambda kind: kind == "fit")
+        until_state(page, "job.kind", lambda kind: kind == "fit")
         drag(page, start, end)
         answered(page)
     page.get_by_text("Fit cancelled because the pose changed").wait_for()
     assert section(page, "undo.undo") == "move left hand"
-    until_told(page, "job.state", lambda state: state == "idle")
+    until_state(page, "job.state", lambda state: state == "idle")
     np.testing.assert_allclose(spot(page, "left_hand"), end, atol=1.5)
     assert section(page, "fit") is None

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import section, until, until_counted, until_told
+from tests.browser.interaction import section, until, until_counted, until_state
 from tests.browser.shared import let_in, opened, served
 
 
@@ -30,7 +30,7 @@ def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
     visitor.leave()
     with let_in(browser, drawn=False) as context:
         tab = opened(context, keypose)
-        until_told(tab, "view.frame", lambda frame: frame == 0)
+        until_state(tab, "view.frame", lambda frame: frame == 0)
         tab.keyboard.press("6")
         tab.wait_for_selector("#free .floor path", state="attached")
         yield tab

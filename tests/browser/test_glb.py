@@ -19,7 +19,7 @@ from keypose.tracker.formats.floor_world import floor_from_camera
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import apply_transform, rotation_between
-from tests.browser.hands import PICTURES, SCREENS
+from tests.browser.interaction import PICTURES, SCREENS
 from tests.tracker.formats import recordings
 
 SIZE = (640, 360)
@@ -83,9 +83,9 @@ def stage(browser: Browser, made: Recording) -> Iterator[Page]:
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.add_script_tag(content=three_js())
-    told = page.evaluate(STAGE, base64.b64encode(content).decode())
-    assert told["seconds"] == pytest.approx(made.times_s[-1], abs=1e-5)
-    assert told["aspect"] == pytest.approx(SIZE[0] / SIZE[1], rel=1e-3)
+    reported = page.evaluate(STAGE, base64.b64encode(content).decode())
+    assert reported["seconds"] == pytest.approx(made.times_s[-1], abs=1e-5)
+    assert reported["aspect"] == pytest.approx(SIZE[0] / SIZE[1], rel=1e-3)
     yield page
     context.close()
     assert not complaints, complaints

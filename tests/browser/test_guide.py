@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import answered, drag, section, settled, spot, until, until_told
+from tests.browser.interaction import answered, drag, section, settled, spot, until, until_state
 from tests.browser.shared import Desk, desk
 from tests.browser.test_surface import SAMPLE, arms
 
@@ -25,19 +25,12 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 
 
 @pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
-
-
-@pytest.fixture
 def guided(at: Desk) -> Page:
     """The guide opened from the help, on a keyframe that stands."""
     page = at.page
     page.keyboard.press("?")
     page.get_by_text("Show the first-pose guide").click()
-    until_told(page, "guide.done", lambda done: not any(done.values()))
+    until_state(page, "guide.done", lambda done: not any(done.values()))
     until(lambda: title(page) == "Drag the waist onto the hips", "the first step")
     return page
 
@@ -84,19 +77,19 @@ def test_the_guide_begins_anew_although_keyframes_stand(guided: Page) -> None:
 def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
     x, y = spot(guided, "waist")
     drag(guided, (x, y), (x + 9, y), drop=False)
-    until_told(guided, "pose.stroke", lambda stroke: stroke is not None)
+    until_state(guided, "pose.stroke", lambda stroke: stroke is not None)
     guided.wait_for_timeout(1200)
     assert title(guided) == "Drag the waist onto the hips"
     assert not section(guided, "guide.done")["hips"]
     guided.mouse.up()
-    until_told(guided, "guide.done", lambda done: done["hips"])
+    until_state(guided, "guide.done", lambda done: done["hips"])
     until(lambda: title(guided) == "Match the person’s size", "the next step")
 
 
 def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
     x, y = spot(guided, "waist")
     drag(guided, (x, y), (x + 9, y), drop=False)
-    until_told(guided, "pose.stroke", lambda stroke: stroke is not None)
+    until_state(guided, "pose.stroke", lambda stroke: stroke is not None)
     guided.keyboard.press("Escape")
     guided.mouse.up()
     assert not at.agreed("guide")["done"]["hips"]
@@ -113,8 +106,8 @@ def test_the_guide_closes_when_a_session_is_opened_that_has_keyframes(
         until(lambda: page.locator("#guide h3").count(), "the guide")
         before = section(page, "file.path")
         own.visitor.do(do="open", kind="sample", id="box")
-        until_told(page, "file", lambda file: file and file["path"] != before)
-        until_told(page, "guide.first", lambda first: first is False)
+        until_state(page, "file", lambda file: file and file["path"] != before)
+        until_state(page, "guide.first", lambda first: first is False)
         until(lambda: not page.locator("#guide h3").count(), "the guide gone")
 
 
@@ -156,7 +149,7 @@ def test_the_waist_is_taken_up_where_the_body_leans_wrongly(at: Desk, guided: Pa
     up_to(guided, "Check from the side")
     at.visitor.do(do="select", part="left_shin")
     button(guided, "Rotate the waist").click()
-    until_told(guided, "view.selected", lambda part: part == "waist")
+    until_state(guided, "view.selected", lambda part: part == "waist")
     guided.locator("[data-view=side] [data-ring=x]").wait_for(state="attached")
 
 
@@ -200,7 +193,7 @@ def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
     assert box is not None
     middle = box["x"] + box["width"] / 2
     drag(guided, (middle, box["y"] + 40), (middle + 9, box["y"] + box["height"] - 60))
-    until_told(guided, "camera.up_origin", lambda origin: origin == "drawn")
+    until_state(guided, "camera.up_origin", lambda origin: origin == "drawn")
     until(lambda: guided.evaluate("() => window.keypose.ui.tool") == "rotate", "the tool before")
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
 
@@ -284,6 +277,6 @@ def test_what_delete_takes_away_its_message_brings_back(at: Desk) -> None:
             page.keyboard.press("Delete")
         else:
             in_bar.click()
-        until_told(page, "keys.frames", lambda frames: frames == [24, 48, 72])
+        until_state(page, "keys.frames", lambda frames: frames == [24, 48, 72])
         page.locator(".toast", has_text="Keyframe 0 deleted.").get_by_text("Undo").click()
-        until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+        until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])

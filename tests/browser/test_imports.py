@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Locator
 
 from keypose.tracker.body.skeleton import Skeleton
-from tests.browser.hands import until
+from tests.browser.interaction import until
 from tests.browser.shared import Desk, desk
 from tests.tracker.formats import recordings
 

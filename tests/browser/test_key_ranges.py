@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import Spot, drag, screen, section, settled, until, until_told
+from tests.browser.interaction import Spot, drag, screen, section, settled, until, until_state
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
@@ -61,14 +61,14 @@ def test_a_box_selects_and_esc_selects_none_while_the_playhead_stays(at: Desk) -
 def test_the_ruler_scrubs_as_ever(at: Desk) -> None:
     page = at.page
     drag(page, _spot(page, 10, -12), _spot(page, 40, -12))
-    until_told(page, "view.frame", lambda frame: frame == 40)
+    until_state(page, "view.frame", lambda frame: frame == 40)
     assert _chosen(page) == []
 
 
 def test_shift_selects_a_range_and_ctrl_one_more_or_less(at: Desk) -> None:
     page = at.page
     page.mouse.click(*_spot(page, 24))
-    until_told(page, "view.frame", lambda frame: frame == 24)
+    until_state(page, "view.frame", lambda frame: frame == 24)
     page.keyboard.down("Shift")
     page.mouse.click(*_spot(page, 72))
     page.keyboard.up("Shift")
@@ -87,11 +87,11 @@ def test_one_that_is_dragged_takes_all_selected_along_as_one_step(at: Desk) -> N
     drag(page, _spot(page, 24), _spot(page, 30), drop=False)
     screen(page, "timeline-several-moved")
     page.mouse.up()
-    until_told(page, "keys.frames", lambda now: now == [0, 30, 54, 72])
+    until_state(page, "keys.frames", lambda now: now == [0, 30, 54, 72])
     until(lambda: _chosen(page) == [30, 54], "the same keyframes selected")
     assert at.agreed("undo")["undo"] == "move 2 keyframes"
     page.keyboard.press("Control+z")
-    until_told(page, "keys.frames", lambda now: now == KEYS)
+    until_state(page, "keys.frames", lambda now: now == KEYS)
     until(lambda: _chosen(page) == [24, 48], "what was selected before")
 
 
@@ -99,15 +99,15 @@ def test_keyframes_are_selected_without_a_mouse(at: Desk) -> None:
     page = at.page
     for key in ("Shift+S", ".", "Shift+S", "."):
         page.keyboard.press(key)
-    until_told(page, "view.frame", lambda frame: frame == 48)
+    until_state(page, "view.frame", lambda frame: frame == 48)
     assert _chosen(page) == [0, 24]
     page.keyboard.press("Shift+S")
     assert _chosen(page) == [0, 24, 48]
     page.keyboard.press("Delete")
-    until_told(page, "keys.frames", lambda now: now == [72])
+    until_state(page, "keys.frames", lambda now: now == [72])
 
 
-def test_others_in_the_way_are_told_and_nothing_moves(at: Desk) -> None:
+def test_others_in_the_way_are_reported_and_nothing_moves(at: Desk) -> None:
     page = at.page
     _box(page, 12, 60)
     drag(page, _spot(page, 24), _spot(page, 48), drop=False)
@@ -125,7 +125,7 @@ def test_the_end_of_a_selection_stretches_it(at: Desk) -> None:
     drag(page, (x + 10, y), (_spot(page, 64)[0] + 10, y), drop=False)
     screen(page, "timeline-stretched")
     page.mouse.up()
-    until_told(page, "keys.frames", lambda now: now == [0, 32, 64, 72])
+    until_state(page, "keys.frames", lambda now: now == [0, 32, 64, 72])
     assert at.agreed("undo")["undo"] == "stretch 3 keyframes"
 
 
@@ -135,12 +135,12 @@ def test_shift_drag_copies_and_delete_deletes_all_selected(at: Desk) -> None:
     page.keyboard.down("Shift")
     drag(page, _spot(page, 24), _spot(page, 30))
     page.keyboard.up("Shift")
-    until_told(page, "keys.frames", lambda now: now == [0, 24, 30, 48, 54, 72])
+    until_state(page, "keys.frames", lambda now: now == [0, 24, 30, 48, 54, 72])
     until(lambda: _chosen(page) == [30, 54], "the copies selected")
     page.keyboard.press("Delete")
-    until_told(page, "keys.frames", lambda now: now == KEYS)
+    until_state(page, "keys.frames", lambda now: now == KEYS)
     page.get_by_role("button", name="Undo", exact=True).last.click()
-    until_told(page, "keys.frames", lambda now: len(now) == 6)
+    until_state(page, "keys.frames", lambda now: len(now) == 6)
 
 
 def test_a_key_that_stays_down_moves_the_selection_as_one_step(at: Desk) -> None:
@@ -151,6 +151,6 @@ def test_a_key_that_stays_down_moves_the_selection_as_one_step(at: Desk) -> None
         page.keyboard.down("ArrowRight")
     page.keyboard.up("ArrowRight")
     page.keyboard.up("Control")
-    until_told(page, "keys.frames", lambda now: now == [0, 27, 51, 72])
+    until_state(page, "keys.frames", lambda now: now == [0, 27, 51, 72])
     page.keyboard.press("Control+z")
-    until_told(page, "keys.frames", lambda now: now == KEYS)
+    until_state(page, "keys.frames", lambda now: now == KEYS)

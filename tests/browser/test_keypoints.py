@@ -22,7 +22,7 @@ from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     answered,
     drag,
@@ -31,7 +31,7 @@ from tests.browser.hands import (
     settled,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import let_in, opened
 
@@ -74,7 +74,7 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         page.get_by_role("tab", name="Track").click()
         for _ in range(12):
             page.keyboard.press("ArrowRight")
-        until_told(page, "keypoints", lambda known: known is not None and known["frame"] == 12)
+        until_state(page, "keypoints", lambda known: known is not None and known["frame"] == 12)
         yield page
 
 
@@ -187,7 +187,7 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
         until_counted(page, "#insp .place", 1)  # what was to be confirmed is there after a restart
         screens(page, "keypoints-4-nobody")
         part.get_by_role("button", name="Draw a box at 15").click()
-        until_told(page, "view.frame", lambda frame: frame == 15)
+        until_state(page, "view.frame", lambda frame: frame == 15)
         assert page.evaluate("() => window.keypose.ui.draftRange") == [0, 30]
         part.get_by_role("button", name="Draft 31 frames").wait_for()
         screens(page, "keypoints-5-box-there")

@@ -12,7 +12,15 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import drag, screens, section, settled, until, until_counted, until_told
+from tests.browser.interaction import (
+    drag,
+    screens,
+    section,
+    settled,
+    until,
+    until_counted,
+    until_state,
+)
 from tests.browser.shared import let_in, opened
 
 FILM = ROOT / "sample_videos" / "person" / "person.mp4"
@@ -78,7 +86,7 @@ def test_a_film_that_says_nothing_begins_with_a_guess_that_a_key_replaces(page: 
     assert section(page, "camera.lens_is_guess")
     before = section(page, "camera.fx")
     page.keyboard.press("1")
-    camera = until_told(page, "camera", lambda camera: camera["fx"] < before)
+    camera = until_state(page, "camera", lambda camera: camera["fx"] < before)
     assert camera["lens_source"] == "person"
     assert not camera["lens_is_guess"]
     assert camera["focal_mm"] == pytest.approx(26)
@@ -91,18 +99,18 @@ def test_a_film_that_says_nothing_begins_with_a_guess_that_a_key_replaces(page: 
 
 def test_an_action_camera_bends_edges_and_another_one_does_not(page: Page) -> None:
     page.keyboard.press("5")
-    until_told(page, "camera.distortion", lambda values: values[0] < -0.1)
+    until_state(page, "camera.distortion", lambda values: values[0] < -0.1)
     page.keyboard.press("2")
-    until_told(page, "camera.distortion", lambda values: not any(values))
+    until_state(page, "camera.distortion", lambda values: not any(values))
     assert section(page, "camera.focal_mm") == pytest.approx(77)
 
 
 def test_the_wheel_on_the_slider_is_one_millimetre(page: Page) -> None:
     page.keyboard.press("1")
-    until_told(page, "camera.focal_mm", lambda mm: abs(mm - 26) < 1e-6)
+    until_state(page, "camera.focal_mm", lambda mm: abs(mm - 26) < 1e-6)
     page.locator("#guide slide-bar").hover()
     page.mouse.wheel(0, -100)
-    until_told(page, "camera.focal_mm", lambda mm: abs(mm - 27) < 1e-6)
+    until_state(page, "camera.focal_mm", lambda mm: abs(mm - 27) < 1e-6)
 
 
 def test_what_the_file_says_is_chosen_already_and_comes_back(
@@ -113,10 +121,10 @@ def test_what_the_file_says_is_chosen_already_and_comes_back(
         assert "26 mm, Google Pixel 7" in page.locator("#guide .filesays.good").inner_text()
         assert section(page, "camera.lens_source") == "file"
         kinds(page).nth(1).click()
-        until_told(page, "camera.lens_source", lambda source: source == "person")
+        until_state(page, "camera.lens_source", lambda source: source == "person")
         page.locator("#guide").get_by_text("File says 26 mm").wait_for()
         page.locator("#guide").get_by_role("button", name="Use").click()
-        until_told(page, "camera.lens_source", lambda source: source == "file")
+        until_state(page, "camera.lens_source", lambda source: source == "file")
         assert section(page, "camera.focal_mm") == pytest.approx(26)
         page.get_by_role("tab", name="Camera").click()
         page.locator("#insp").get_by_text("From the file: 26 mm, Google Pixel 7").wait_for()
@@ -125,7 +133,7 @@ def test_what_the_file_says_is_chosen_already_and_comes_back(
 def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(page: Page) -> None:
     page.keyboard.press("Enter")
     until(lambda: title(page) == "Draw a box around the person", "the next step")
-    until_told(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
+    until_state(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
     until(lambda: page.evaluate("() => window.keypose.ui.tool") == "box", "the tool")
     for wanted in ("Pose every frame", "Confirm the draft"):
         page.locator("#guide .foot .btn", has_text="Skip").click()
@@ -176,8 +184,8 @@ def test_of_a_thing_the_guide_leads_to_its_sizes_and_its_corners(page: Page) -> 
     page.keyboard.press("Enter")
     until(lambda: title(page) == "Draw a box around the person", "the next step")
     page.locator("#guide").get_by_role("button", name="Box", exact=True).click()
-    until_told(page, "body.name", lambda name: name == "box")
-    until_told(page, "view.selected", lambda part: part == "box")
+    until_state(page, "body.name", lambda name: name == "box")
+    until_state(page, "view.selected", lambda part: part == "box")
     until_counted(page, "#guide .coach", 0)
     until_counted(page, "#main .box-corner", 4)
     page.get_by_role("tab", name="Part", selected=True).wait_for()

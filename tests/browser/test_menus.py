@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import pytest
 from playwright.sync_api import Browser, Locator, Page, WebSocketRoute
 
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     screens,
     section,
@@ -17,7 +17,7 @@ from tests.browser.hands import (
     spot,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -28,13 +28,6 @@ SIZE = (1440, 900)
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("menus"), size=SIZE) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def _menu(page: Page) -> Locator:
@@ -82,12 +75,12 @@ def _on_ruler(page: Page, frame: int) -> Spot:
 def _noted(page: Page, frame: int, words: str) -> None:
     _search(page, str(frame))
     page.keyboard.press("Enter")
-    until_told(page, "view.frame", lambda now: now == frame)
+    until_state(page, "view.frame", lambda now: now == frame)
     page.keyboard.press("Shift+M")
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(words)
     page.keyboard.press("Enter")
-    until_told(page, "notes", lambda notes: {"frame": frame, "text": words} in notes)
+    until_state(page, "notes", lambda notes: {"frame": frame, "text": words} in notes)
 
 
 @dataclass
@@ -138,7 +131,7 @@ def test_a_menu_whose_place_is_known_late_does_not_open_over_what_is_done_meanwh
         held.let_through(page)
         if acts_meanwhile:  # what is told in answer to this comes after the replies
             page.keyboard.press("ArrowRight")
-            until_told(page, "view.frame", lambda frame: frame == 2)
+            until_state(page, "view.frame", lambda frame: frame == 2)
         until_counted(page, "#tmenu .menu", 0 if acts_meanwhile else 1)
     page.close()
 
@@ -170,7 +163,7 @@ def test_the_picture_has_a_menu_at_the_pointer_that_keys_alone_can_use(at: Desk)
     assert _focused(page) == "Copy pose"
     page.keyboard.press("Enter")
     _gone(page, "#tmenu .menu")
-    until_told(page, "clipboard", bool)
+    until_state(page, "clipboard", bool)
 
 
 def test_the_menu_of_a_part_is_about_that_part_by_mouse_and_by_key(at: Desk) -> None:
@@ -180,14 +173,14 @@ def test_the_menu_of_a_part_is_about_that_part_by_mouse_and_by_key(at: Desk) -> 
     assert "Pin here from this frame" in words
     assert page.locator("#tmenu .mi", has_text="Other side").get_attribute("aria-disabled") is None
     page.keyboard.press("Escape")
-    until_told(page, "view.selected", lambda part: part == "left_foot")
+    until_state(page, "view.selected", lambda part: part == "left_foot")
     page.keyboard.press("Shift+F10")
     _menu(page)
     assert _focused(page) == "Pin here from this frame"
     page.keyboard.press("o")
     assert _focused(page) == "Other side of the body"
     page.keyboard.press("Enter")
-    until_told(page, "view.selected", lambda part: part == "right_foot")
+    until_state(page, "view.selected", lambda part: part == "right_foot")
 
 
 def test_the_right_button_in_a_drag_cancels_it_and_opens_nothing(at: Desk) -> None:
@@ -197,11 +190,11 @@ def test_the_right_button_in_a_drag_cancels_it_and_opens_nothing(at: Desk) -> No
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 60, y - 40, steps=6)
-    until_told(page, "pose.points.left_hand", lambda there: there != before)
+    until_state(page, "pose.points.left_hand", lambda there: there != before)
     page.mouse.down(button="right")
     page.mouse.up()  # the left one first: some systems ask for the menu only after that
     page.mouse.up(button="right")
-    until_told(page, "pose.points.left_hand", lambda there: there == before)
+    until_state(page, "pose.points.left_hand", lambda there: there == before)
     settled(page)
     assert page.locator("#tmenu .menu").count() == 0
     assert at.agreed("undo")["undo"] is None
@@ -221,10 +214,10 @@ def test_commands_parts_and_frames_are_found_and_done(at: Desk) -> None:
     _gone(page, "#search[open]")
     assert (_search(page, "left forearm").text_content() or "").strip().startswith("Left forearm")
     page.keyboard.press("Enter")
-    until_told(page, "view.selected", lambda part: part == "left_forearm")
+    until_state(page, "view.selected", lambda part: part == "left_forearm")
     _search(page, "go to frame 37")
     page.keyboard.press("Enter")
-    until_told(page, "view.frame", lambda frame: frame == 37)
+    until_state(page, "view.frame", lambda frame: frame == 37)
     _search(page, "focal length")
     page.keyboard.press("Enter")
     until(lambda: page.evaluate("() => window.keypose.ui.tab") == "camera", "the lens")
@@ -242,7 +235,7 @@ def test_one_goes_to_any_step_of_the_history(at: Desk) -> None:
     visitor.do(do="set_note", frame=3, text="one")
     visitor.do(do="set_note", frame=7, text="two")
     visitor.do(do="delete_key", frame=24)
-    until_told(page, "history", lambda told: told["done"] == 3)
+    until_state(page, "history", lambda reported: reported["done"] == 3)
     page.locator("#top [aria-label^='Undo']").click(button="right")
     rows = page.locator("#top .menu.history .mi")
     until_counted(page, "#top .menu.history .mi", 4)
@@ -250,13 +243,13 @@ def test_one_goes_to_any_step_of_the_history(at: Desk) -> None:
     assert "Delete keyframe 24" in (rows.nth(0).text_content() or "")
     screens(page, "history")
     rows.nth(2).click()
-    until_told(page, "notes", lambda notes: [note["frame"] for note in notes] == [3])
+    until_state(page, "notes", lambda notes: [note["frame"] for note in notes] == [3])
     assert 24 in at.agreed("keys")["frames"]
     page.locator("#top [aria-label='History']").click()
     until_counted(page, "#top .menu.history .mi.undone", 2)
     screens(page, "history-back")
     rows.nth(0).click()
-    until_told(page, "keys.frames", lambda frames: 24 not in frames)
+    until_state(page, "keys.frames", lambda frames: 24 not in frames)
     assert at.agreed("history")["done"] == 3
 
 
@@ -266,23 +259,23 @@ def test_a_note_is_written_moved_gone_to_and_deleted(at: Desk) -> None:
     _noted(page, 60, "")
     page.locator("#mnote", has_text="Flag").wait_for()
     page.keyboard.press("Shift+H")
-    until_told(page, "view.frame", lambda frame: frame == 40)
+    until_state(page, "view.frame", lambda frame: frame == 40)
     page.locator("#mnote", has_text="The hand is hidden").wait_for()
     page.keyboard.press("Home")
-    until_told(page, "view.frame", lambda frame: frame == 0)
+    until_state(page, "view.frame", lambda frame: frame == 0)
     screens(page, "notes")
     page.mouse.move(*_on_ruler(page, 40))
     page.mouse.down()
     page.mouse.move(*_on_ruler(page, 50), steps=5)
     page.mouse.up()
-    until_told(page, "notes", lambda notes: [note["frame"] for note in notes] == [50, 60])
+    until_state(page, "notes", lambda notes: [note["frame"] for note in notes] == [50, 60])
     page.mouse.dblclick(*_on_ruler(page, 50))
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(" here")
     assert page.locator(".notecard textarea").input_value() == "The hand is hidden here"
     screens(page, "note-card")
     page.mouse.click(200, 150)  # elsewhere: what was written is kept
-    until_told(page, "notes[0].text", lambda text: text == "The hand is hidden here")
+    until_state(page, "notes[0].text", lambda text: text == "The hand is hidden here")
     page.keyboard.press("Shift+M")
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(" or not")
@@ -295,7 +288,7 @@ def test_a_note_is_written_moved_gone_to_and_deleted(at: Desk) -> None:
     page.mouse.click(*_on_ruler(page, 60), button="right")
     _menu(page)
     page.locator("#tmenu .mi", has_text="Delete note").click()
-    until_told(page, "notes", lambda notes: [note["frame"] for note in notes] == [50])
+    until_state(page, "notes", lambda notes: [note["frame"] for note in notes] == [50])
     assert section(page, "notes[0].text") == "The hand is hidden here"
     page.keyboard.press("Control+z")
-    until_told(page, "notes", lambda notes: len(notes) == 2)
+    until_state(page, "notes", lambda notes: len(notes) == 2)

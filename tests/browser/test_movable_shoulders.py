@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.hands import drag, screens, spot, until
+from tests.browser.interaction import drag, screens, spot, until
 from tests.browser.shared import Desk, desk
 
 

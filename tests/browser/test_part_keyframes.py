@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     answered,
     drag,
@@ -17,7 +17,7 @@ from tests.browser.hands import (
     settled,
     spot,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -28,13 +28,6 @@ SIZE = (1440, 900)
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("parts"), size=SIZE) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def _pull(page: Page, point: str, by: Spot) -> None:
@@ -59,13 +52,13 @@ def _keyed_arm(page: Page) -> int:
     frame = int((first + last) // 2)
     page.keyboard.press("Home")
     page.keyboard.press("/")
-    until_told(page, "pose.frame", lambda now: now == frame)
+    until_state(page, "pose.frame", lambda now: now == frame)
     settled(page)
     _pull(page, "right_hand", (24, -10))
     answered(page)
     assert section(page, "keys.drafts") == [frame]
     page.keyboard.press("Shift+K")
-    until_told(page, "keys.parts", lambda parts: [part["frame"] for part in parts] == [frame])
+    until_state(page, "keys.parts", lambda parts: [part["frame"] for part in parts] == [frame])
     return frame
 
 
@@ -77,7 +70,7 @@ def test_a_limb_that_was_pulled_is_keyed_alone_and_shown_half_filled(at: Desk) -
     assert section(page, "keys.drafts") == []
     assert section(page, "keys.parts[0].words") == "right arm only"
     page.keyboard.press("Shift+ArrowRight")
-    until_told(page, "view.frame", lambda now: now == frame + 10)
+    until_state(page, "view.frame", lambda now: now == frame + 10)
     until_counted(page, "#tsvg .partkey .fill.R", 1)
     page.mouse.move(*_on_frame(page, frame))
     page.locator("#tsvg .plate").first.wait_for()
@@ -93,16 +86,16 @@ def test_it_is_dragged_copied_deleted_and_made_whole_like_a_keyframe(at: Desk) -
     keys = section(page, "keys.frames")
     frame = _keyed_arm(page)
     drag(page, _on_frame(page, frame), _on_frame(page, frame + 4), steps=5)
-    until_told(page, "keys.parts[0].frame", lambda now: now == frame + 4)
+    until_state(page, "keys.parts[0].frame", lambda now: now == frame + 4)
     page.keyboard.press("Delete")
-    until_told(page, "keys.parts", lambda parts: parts == [])
+    until_state(page, "keys.parts", lambda parts: parts == [])
     page.keyboard.press("Control+z")
-    until_told(page, "keys.parts", lambda parts: len(parts) == 1)
+    until_state(page, "keys.parts", lambda parts: len(parts) == 1)
     page.mouse.dblclick(*_on_frame(page, frame + 4))
-    until_told(page, "keys.frames", lambda now: frame + 4 in now)
+    until_state(page, "keys.frames", lambda now: frame + 4 in now)
     assert section(page, "keys.parts") == []
     page.keyboard.press("Control+z")
-    until_told(page, "keys.frames", lambda now: now == keys)
+    until_state(page, "keys.frames", lambda now: now == keys)
     at.agreed("keys")
 
 
@@ -110,36 +103,36 @@ def test_a_second_limb_shares_the_diamond_and_leaves_it_from_the_inspector(at: D
     page = at.page
     _keyed_arm(page)
     _pull(page, "left_foot", (-12, -20))
-    until_told(page, "keys.parts[0].limbs", lambda limbs: len(limbs) == 2)
+    until_state(page, "keys.parts[0].limbs", lambda limbs: len(limbs) == 2)
     until_counted(page, "#tsvg .partkey.current .fill.L", 1)
     screen(page, "part-keyframe-two")
     page.get_by_role("button", name="Leave the right arm to the tracker").click()
-    until_told(page, "keys.parts[0].words", lambda words: words == "left leg only")
+    until_state(page, "keys.parts[0].words", lambda words: words == "left leg only")
 
 
 def test_with_live_on_the_limb_is_tracked_at_once_and_the_rest_stays_where_it_was(at: Desk) -> None:
     page = at.page
     page.keyboard.press("Home")
     page.keyboard.press("/")
-    until_told(page, "pose.frame", lambda now: now == 12)
+    until_state(page, "pose.frame", lambda now: now == 12)
     page.keyboard.press("Shift+T")
-    until_told(page, "pose.source", lambda source: source == "tracked")
-    until_told(page, "job.state", lambda state: state == "done")
+    until_state(page, "pose.source", lambda source: source == "tracked")
+    until_state(page, "job.state", lambda state: state == "done")
     at.visitor.do(do="live", on=True)
     at.agreed("view")
     before = spot(page, "left_foot")
     _pull(page, "right_hand", (24, -10))
-    until_told(page, "keys.drafts", lambda drafts: drafts == [12])
+    until_state(page, "keys.drafts", lambda drafts: drafts == [12])
     answered(page)
     dropped = spot(page, "right_hand")
     page.keyboard.press("Shift+K")
-    until_told(page, "keys.parts", lambda parts: len(parts) == 1)
-    until_told(
+    until_state(page, "keys.parts", lambda parts: len(parts) == 1)
+    until_state(
         page,
         "segments[0].state",
         lambda state: state in ("good", "check", "lost"),
     )
-    until_told(page, "pose.source", lambda source: source == "tracked")
+    until_state(page, "pose.source", lambda source: source == "tracked")
     at.agreed("pose")
     assert spot(page, "right_hand") == pytest.approx(dropped, abs=0.5)
     assert spot(page, "left_foot") == pytest.approx(before, abs=0.01)

@@ -7,7 +7,15 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import screen, section, settled, spot, until, until_counted, until_told
+from tests.browser.interaction import (
+    screen,
+    section,
+    settled,
+    spot,
+    until,
+    until_counted,
+    until_state,
+)
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
@@ -17,13 +25,6 @@ SIZE = (1440, 900)
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("pins"), size=SIZE) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def _spans(page: Page) -> list[list[int]]:
@@ -43,7 +44,7 @@ def _bar(page: Page) -> Locator:
 
 def _select(page: Page, point: str) -> None:
     page.mouse.click(*spot(page, point))
-    until_told(page, "view.selected", lambda part: part == point)
+    until_state(page, "view.selected", lambda part: part == point)
 
 
 def _pinned(page: Page) -> list[int]:
@@ -98,7 +99,7 @@ def test_a_trim_is_put_back_with_esc_and_a_clicked_pin_goes_with_delete(at: Desk
     _until_spans(page, span)
     keys = section(page, "keys.frames")
     page.mouse.click(box["x"] + box["width"] / 2, y)
-    until_told(page, "view.frame", lambda frame: span[0] < frame < span[1])
+    until_state(page, "view.frame", lambda frame: span[0] < frame < span[1])
     page.keyboard.press("Delete")
     _until_spans(page)
     assert at.agreed("keys")["frames"] == keys
@@ -111,7 +112,7 @@ def test_a_foot_is_put_on_the_floor_from_its_menu_which_asks_where_that_is(at: D
     menu.get_by_role("menuitem", name="Pin to floor").click()
     asked = page.locator(".toast", has_text="Where is the floor?")
     asked.get_by_role("button", name="Use this foot’s height").click()
-    until_told(page, "floor.height_m", lambda height: height is not None)
+    until_state(page, "floor.height_m", lambda height: height is not None)
     assert section(page, "pins[0].floor") is True
     page.keyboard.press("ContextMenu")
     menu.get_by_text("Left foot · pinned").wait_for()

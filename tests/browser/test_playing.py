@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import answered, screen, section, until, until_told
+from tests.browser.interaction import answered, screen, section, until, until_state
 from tests.browser.shared import let_in, opened, served
 
 LATE = """
@@ -53,7 +53,7 @@ def _go(keypose: Keypose, page: Page, frame: int) -> None:
     visitor = Visitor(keypose)
     visitor.do(do="go", frame=frame)
     visitor.leave()
-    until_told(page, "view.frame", lambda now: now == frame)
+    until_state(page, "view.frame", lambda now: now == frame)
     page.wait_for_selector(f"#main canvas.vid[data-frame='{frame}']")
 
 
@@ -70,7 +70,7 @@ def test_pictures_go_forward_only_and_end_with_the_last(
         seen = _played(page)
         assert seen == sorted(seen)
         assert seen[-1] == last
-        until_told(page, "view.frame", lambda frame: frame == last)
+        until_state(page, "view.frame", lambda frame: frame == last)
         answered(page)
         assert section(page, "view.frame") == last
         again = _played(page)  # from the end it begins anew

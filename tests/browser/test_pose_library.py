@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.hands import screen, settled, themed, until, until_told
+from tests.browser.interaction import screen, settled, themed, until, until_state
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
@@ -29,17 +29,17 @@ def test_poses_are_kept_named_inserted_where_the_body_stands_and_deleted(shared:
         visitor.do(do="go", frame=frame)
         shared.agreed("view")
         library.get_by_role("button", name="Keep in the pose library").click()
-        until_told(page, "poses.length", lambda now, count=count: now == count)
+        until_state(page, "poses.length", lambda now, count=count: now == count)
     name = library.get_by_label("Name of Pose 2")
     name.fill("Stride")
     name.press("Enter")
-    until_told(page, "poses[1].name", lambda now: now == "Stride")
+    until_state(page, "poses[1].name", lambda now: now == "Stride")
     visitor.do(do="go", frame=30)
     shared.agreed("view")
     shared.agreed("pose")
     root = shared.served["pose"]["root"]
     library.get_by_role("button", name="Insert Stride", exact=True).click()
-    until_told(page, "undo.undo", lambda step: step == "insert the pose Stride")
+    until_state(page, "undo.undo", lambda step: step == "insert the pose Stride")
     inserted = shared.agreed("pose")
     assert inserted["root"] == root
     library.get_by_role("button", name="Insert Stride", exact=True).hover()
@@ -53,6 +53,6 @@ def test_poses_are_kept_named_inserted_where_the_body_stands_and_deleted(shared:
     keyed = shared.agreed("pose")["angles"]["left_shin"]
     assert inserted["angles"]["left_shin"] == pytest.approx(keyed, abs=0.01)
     library.get_by_role("button", name="Delete Stride").click()
-    until_told(page, "poses.length", lambda now: now == 3)
+    until_state(page, "poses.length", lambda now: now == 3)
     page.get_by_role("button", name="Undo", exact=True).last.click()
-    until_told(page, "poses[1].name", lambda now: now == "Stride")
+    until_state(page, "poses[1].name", lambda now: now == "Stride")

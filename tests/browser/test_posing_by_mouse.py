@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from keypose.tracker.geometry.rotations import Array
-from tests.browser.hands import (
+from tests.browser.interaction import (
     Spot,
     between,
     drag,
@@ -20,7 +20,7 @@ from tests.browser.hands import (
     spot,
     until,
     until_counted,
-    until_told,
+    until_state,
 )
 from tests.browser.shared import Desk, desk
 
@@ -32,13 +32,6 @@ DOUBLE_CLICK_MS = 350
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("posing")) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def points(desk: Desk) -> dict[str, Array]:
@@ -64,7 +57,7 @@ def pulled(desk: Desk, start: Spot, by: Spot) -> Spot:
     """Drag from a spot by so many pixels; where the pointer was let go."""
     end = (start[0] + by[0], start[1] + by[1])
     drag(desk.page, start, end, steps=4, drop=False)
-    until_told(desk.page, "pose.gesture", bool)
+    until_state(desk.page, "pose.gesture", bool)
     released(desk)
     return end
 
@@ -120,7 +113,7 @@ def test_a_handle_ends_under_the_pointer_and_no_bone_changes(
 def test_beyond_its_reach_a_hand_stays_on_the_circle_and_says_so(at: Desk) -> None:
     start = spot(at.page, "left_hand")
     drag(at.page, start, (start[0] + 250, start[1] - 200), steps=4, drop=False)
-    gesture = until_told(at.page, "pose.gesture", lambda g: bool(g) and g["out_of_reach"])
+    gesture = until_state(at.page, "pose.gesture", lambda g: bool(g) and g["out_of_reach"])
     reach = gesture["reach"]
     until_counted(at.page, "#main circle.reach", 1)
     until_counted(at.page, "#main .grip.far", 1)
@@ -186,16 +179,16 @@ def test_hands_and_feet_stay_where_they_are_seen_while_waist_or_head_are_dragged
 def test_a_foot_that_cannot_stay_is_named_and_alt_takes_it_along(at: Desk) -> None:
     start, foot = spot(at.page, "waist"), points(at)["left_foot"]
     drag(at.page, start, (start[0], start[1] - 90), steps=4, drop=False)
-    gesture = until_told(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
+    gesture = until_state(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
     assert set(gesture["unreached"]) == set(ENDS)
     until_counted(at.page, "#main .grip.far", 4)
     assert "cannot reach" in at.page.locator(".hud .flt .unreached").inner_text()
     with held(at.page, "Alt"):
-        until_told(at.page, "pose.gesture", lambda g: bool(g) and g["unreached"] == [])
+        until_state(at.page, "pose.gesture", lambda g: bool(g) and g["unreached"] == [])
         until_counted(at.page, ".hud .flt .unreached", 0)
         up = points(at)["left_foot"] - foot
         assert up[1] < -0.05
-    until_told(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
+    until_state(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
     released(at)
     straight = points(at)["left_shin"] - points(at)["left_thigh"]
     lower = points(at)["left_foot"] - points(at)["left_shin"]
@@ -265,7 +258,7 @@ def test_a_ring_with_ctrl_turns_by_steps_of_5_degrees(at: Desk, axis: str) -> No
     x, y = knob(at.page, axis)
     with held(at.page, "Control"):
         drag(at.page, (x, y), (x + 9, y + 31), steps=5, drop=False)
-        gesture = until_told(at.page, "pose.gesture", bool)
+        gesture = until_state(at.page, "pose.gesture", bool)
         released(at)
     assert gesture["axis"] == axis
     turned = _angle_deg(before, at.served["pose"]["T"]["right_shin"])
@@ -294,7 +287,7 @@ def test_escape_takes_a_drag_back(at: Desk) -> None:
     before = at.served["pose"]
     start = spot(at.page, "left_hand")
     drag(at.page, start, (start[0] + 30, start[1]), steps=4, drop=False)
-    until_told(at.page, "pose.gesture", bool)
+    until_state(at.page, "pose.gesture", bool)
     at.page.keyboard.press("Escape")
     assert at.agreed("pose") == before
     at.page.mouse.move(start[0] + 60, start[1], steps=3)
@@ -307,10 +300,10 @@ def test_the_right_button_takes_a_drag_back(at: Desk) -> None:
     before = at.served["pose"]
     start = spot(at.page, "right_foot")
     drag(at.page, start, (start[0] + 30, start[1]), steps=4, drop=False)
-    until_told(at.page, "pose.gesture", bool)
+    until_state(at.page, "pose.gesture", bool)
     at.page.mouse.down(button="right")
     at.page.mouse.move(start[0] + 40, start[1])
-    until_told(at.page, "pose.stroke", lambda stroke: stroke is None)
+    until_state(at.page, "pose.stroke", lambda stroke: stroke is None)
     at.page.mouse.up(button="right")
     released(at)
     assert at.agreed("pose") == before
@@ -338,11 +331,11 @@ def test_with_ctrl_a_hand_goes_by_whole_centimetres(at: Desk) -> None:
 def test_a_click_on_the_body_selects_what_lies_there(at: Desk) -> None:
     for one, other in (("right_shin", "right_foot"), ("left_thigh", "left_shin")):
         at.page.mouse.click(*between(at.page, one, other))
-        until_told(at.page, "view.selected", lambda part, one=one: part == one)
+        until_state(at.page, "view.selected", lambda part, one=one: part == one)
         label = one.replace("_", " ").capitalize()
         until_counted(at.page, f".fig [aria-label='{label}'][aria-pressed=true]", 1)
     at.page.mouse.click(*_beside_the_body(at.page))
-    until_told(at.page, "view.selected", lambda part: part is None)
+    until_state(at.page, "view.selected", lambda part: part is None)
 
 
 def _beside_the_body(page: Page) -> Spot:
@@ -354,10 +347,10 @@ def _beside_the_body(page: Page) -> Spot:
 def test_a_second_click_takes_the_part_behind(at: Desk) -> None:
     front, behind, place = _overlap(at)
     at.page.mouse.click(*place)
-    until_told(at.page, "view.selected", lambda part: part == front)
+    until_state(at.page, "view.selected", lambda part: part == front)
     at.page.wait_for_timeout(DOUBLE_CLICK_MS + 50)  # two clicks, not a double click
     at.page.mouse.click(*place)
-    until_told(at.page, "view.selected", lambda part: part == behind)
+    until_state(at.page, "view.selected", lambda part: part == behind)
 
 
 def _overlap(desk: Desk) -> tuple[str, str, Spot]:
@@ -456,7 +449,7 @@ def moved_to(desk: Desk, frame: int) -> None:
 def test_a_pose_is_copied_and_pasted(at: Desk) -> None:
     copied = at.served["pose"]
     at.page.keyboard.press("Control+c")
-    until_told(at.page, "clipboard", bool)
+    until_state(at.page, "clipboard", bool)
     moved_to(at, 30)
     at.page.keyboard.press("Control+v")
     until(lambda: at.agreed("pose")["source"] == "draft")
@@ -468,7 +461,7 @@ def test_a_pose_is_copied_and_pasted(at: Desk) -> None:
 def test_a_pose_is_pasted_mirrored(at: Desk) -> None:
     copied = at.served["pose"]["angles"]
     at.page.keyboard.press("Control+c")
-    until_told(at.page, "clipboard", bool)
+    until_state(at.page, "clipboard", bool)
     moved_to(at, 30)
     at.page.keyboard.press("Control+Shift+v")
     until(lambda: at.agreed("pose")["source"] == "draft")

@@ -15,7 +15,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import Visitor
-from tests.browser.hands import Spot, section, settled, spot, until, until_told
+from tests.browser.interaction import Spot, section, settled, spot, until, until_state
 from tests.browser.shared import Desk, desk
 
 MANY = 500
@@ -41,13 +41,6 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
         yield made
 
 
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
-
-
 def all_agree(desk: Desk) -> dict[str, Any]:
     """The pose at this frame, once page, server, a newcomer and the file have the same."""
     until(lambda: desk.agreed("pose")["stroke"] is None, "the end of the gesture")
@@ -55,14 +48,16 @@ def all_agree(desk: Desk) -> dict[str, Any]:
         desk.agreed(name)
     until(lambda: desk.agreed("saved")["state"] == "saved", "the file")
     newcomer = Visitor(desk.keypose)
-    told = newcomer.seen
+    reported = newcomer.seen
     newcomer.leave()
-    assert told["pose"] == section(desk.page, "pose")
-    kept = [*told["keys"]["frames"], *told["keys"]["drafts"]]
-    if told["view"]["frame"] in kept:
-        there = np.array([rows for rows in told["pose"]["T"].values()]).reshape(-1, 3, 4)
-        np.testing.assert_allclose(_saved(desk.session, told["view"]["frame"]), there, atol=2e-5)
-    return dict(told["pose"])
+    assert reported["pose"] == section(desk.page, "pose")
+    kept = [*reported["keys"]["frames"], *reported["keys"]["drafts"]]
+    if reported["view"]["frame"] in kept:
+        there = np.array([rows for rows in reported["pose"]["T"].values()]).reshape(-1, 3, 4)
+        np.testing.assert_allclose(
+            _saved(desk.session, reported["view"]["frame"]), there, atol=2e-5
+        )
+    return dict(reported["pose"])
 
 
 def _saved(path: Path, frame: int) -> Array:
@@ -143,7 +138,7 @@ def test_a_drag_that_never_rests_ends_where_it_was_let_go(at: Desk) -> None:
         at.page.mouse.down()
         at.page.mouse.move(*there, steps=5)
         at.page.mouse.up()
-        until_told(at.page, "ack", bool)
+        until_state(at.page, "ack", bool)
         here = _where(at.page, there)
     all_agree(at)
     np.testing.assert_allclose(spot(at.page, "waist"), here, atol=UNDER_PX)
@@ -159,14 +154,14 @@ def _where(page: Page, wanted: Spot) -> Spot:
 def test_drags_and_steps_from_frame_to_frame_stay_in_order(at: Desk) -> None:
     steps = 30
     for step in range(steps):
-        until_told(at.page, "view.frame", lambda frame, step=step: frame == step)
+        until_state(at.page, "view.frame", lambda frame, step=step: frame == step)
         x, y = spot(at.page, "waist")
         at.page.mouse.move(x, y)
         at.page.mouse.down()
         at.page.mouse.move(x + 12, y + 5, steps=3)
         at.page.mouse.up()
         at.page.keyboard.press("ArrowRight")
-    until_told(at.page, "view.frame", lambda frame: frame == steps)
+    until_state(at.page, "view.frame", lambda frame: frame == steps)
     all_agree(at)
     keys = at.served["keys"]
     assert keys["frames"] == [0, 24, 48, 72]

@@ -14,7 +14,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.serving import ROOT
-from tests.browser.hands import answered, screen, section, until, until_counted, until_told
+from tests.browser.interaction import answered, screen, section, until, until_counted, until_state
 
 PERSON = ROOT / "sample_videos" / "person"
 
@@ -36,9 +36,9 @@ def sample(tmp_path: Path) -> Path:
     return path
 
 
-def is_found(told: Any) -> bool:
+def is_found(reported: Any) -> bool:
     """Whether the keyframes are those of what was asked for last."""
-    return told is not None and not told["busy"]
+    return reported is not None and not reported["busy"]
 
 
 def ghosts(page: Page) -> int:
@@ -57,7 +57,7 @@ def begun(page: Page) -> None:
     page.locator("#search[open] input").fill("unbake")
     until_counted(page, "#search [role=option]", 1)
     page.keyboard.press("Enter")
-    until_told(page, "reduction", is_found)
+    until_state(page, "reduction", is_found)
     until_counted(page, ".reducecard", 1)
 
 
@@ -66,7 +66,7 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     begun(page)
     page.keyboard.press("Escape")
     until_counted(page, ".reducecard", 0)
-    until_told(page, "reduction", lambda told: told is None)
+    until_state(page, "reduction", lambda reported: reported is None)
     assert section(page, "revision") == revision
     begun(page)
     fine = section(page, "reduction.frames")
@@ -77,7 +77,9 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     for _ in range(30):
         page.keyboard.press("ArrowRight")
     answered(page)
-    until_told(page, "reduction", lambda told: told["cm"] == shown_cm(page) and is_found(told))
+    until_state(
+        page, "reduction", lambda reported: reported["cm"] == shown_cm(page) and is_found(reported)
+    )
     assert shown_cm(page) > 2.5
     coarse = section(page, "reduction.frames")
     assert 2 <= len(coarse) < len(fine)
@@ -86,9 +88,9 @@ def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> N
     assert len(section(page, "keys.frames")) == 2
 
     page.get_by_role("button", name="Reduce", exact=False).last.click()
-    until_told(page, "keys.frames", lambda frames: frames == coarse)
+    until_state(page, "keys.frames", lambda frames: frames == coarse)
     until_counted(page, ".reducecard", 0)
-    until_told(page, "keys.drafts", lambda drafts: drafts == [])
+    until_state(page, "keys.drafts", lambda drafts: drafts == [])
     page.keyboard.press("Control+z")
-    until_told(page, "keys.drafts", lambda drafts: len(drafts) == drafted)
+    until_state(page, "keys.drafts", lambda drafts: len(drafts) == drafted)
     assert len(section(page, "keys.frames")) == 2

@@ -13,8 +13,8 @@ from playwright.sync_api import Browser, BrowserContext, Page
 
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.cable import Cable, cable
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
+from tests.browser.proxy import Proxy, proxy
 from tests.browser.shared import let_in, opened
 
 EDITS = 50
@@ -42,7 +42,7 @@ class Work:
     """A server that can be killed and started again, and the page of one browser."""
 
     folder: Path
-    cable: Cable
+    proxy: Proxy
     keypose: Keypose
     context: BrowserContext
     page: Page
@@ -85,7 +85,7 @@ def work(browser: Browser, tmp_path: Path) -> Iterator[Work]:
     )
     keypose = Keypose(str(tmp_path / "person" / "session.json"), *_workspace(tmp_path))
     with (
-        cable() as laid,
+        proxy() as laid,
         let_in(browser, drawn=False, proxy={"server": laid.address}) as context,
     ):
         at = Work(tmp_path, laid, keypose, context, opened(context, keypose))
@@ -147,7 +147,7 @@ def test_an_edit_goes_to_the_frame_at_which_it_was_made(work: Work) -> None:
 @pytest.fixture
 def apart(work: Work) -> Work:
     """Edits of the tab wait, and the session has been changed by another since."""
-    work.cable.cut()
+    work.proxy.cut()
     until(lambda: not work.page.evaluate("() => window.keypose.ui.connected"), "the loss")
     work.mark(1, 2, 3)
     work.keypose.kill()
@@ -155,7 +155,7 @@ def apart(work: Work) -> Work:
     other = Visitor(work.keypose)
     other.do(do="add_mask", polygon=[[9, 0], [10, 0], [9, 1]], first=0, last=1)
     other.leave()
-    work.cable.mend()
+    work.proxy.mend()
     until(lambda: "3 edits were not sent" in work.banner(), "the question")
     return work
 

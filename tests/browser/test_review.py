@@ -13,7 +13,7 @@ from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.hands import screens, section, until, until_counted, until_told
+from tests.browser.interaction import screens, section, until, until_counted, until_state
 from tests.browser.shared import Desk, let_in, opened
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
@@ -60,8 +60,8 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     page.keyboard.press("Shift+R")
     until_counted(page, ".rv-place", 3)
     assert rows(page) == ["Right forearm", "Left foot", "Left forearm"]
-    until_told(page, "view.frame", lambda frame: frame == 10)
-    until_told(page, "view.selected", lambda part: part == "right_forearm")
+    until_state(page, "view.frame", lambda frame: frame == 10)
+    until_state(page, "view.selected", lambda part: part == "right_forearm")
     until_counted(page, "#main .doubt", 1)
     assert window(page) != before
     until_counted(page, "#tsvg .review-place", 3)
@@ -69,17 +69,17 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     assert page.locator("#status").inner_text().startswith("Enter")
     screens(page, "review-1-open")
     page.keyboard.press("Enter")
-    until_told(page, "review.answered.length", lambda many: many == 1)
-    until_told(page, "view.frame", lambda frame: frame == 5)
+    until_state(page, "review.answered.length", lambda many: many == 1)
+    until_state(page, "view.frame", lambda frame: frame == 5)
     assert rows(page) == ["Right forearm", "Left foot", "Left forearm"], "rows stay"
     assert section(page, "undo.undo") == "accept right forearm"
     page.keyboard.press("n")
-    until_told(page, "view.frame", lambda frame: frame == 15)
+    until_state(page, "view.frame", lambda frame: frame == 15)
     assert rows(page) == ["Left foot", "Left forearm"]
     page.keyboard.press("Shift+N")
-    until_told(page, "view.frame", lambda frame: frame == 5)
+    until_state(page, "view.frame", lambda frame: frame == 5)
     page.keyboard.press("Shift+Enter")
-    until_told(page, "review.answered.length", lambda many: many == 2)
+    until_state(page, "review.answered.length", lambda many: many == 2)
     until(lambda: current(page) == "Left forearm")
     page.keyboard.press("Escape")
     until_counted(page, "section.review", 0)
@@ -98,7 +98,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
 
 def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     page.keyboard.press("Shift+R")
-    until_told(page, "view.frame", lambda frame: frame == 10)
+    until_state(page, "view.frame", lambda frame: frame == 10)
     until_counted(page, "#main .doubt", 1)
     box = page.locator("#main [data-grip='grip:right_hand']").bounding_box()
     assert box is not None
@@ -107,7 +107,7 @@ def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     page.mouse.down()
     page.mouse.move(x + 12, y + 8, steps=4)
     page.mouse.up()
-    keyed = until_told(page, "keys.parts", lambda parts: len(parts) == 1)
+    keyed = until_state(page, "keys.parts", lambda parts: len(parts) == 1)
     assert keyed[0]["frame"] == 10
     assert "right_forearm" in keyed[0]["parts"]
     assert section(page, "keys.frames") == [0, 24, 48, 72]
@@ -115,7 +115,7 @@ def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     assert section(page, "undo.undo").startswith("move")
     screens(page, "review-4-corrected")
     page.keyboard.press("Control+z")
-    until_told(page, "keys.parts", lambda parts: parts == [])
+    until_state(page, "keys.parts", lambda parts: parts == [])
     until(lambda: current(page) == "Right forearm")
 
 
@@ -134,7 +134,7 @@ def test_rows_do_not_move_under_the_pointer(page: Page) -> None:
 
 def test_before_tracking_it_says_what_to_do_first(page: Page) -> None:
     page.keyboard.press("Delete")
-    until_told(page, "keys.frames", lambda keys: keys == [24, 48, 72])
+    until_state(page, "keys.frames", lambda keys: keys == [24, 48, 72])
     page.keyboard.press("Shift+R")
     page.get_by_text("Nothing to review. Track first.").wait_for()
     screens(page, "review-5-empty")

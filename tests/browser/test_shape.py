@@ -13,7 +13,7 @@ from playwright.sync_api import Page
 from keypose.app.scene.figure import part_mesh
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.shapes import KINDS, Capsule, Solid
-from tests.browser.hands import drag, screen, section, until, until_told
+from tests.browser.interaction import drag, screen, section, until, until_state
 
 PART = "left_thigh"
 
@@ -89,4 +89,4 @@ def test_a_capsule_is_chosen_in_the_inspector_drawn_in_every_view_and_sized(
     until(lambda: abs(radius_cm(page) - thin) > 1, "another radius")
     for _ in range(2):
         page.keyboard.press("Control+z")
-    until_told(page, "body", lambda told: told == before)
+    until_state(page, "body", lambda reported: reported == before)

@@ -9,7 +9,7 @@ from math import dist
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.hands import between, section, spot, until, until_told
+from tests.browser.interaction import between, section, spot, until, until_state
 from tests.browser.shared import Desk, desk
 
 REACH_PX = 3.0
@@ -19,13 +19,6 @@ REACH_PX = 3.0
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("silence")) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at: Desk) -> None:
@@ -58,7 +51,7 @@ def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at
     until(lambda: section(page, "undo.undo") is not None, "one step")
     page.keyboard.press("Control+z")
     until(lambda: dist(spot(page, "left_hand"), start) < REACH_PX, "the hand where it was")
-    until_told(page, "undo.undo", lambda step: step is None)
+    until_state(page, "undo.undo", lambda step: step is None)
 
 
 def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: Desk) -> None:
@@ -73,7 +66,7 @@ def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: 
         assert section(page, "view.selected") == "head"
     finally:
         process.send_signal(signal.SIGCONT)
-    until_told(page, "view.selected", lambda part: part == "right_shin")
+    until_state(page, "view.selected", lambda part: part == "right_shin")
 
 
 def test_a_click_on_a_handle_is_not_undone_by_the_late_answer_to_the_one_before(at: Desk) -> None:
@@ -85,5 +78,5 @@ def test_a_click_on_a_handle_is_not_undone_by_the_late_answer_to_the_one_before(
         page.mouse.click(*handle)
     finally:
         process.send_signal(signal.SIGCONT)
-    until_told(page, "view.selected", lambda part: part == "left_hand")
+    until_state(page, "view.selected", lambda part: part == "left_hand")
     assert at.agreed("view")["selected"] == "left_hand"

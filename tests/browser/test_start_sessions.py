@@ -11,7 +11,7 @@ from playwright.sync_api import APIResponse, Browser, Page, Route
 
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import answered, section, settled, until
+from tests.browser.interaction import answered, section, settled, until
 from tests.browser.shared import let_in, opened
 
 

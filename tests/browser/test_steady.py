@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.hands import section
+from tests.browser.interaction import section
+from tests.browser.random_states import RandomStates
 from tests.browser.shared import Desk, desk
-from tests.browser.weather import Weather
 
 LAYOUTS = 25
 STATES = 20
@@ -46,29 +46,29 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 def test_no_control_moves_under_a_pressed_pointer_and_no_handle_is_covered(
     shared: Desk, seed: int
 ) -> None:
-    page, weather = shared.page, Weather(shared.page, seed)
-    page.set_viewport_size(weather.size())
-    cases = [weather.case() for _ in range(STATES)]
+    page, states = shared.page, RandomStates(shared.page, seed)
+    page.set_viewport_size(states.size())
+    cases = [states.case() for _ in range(STATES)]
     assert page.evaluate("(cases) => window.steady.run(cases)", cases) == [], page.viewport_size
 
 
 @pytest.mark.parametrize("width", [320, 480, 600, 720, 1024, 1280, 1440, 1920])
 def test_what_comes_by_itself_has_its_room_in_the_bars(shared: Desk, width: int) -> None:
-    page, weather = shared.page, Weather(shared.page, width)
+    page, states = shared.page, RandomStates(shared.page, width)
     page.set_viewport_size({"width": width, "height": 800})
-    page.evaluate(FEED, weather.next() | {"ui": {"tab": "part", "layout": "main", "toasts": []}})
+    page.evaluate(FEED, states.next() | {"ui": {"tab": "part", "layout": "main", "toasts": []}})
     before = dict(page.evaluate(FIXED))
     for _ in range(10):
-        page.evaluate(FEED, weather.next() | {"toasts": []})
+        page.evaluate(FEED, states.next() | {"toasts": []})
         now = dict(page.evaluate(FIXED))
         moved = {n: (before[n], now[n]) for n in before.keys() & now.keys() if before[n] != now[n]}
         assert moved == {}
 
 
 def test_what_waited_for_the_release_is_shown_after_it(shared: Desk) -> None:
-    page, weather = shared.page, Weather(shared.page, 1)
+    page, states = shared.page, RandomStates(shared.page, 1)
     page.set_viewport_size({"width": 1280, "height": 720})
-    page.evaluate(FEED, weather.next() | {"ui": {"toasts": [], "line": None, "tab": "part"}})
+    page.evaluate(FEED, states.next() | {"ui": {"toasts": [], "line": None, "tab": "part"}})
     page.get_by_role("tab", name="Body").hover()
     page.mouse.down()
     running = {"state": "running", "title": "Tracking 0–24", "words": "", "percent": 3}
@@ -92,10 +92,10 @@ IN_THE_BAR = """() => [
 
 @pytest.mark.parametrize("width", [320, 360, 414, 480, 540, 600, 720, 800, 900, 1100, 1366])
 def test_the_top_bar_fits_into_any_window(shared: Desk, width: int) -> None:
-    page, weather = shared.page, Weather(shared.page, width)
+    page, states = shared.page, RandomStates(shared.page, width)
     page.set_viewport_size({"width": width, "height": 700})
     for _ in range(10):
-        page.evaluate(FEED, weather.next() | {"toasts": []})
+        page.evaluate(FEED, states.next() | {"toasts": []})
         found = page.evaluate(IN_THE_BAR)
         assert all(left >= 0 and right <= width for _, left, right, _ in found), found
         buttons = [item for item in found if item[3]]

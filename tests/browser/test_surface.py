@@ -17,7 +17,16 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.files import load_session, open_video_of
 from tests.app.serving import ROOT, Keypose, Visitor
-from tests.browser.hands import answered, drag, faded, screen, section, settled, until, until_told
+from tests.browser.interaction import (
+    answered,
+    drag,
+    faded,
+    screen,
+    section,
+    settled,
+    until,
+    until_state,
+)
 from tests.browser.shared import Desk, let_in, opened
 
 SAMPLE = ROOT / "sample_videos" / "arms"
@@ -79,7 +88,7 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 def fitted(shared: Desk) -> Desk:
     """The arms once their one segment has been fitted, by the key."""
     shared.page.keyboard.press("t")
-    until_told(shared.page, "segments", lambda all: all[0]["state"] in DONE)
+    until_state(shared.page, "segments", lambda all: all[0]["state"] in DONE)
     return shared
 
 
@@ -142,10 +151,10 @@ def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
     assert "Fit" in page.locator("#top .btn.pri").first.inner_text()
     page.locator("#insp [role=tab]").last.click()
     settled(page)
-    told = page.locator("#insp").inner_text()
+    reported = page.locator("#insp").inner_text()
     for words in ("Fit while posing", "Surface of", "Centimetres"):
-        assert words in told
-    assert "Static camera" not in told
+        assert words in reported
+    assert "Static camera" not in reported
     screen(page, "surface-fitted")
 
 
@@ -161,7 +170,7 @@ def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at: De
     page = at.page
     for frame in (*range(19), *range(18, 4, -1)):
         at.visitor.send(do="go", frame=frame)
-    until_told(page, "view.frame", lambda frame: frame == 5)
+    until_state(page, "view.frame", lambda frame: frame == 5)
     page.wait_for_selector("#main canvas.vid[data-frame='5']")
     until_seen(page, box_of(at.session, 5))
 
@@ -169,7 +178,7 @@ def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at: De
 def test_playing_through_ends_at_the_last_surface(at: Desk) -> None:
     page = at.page
     page.keyboard.press("Space")
-    until_told(page, "view.frame", lambda frame: frame == 18)
+    until_state(page, "view.frame", lambda frame: frame == 18)
     until_seen(page, box_of(at.session, 18))
 
 
@@ -184,7 +193,7 @@ def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str,
     until_seen(page, box_of(at.session, 9))
     before = page.evaluate(_PIXELS)
     page.locator(f"#mtint [data-tint={tint}]").click()
-    until_told(page, "view.tint", lambda now: now == tint)
+    until_state(page, "view.tint", lambda now: now == tint)
     until(lambda: page.evaluate(_PIXELS) != before, "another picture")
     page.locator("#mtint .ramp", has_text=high).wait_for()
     until_seen(page, box_of(at.session, 9))
@@ -195,7 +204,7 @@ def test_with_four_views_the_colours_are_chosen_and_read_in_the_camera_s(at: Des
     page = at.page
     page.keyboard.press("5")
     page.locator("[data-view=main] #mtint [data-tint=distance]").click()
-    until_told(page, "view.tint", lambda now: now == "distance")
+    until_state(page, "view.tint", lambda now: now == "distance")
     page.locator("[data-view=main] #mtint .ramp").wait_for()
     screen(page, "surface-four-views")
     page.keyboard.press("1")
@@ -208,7 +217,7 @@ def test_the_picture_is_that_of_the_command_line_in_the_colours_that_are_chosen(
     page = at.page
     at.visitor.do(do="go", frame=9)
     at.visitor.do(do="display", tint=tint)
-    until_told(page, "view.tint", lambda now: now == tint)
+    until_state(page, "view.tint", lambda now: now == tint)
     until(lambda: at.agreed("saved")["state"] == "saved", "the file")
     keys = {"top": "2"}
     if view in keys:
@@ -229,10 +238,10 @@ def test_the_picture_is_that_of_the_command_line_in_the_colours_that_are_chosen(
 def test_how_to_fit_is_an_edit_like_any_other(at: Desk) -> None:
     page = at.page
     press(page, "To points")
-    until_told(page, "surface.distance", lambda now: now == "point")
+    until_state(page, "surface.distance", lambda now: now == "point")
     assert at.agreed("segments")[0]["state"] == "outdated"
     page.keyboard.press("Control+z")
-    until_told(page, "surface.distance", lambda now: now == "plane")
+    until_state(page, "surface.distance", lambda now: now == "plane")
     assert at.agreed("segments")[0]["state"] == "good"
 
 
@@ -241,9 +250,9 @@ def test_another_keyframe_s_surface_can_be_the_one_that_moves(at: Desk) -> None:
     at.visitor.do(do="go", frame=3)
     at.agreed("view")
     page.keyboard.press("k")
-    until_told(page, "keys.frames", lambda frames: frames == [0, 3])
+    until_state(page, "keys.frames", lambda frames: frames == [0, 3])
     press(page, "Use frame 3")
-    until_told(page, "surface.model_frame", lambda frame: frame == 3)
+    until_state(page, "surface.model_frame", lambda frame: frame == 3)
     assert [s["state"] for s in at.agreed("segments")] == ["outdated", "outdated"]
 
 
@@ -265,9 +274,9 @@ def test_the_camera_tab_says_that_nobody_filmed(at: Desk) -> None:
     page = at.page
     page.get_by_role("tab", name="Camera").click()
     settled(page)
-    told = page.locator("#insp-body").inner_text()
-    assert "A virtual camera in front of the first surface" in told
-    assert "Distortion" not in told
+    reported = page.locator("#insp-body").inner_text()
+    assert "A virtual camera in front of the first surface" in reported
+    assert "Distortion" not in reported
     screen(page, "surface-camera")
     page.get_by_role("tab", name="Part").click()
 
@@ -308,7 +317,9 @@ def test_the_page_is_as_clear_on_a_small_screen_and_by_day(at: Desk) -> None:
     page.set_viewport_size({"width": SIZE[0], "height": SIZE[1]})
 
 
-def test_a_step_that_cannot_be_used_is_told_at_its_frame(browser: Browser, tmp_path: Path) -> None:
+def test_a_step_that_cannot_be_used_is_reported_at_its_frame(
+    browser: Browser, tmp_path: Path
+) -> None:
     shutil.copytree(SAMPLE, tmp_path / "arms")
     (tmp_path / "arms" / "meshes" / "step_0004.ply").write_bytes(b"")
     with arms(browser, tmp_path, drawn=False) as desk:
@@ -324,7 +335,7 @@ def test_a_step_that_cannot_be_used_is_told_at_its_frame(browser: Browser, tmp_p
         until(lambda: problem.count() == 0, "no problem any more")
 
 
-def test_steps_that_cannot_be_used_are_told_before_they_are_met(
+def test_steps_that_cannot_be_used_are_reported_before_they_are_met(
     browser: Browser, tmp_path: Path
 ) -> None:
     shutil.copytree(SAMPLE, tmp_path / "arms")
@@ -333,13 +344,13 @@ def test_steps_that_cannot_be_used_are_told_before_they_are_met(
     with arms(browser, tmp_path, drawn=False) as desk:
         page = desk.page
         page.locator("#insp [role=tab]").last.click()
-        told = page.locator("#insp .note.warned")
-        told.wait_for()
-        assert told.inner_text().startswith(
+        reported = page.locator("#insp .note.warned")
+        reported.wait_for()
+        assert reported.inner_text().startswith(
             "Steps 7 and 12 cannot be used. The first of them: Step 7"
         )
         assert section(page, "view.frame") == 0
-        told.scroll_into_view_if_needed()
+        reported.scroll_into_view_if_needed()
         screen(page, "surface-unusable")
 
 

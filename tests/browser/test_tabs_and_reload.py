@@ -11,8 +11,8 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Visitor
-from tests.browser.cable import Cable, cable
-from tests.browser.hands import answered, drag, section, spot, until, until_told
+from tests.browser.interaction import answered, drag, section, spot, until, until_state
+from tests.browser.proxy import Proxy, proxy
 from tests.browser.shared import Desk, let_in, opened, served
 
 SHARED = ("file", "camera", "views", "body", "view", "pose", "keys", "segments", "undo", "masks")
@@ -57,10 +57,10 @@ if (window === top) {
 @pytest.fixture(scope="module")
 def wired(
     browser: Browser, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[tuple[Desk, Cable]]:
+) -> Iterator[tuple[Desk, Proxy]]:
     """A page whose line to the server can be cut, with viser's pictures."""
     with (
-        cable() as laid,
+        proxy() as laid,
         served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
         let_in(browser, drawn=True, proxy={"server": laid.address}) as context,
     ):
@@ -72,7 +72,7 @@ def wired(
 
 
 @pytest.fixture
-def at(wired: tuple[Desk, Cable]) -> Desk:
+def at(wired: tuple[Desk, Proxy]) -> Desk:
     """The page as if it had just been opened."""
     wired[0].fresh()
     return wired[0]
@@ -86,7 +86,7 @@ def other(browser: Browser, at: Desk) -> Iterator[Page]:
 
 
 @pytest.fixture
-def line(wired: tuple[Desk, Cable]) -> Iterator[Cable]:
+def line(wired: tuple[Desk, Proxy]) -> Iterator[Proxy]:
     """The line, whole again afterwards."""
     yield wired[1]
     wired[1].mend()
@@ -120,7 +120,7 @@ def status(page: Page) -> str:
 def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
     one = at.page
     until(lambda: _alike(one, other), "the same state")
-    until_told(one, "tabs", lambda count: count == 3)
+    until_state(one, "tabs", lambda count: count == 3)
     until(lambda: "3 tabs open" in status(one), "the count")
     start = spot(one, "left_hand")
     drag(one, start, (start[0] + 16, start[1] - 20), steps=3)
@@ -140,7 +140,7 @@ def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
     until(lambda: section(other, "undo.undo") is None, "the undo")
     until(lambda: _alike(one, other), "the same state")
     other.close()
-    until_told(one, "tabs", lambda count: count == 2)
+    until_state(one, "tabs", lambda count: count == 2)
 
 
 def test_tool_and_layout_are_each_tabs_own(at: Desk, other: Page) -> None:
@@ -153,12 +153,12 @@ def test_tool_and_layout_are_each_tabs_own(at: Desk, other: Page) -> None:
 
 def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     at.page.keyboard.press("ArrowRight")
-    until_told(at.page, "view.frame", lambda frame: frame == 1)
+    until_state(at.page, "view.frame", lambda frame: frame == 1)
     start = spot(at.page, "waist")
     drag(at.page, start, (start[0] + 30, start[1] + 10), steps=3)
-    until_told(at.page, "undo.undo", lambda label: label == "move the body")
+    until_state(at.page, "undo.undo", lambda label: label == "move the body")
     at.page.keyboard.press("w")
-    until_told(at.page, "view.mode", lambda mode: mode != "both")
+    until_state(at.page, "view.mode", lambda mode: mode != "both")
     answered(at.page)
     before, place = _all(at.page), spot(at.page, "waist")
     at.page.reload()
@@ -170,7 +170,7 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
-def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Cable) -> None:
+def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Proxy) -> None:
     page = at.page
     line.cut()
     until(lambda: "reconnecting…" in status(page), "the word")
@@ -188,7 +188,7 @@ def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Cable) ->
     until(lambda: at.agreed("saved")["state"] == "saved", "the file")
 
 
-def test_after_the_line_was_lost_all_four_views_come_back(at: Desk, line: Cable) -> None:
+def test_after_the_line_was_lost_all_four_views_come_back(at: Desk, line: Proxy) -> None:
     until(lambda: _is_drawn(at.page), "viser's pictures")
     line.cut()
     until(lambda: not _connected(at.page), "the loss")
@@ -203,11 +203,11 @@ def test_after_the_line_was_lost_all_four_views_come_back(at: Desk, line: Cable)
     until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
-def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Cable) -> None:
+def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Proxy) -> None:
     page, before = at.page, at.served["pose"]
     start = spot(page, "left_hand")
     drag(page, start, (start[0] + 6, start[1] - 6), steps=2, drop=False)
-    until_told(page, "pose.gesture", bool)
+    until_state(page, "pose.gesture", bool)
     line.cut()
     until(lambda: not _connected(page), "the loss")
     page.mouse.move(start[0] + 12, start[1] - 12, steps=5)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import Spot, section, settled, until, until_told
+from tests.browser.interaction import Spot, section, settled, until, until_state
 from tests.browser.shared import Desk, desk, opened
 
 SIZE = (1440, 900)
@@ -33,13 +33,6 @@ DOT = """
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("timeline"), size=SIZE) as made:
         yield made
-
-
-@pytest.fixture
-def at(shared: Desk) -> Desk:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared
 
 
 def _on_key(page: Page, index: int) -> Spot:
@@ -105,7 +98,7 @@ def test_a_keyframe_is_copied_to_the_frame_that_was_typed_and_to_no_other(at: De
     box.fill(str(keys[1] + 3))
     box.press("Enter")
     _menu(page).wait_for(state="detached")
-    until_told(page, "keys.frames", lambda now: now == sorted({*keys, keys[1] + 3}))
+    until_state(page, "keys.frames", lambda now: now == sorted({*keys, keys[1] + 3}))
 
 
 @pytest.mark.parametrize("way", ["Escape", "right button"])
@@ -138,7 +131,7 @@ def test_a_keyframe_that_is_dragged_goes_where_it_was_let_go(at: Desk) -> None:
     page.mouse.down()
     page.mouse.move(x + 40, y, steps=4)
     page.mouse.up()
-    moved = until_told(page, "keys.frames", lambda now: now != keys)
+    moved = until_state(page, "keys.frames", lambda now: now != keys)
     assert len(moved) == len(keys)
     assert moved[1] > keys[1]
 
@@ -146,7 +139,7 @@ def test_a_keyframe_that_is_dragged_goes_where_it_was_let_go(at: Desk) -> None:
 def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Desk) -> None:
     page = at.page
     at.visitor.do(do="select", part="right_shin")
-    until_told(page, "curve?.part", lambda part: part == "right_shin")
+    until_state(page, "curve?.part", lambda part: part == "right_shin")
     settled(page)
     path = page.locator("#tsvg .curvekey:not(.current)").first.get_attribute("d") or ""
     assert path, "the curve has a diamond for each keyframe"
@@ -162,19 +155,19 @@ def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Des
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x, y - 12, steps=4)
-    until_told(page, where, lambda now: now != before)
+    until_state(page, where, lambda now: now != before)
     page.keyboard.press("Escape")
     page.mouse.up()
-    until_told(page, where, lambda now: now == before)
+    until_state(page, where, lambda now: now == before)
     assert at.agreed("undo")["undo"] is None
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x, y - 12, steps=4)
     page.mouse.up()
-    until_told(page, where, lambda now: now != before)
+    until_state(page, where, lambda now: now != before)
     assert at.agreed("undo")["undo"] is not None
     page.keyboard.press("Control+z")
-    until_told(page, where, lambda now: now == before)
+    until_state(page, where, lambda now: now == before)
     assert at.agreed("undo")["undo"] is None
 
 

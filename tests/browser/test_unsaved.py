@@ -7,19 +7,19 @@ from pathlib import Path
 from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import open_session
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 
 
 def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sample: Path) -> None:
     elsewhere = sample.parent.with_name("renamed")
     sample.parent.rename(elsewhere)
     page.keyboard.press("Delete")  # the keyframe one stands at
-    told = page.locator(".notsaved")
-    told.wait_for()
-    assert "is gone or was renamed" in told.inner_text()
+    reported = page.locator(".notsaved")
+    reported.wait_for()
+    assert "is gone or was renamed" in reported.inner_text()
     assert page.evaluate("() => window.keypose.server.done > window.keypose.server.ack")
     elsewhere.rename(sample.parent)
-    told.wait_for(state="detached")
+    reported.wait_for(state="detached")
     until(lambda: section(page, "saved.state") == "saved", "the save")
     until(
         lambda: page.evaluate("() => window.keypose.server.done === window.keypose.server.ack"),

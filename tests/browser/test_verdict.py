@@ -18,7 +18,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app.serving import ROOT, Keypose
-from tests.browser.hands import screens, until_counted, until_told
+from tests.browser.interaction import screens, until_counted, until_state
 from tests.browser.shared import let_in, opened
 
 WORST = {
@@ -71,26 +71,26 @@ def rows(page: Page) -> Locator:
     return page.get_by_role("group", name="Expected error").get_by_role("button")
 
 
-def test_the_worst_parts_are_told_in_pixels_and_centimetres(page: Page) -> None:
+def test_the_worst_parts_are_reported_in_pixels_and_centimetres(page: Page) -> None:
     until_counted(page, "#insp .error", 5)
-    told = [text.split("\n") for text in rows(page).all_inner_texts()]
+    reported = [text.split("\n") for text in rows(page).all_inner_texts()]
     names = ["Right upper arm", "Left foot", "Right forearm", "Chest", "Head"]
-    assert [name for name, _ in told] == names
-    assert told[0][1].startswith("≈ 10 px · ")
-    assert told[1][1].startswith("≈ 6.8 px · ")
-    assert told[1][1].endswith(" cm")
-    assert told[4][1] == "under 0.5 px"
+    assert [name for name, _ in reported] == names
+    assert reported[0][1].startswith("≈ 10 px · ")
+    assert reported[1][1].startswith("≈ 6.8 px · ")
+    assert reported[1][1].endswith(" cm")
+    assert reported[4][1] == "under 0.5 px"
     screens(page, "verdict-1-errors")
 
 
 def test_a_row_selects_its_part_and_goes_to_its_worst_frame(page: Page) -> None:
     rows(page).nth(1).focus()
     page.keyboard.press("Enter")
-    until_told(page, "view.selected", lambda part: part == "left_foot")
-    until_told(page, "view.frame", lambda frame: frame == 9)
+    until_state(page, "view.selected", lambda part: part == "left_foot")
+    until_state(page, "view.frame", lambda frame: frame == 9)
     rows(page).nth(2).click()
-    until_told(page, "view.selected", lambda part: part == "right_forearm")
-    until_told(page, "view.frame", lambda frame: frame == 15)
+    until_state(page, "view.selected", lambda part: part == "right_forearm")
+    until_state(page, "view.frame", lambda frame: frame == 15)
     assert "frame 15" in (rows(page).nth(2).get_attribute("title") or "")
     screens(page, "verdict-2-worst")
 

@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import load_session
-from tests.browser.hands import (
+from tests.browser.interaction import (
     answered,
     between,
     drag,
@@ -22,7 +22,7 @@ from tests.browser.hands import (
     settled,
     spot,
     until,
-    until_told,
+    until_state,
 )
 
 
@@ -51,14 +51,14 @@ def _looks_around(page: Page) -> None:
     assert frame > 30
     screen(page, "02-scrubbed")
     page.keyboard.press("ArrowRight")
-    until_told(page, "view.frame", lambda f: f == frame + 1)
+    until_state(page, "view.frame", lambda f: f == frame + 1)
     page.keyboard.press("Home")
-    until_told(page, "view.frame", lambda f: f == 0)
+    until_state(page, "view.frame", lambda f: f == 0)
 
 
 def _selects_and_turns(page: Page) -> None:
     page.mouse.click(*between(page, "right_shin", "right_foot"))
-    until_told(page, "view.selected", lambda part: part == "right_shin")
+    until_state(page, "view.selected", lambda part: part == "right_shin")
     screen(page, "03-selected")
     before = section(page, "pose.angles.right_shin")
     knob = page.locator('#main [data-ring="x"] .knob')
@@ -76,7 +76,7 @@ def _selects_and_turns(page: Page) -> None:
 
 def _pulls_a_hand(page: Page) -> None:
     page.keyboard.press("ArrowRight")
-    until_told(page, "view.frame", lambda f: f == 1)
+    until_state(page, "view.frame", lambda f: f == 1)
     start = spot(page, "left_hand")
     end = (start[0] + 22, start[1] - 14)
     drag(page, start, end, drop=False)
@@ -90,7 +90,7 @@ def _pulls_a_hand(page: Page) -> None:
 
 def _sets_a_keyframe(page: Page) -> None:
     page.keyboard.press("k")
-    until_told(page, "keys.frames", lambda frames: frames == [0, 1, 24, 48, 72])
+    until_state(page, "keys.frames", lambda frames: frames == [0, 1, 24, 48, 72])
     screen(page, "06-keyframe")
 
 
@@ -101,34 +101,34 @@ def _changes_a_size(page: Page) -> None:
     page.keyboard.press("Control+a")
     page.keyboard.type("181")
     page.keyboard.press("Enter")
-    until_told(page, "body.height_cm", lambda cm: abs(cm - 181) < 0.01)
+    until_state(page, "body.height_cm", lambda cm: abs(cm - 181) < 0.01)
     screen(page, "07-height")
 
 
 def _undoes_and_redoes(page: Page) -> None:
     page.keyboard.press("Control+z")
-    until_told(page, "body.height_cm", lambda cm: abs(cm - 181) > 0.5)
+    until_state(page, "body.height_cm", lambda cm: abs(cm - 181) > 0.5)
     page.keyboard.press("Control+z")
-    until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+    until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
     page.keyboard.press("Control+Shift+z")
-    until_told(page, "keys.frames", lambda frames: 1 in frames)
+    until_state(page, "keys.frames", lambda frames: 1 in frames)
     page.keyboard.press("k")
     page.get_by_text("Frame 1 is already a keyframe.").wait_for()
     page.keyboard.press("Delete")
-    until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+    until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
 
 
 def _tracks(page: Page) -> None:
     page.keyboard.press("t")
-    until_told(page, "segments", lambda segments: any(s["state"] == "tracking" for s in segments))
+    until_state(page, "segments", lambda segments: any(s["state"] == "tracking" for s in segments))
     screen(page, "08-tracking")
-    until_told(page, "job.state", lambda state: state == "done")
+    until_state(page, "job.state", lambda state: state == "done")
     assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
     page.keyboard.press("End")
     page.keyboard.press("Shift+ArrowLeft")
-    until_told(page, "pose.source", lambda source: source == "tracked")
+    until_state(page, "pose.source", lambda source: source == "tracked")
     page.keyboard.press("o")
-    until_told(page, "view.ghosts", bool)
+    until_state(page, "view.ghosts", bool)
     screen(page, "09-tracked")
 
 
@@ -149,7 +149,7 @@ def _exports(page: Page, folder: Path) -> None:
 
 def _comes_back(page: Page, sample: Path) -> None:
     answered(page)
-    until_told(page, "saved.state", lambda state: state == "saved")
+    until_state(page, "saved.state", lambda state: state == "saved")
     before = _all(page)
     page.reload()
     page.wait_for_selector("html[data-ready]", state="attached")

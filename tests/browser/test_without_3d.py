@@ -5,7 +5,7 @@ from __future__ import annotations
 from playwright.sync_api import Browser
 
 from tests.app.serving import Keypose
-from tests.browser.hands import answered, drag, screen, section, spot, until
+from tests.browser.interaction import answered, drag, screen, section, spot, until
 from tests.browser.shared import let_in, opened
 
 WITHOUT = """

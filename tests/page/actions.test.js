@@ -57,12 +57,12 @@ test('words begin with a capital and a reason has no full stop of its own', () =
 });
 
 test('no two keys clash', () => {
-  const chords = all().flatMap(([, { heard, keys = [], aliases = [] }]) => (heard ? [] : [...keys, ...aliases]));
+  const chords = all().flatMap(([, { handledBy, keys = [], aliases = [] }]) => (handledBy ? [] : [...keys, ...aliases]));
   assert.deepEqual(chords.filter((chord, i) => chords.indexOf(chord) !== i), []);
 });
 
-test('every key of the sheet is heard', () => {
-  const elsewhere = new Set(all().flatMap(([, { heard, keys = [] }]) => (heard ? keys : [])));
+test('every key of the sheet is handled', () => {
+  const elsewhere = new Set(all().flatMap(([, { handledBy, keys = [] }]) => (handledBy ? keys : [])));
   for (const { words, keys } of keySheet().flatMap(({ lines }) => lines)) {
     assert.ok(keys.length > 0, words);
     for (const chord of keys) assert.ok(BY_CHORD.has(chord) || elsewhere.has(chord), `${words}: ${chord}`);
@@ -70,24 +70,24 @@ test('every key of the sheet is heard', () => {
 });
 
 test('every action is either a message or something that the page does', () => {
-  for (const [id, { message, run, heard }] of all()) {
-    const isHeld = heard === 'drag' || heard === 'pointer';
+  for (const [id, { message, run, handledBy }] of all()) {
+    const isHeld = handledBy === 'drag' || handledBy === 'pointer';
     assert.equal(Number(Boolean(message)) + Number(Boolean(run)), isHeld ? 0 : 1, id);
   }
 });
 
 test('keys that are held in a drag change the drag', () => {
-  const heard = new Map();
-  globalThis.addEventListener = (kind, fn) => heard.set(kind, fn);
+  const listeners = new Map();
+  globalThis.addEventListener = (kind, fn) => listeners.set(kind, fn);
   watchKeys();
-  const press = (key, more = {}) => heard.get('keydown')({ key, code: '', shiftKey: false, ctrlKey: false, altKey: false, ...more });
+  const press = (key, more = {}) => listeners.get('keydown')({ key, code: '', shiftKey: false, ctrlKey: false, altKey: false, ...more });
   const does = {
     Shift: () => isFine(), Ctrl: () => modifiers().snap, D: () => modifiers().depth, U: () => modifiers().free,
     Alt: () => modifiers().carry, X: () => modifiers().axis === 'x', Y: () => modifiers().axis === 'y', Z: () => modifiers().axis === 'z',
   };
-  const held = all().flatMap(([, { heard: by, keys }]) => (by === 'drag' ? keys : []));
+  const held = all().flatMap(([, { handledBy: by, keys }]) => (by === 'drag' ? keys : []));
   for (const key of held.filter((one) => one !== 'Escape')) {
-    heard.get('blur')();
+    listeners.get('blur')();
     assert.equal(does[key](), false, key);
     press(key, { shiftKey: key === 'Shift', ctrlKey: key === 'Ctrl', altKey: key === 'Alt' });
     assert.equal(does[key](), true, key);

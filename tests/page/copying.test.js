@@ -3,7 +3,7 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, mock, test } from 'node:test';
-import { awaitPaste, copiedIn, framesFrom, hearPaste, nothingCopied, pasteText } from '../../static/actions/copying.js';
+import { awaitPaste, copiedIn, framesFrom, onPaste, nothingCopied, pasteText } from '../../static/actions/copying.js';
 import { server, ui } from '../../static/store/state.js';
 
 const pose = { keypose: 'pose', version: 1, keys: [{ after: 0, root_m: [0, 0, 3], rotations_wxyz: {} }] };
@@ -57,9 +57,9 @@ test('a browser that is late to tell what is on its clipboard does not paste twi
   mock.timers.enable({ apis: ['setTimeout'] });
   awaitPaste(false);
   assert.equal(pastes(() => mock.timers.tick(60_000)), 1);
-  assert.equal(pastes(() => hearPaste('a poem')), 0);
+  assert.equal(pastes(() => onPaste('a poem')), 0);
   awaitPaste(false);
-  assert.equal(pastes(() => hearPaste('a poem')), 1);
+  assert.equal(pastes(() => onPaste('a poem')), 1);
   assert.equal(pastes(() => mock.timers.tick(60_000)), 0);
   mock.timers.reset();
 });

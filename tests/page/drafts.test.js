@@ -33,8 +33,15 @@ test('a draft says which frames it found, and where nobody was', () => {
   assert.equal(told(), '');
   assert.equal(told([0, 30]), 'No person found in 0–30.');
   assert.equal(told([0, 30], [96, 96]), 'No person found in 0–30 and 96.');
-  assert.equal(told([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 3, 5–6 and 2 more places.');
-  assert.equal(boxFrameFor([[0, 4], [10, 34]]), 22);
+  assert.equal(told([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 5–6, 8–9 and 2 more places.');
+  assert.equal(told([0, 1], [3, 9], [170, 179]), 'No person found in 170–179, 3–9 and 0–1.');
+});
+
+test('a box is asked for in the middle of a gap, or where somebody was seen last', () => {
+  const at = (...missing) => boxFrameFor({ first: 0, last: 99, missing });
+  assert.equal(at([2, 4], [10, 34]), 22);
+  assert.equal(at([2, 4], [50, 99]), 50);
+  assert.equal(at([0, 49], [70, 71]), 49);
 });
 
 test('a draft is of the frames that were chosen, and its box lies on one of them', () => {

@@ -6,7 +6,7 @@ import test from 'node:test';
 import './browser.js';
 
 const { beginExport, cancelExport, motionAddress, notInstalled, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
-const { MOTION } = await import('../../static/actions/table.js');
+const { MOTION } = await import('../../static/actions/table/export.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
 /** @type {import('../../static/actions/exporting.js').Options} */

@@ -127,10 +127,10 @@ READERS: dict[str, Callable[[Path], object]] = {
 def test_every_reader_refuses_what_never_ends_in_one_sentence(
     kind: str, name: str, tmp_path: Path
 ) -> None:
-    with made(kind, tmp_path / name) as path, pytest.raises(KeyposeError) as told:
+    with made(kind, tmp_path / name) as path, pytest.raises(KeyposeError) as reported:
         READERS[name](path)
-    assert isinstance(told.value, BodyError | FormatError | SessionError | SurfaceError)
-    assert "not a regular file" in str(told.value)
+    assert isinstance(reported.value, BodyError | FormatError | SessionError | SurfaceError)
+    assert "not a regular file" in str(reported.value)
 
 
 # --- Keypose's own

@@ -61,7 +61,7 @@ def test_loops_of_another_checkout_are_to_be_compiled_for_it(
 
 
 @pytest.mark.parametrize("name", MARKS)
-def test_a_mark_that_does_not_tell_of_which_files_it_is_does_not_count(
+def test_a_mark_that_does_not_show_of_which_files_it_is_does_not_count(
     loops: Path, name: str
 ) -> None:
     (loops.parent / "cache" / name).touch()

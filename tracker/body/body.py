@@ -8,6 +8,8 @@ the camera's: x to the picture's right, y down, z away from the camera.  (DRIFT 
 from __future__ import annotations
 
 import json
+import math
+import operator
 from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
@@ -35,12 +37,41 @@ ROTATIONS: tuple[Dof, ...] = ("rx", "ry", "rz")
 
 Angle: TypeAlias = Annotated[FiniteFloat, Field(ge=-360, le=360)]
 Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
+LEAST_TOWARD_COS = -0.9
+"""Swings are not counted from a direction that lies nearly opposite to the part at rest."""
 
 PEOPLE = ("adult_male", "adult_female", "elderly_male", "elderly_female")
 OBJECTS = ("box", "cylinder")
 """Rigid things of one part, to which others can be added."""
 PRESETS = (*PEOPLE, *OBJECTS)
 LARGEST_BODY_BYTES = 16 * 2**20
+
+
+class Twist(BaseModel):
+    """How far a part turns about its own length, its y axis: what a box of Euler angles as wide as
+    a shoulder's does not tell.
+
+    Every rotation is a turn about the length, then the least turn of the length from `toward` to
+    where it points. The twist of the rest pose is 0. Opposite to `toward` twist is not determined:
+    `toward` is chosen so that the part cannot point there.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    range_deg: tuple[Angle, Angle] = Field(description="Lowest and highest twist, degrees.")
+    toward: Point = Field(
+        default=(0.0, 1.0, 0.0),
+        description="Direction in the parent's frame that swings are counted from, of any length.",
+    )
+
+    @model_validator(mode="after")
+    def _is_a_range_from_a_direction(self) -> Self:
+        if self.range_deg[0] > self.range_deg[1]:
+            raise ValueError("twist.range_deg must not fall, low first")
+        length = math.hypot(*self.toward)
+        if self.toward[1] <= LEAST_TOWARD_COS * length:
+            raise ValueError("twist.toward must be a direction that does not point against y")
+        return self
 
 
 class Part(BaseModel):
@@ -66,6 +97,12 @@ class Part(BaseModel):
         default_factory=dict,
         description="Lowest and highest Euler angle about x, y, z (R = Qz·Qy·Qx), degrees, that "
         "posing keeps to, and the motion in space nearly; axes left out are free.",
+    )
+    twist: Twist | None = Field(
+        default=None,
+        description="How far it turns about its own length, kept as `limits_deg` are. A body saved "
+        "without stays without, so that what was solved with it is the same motion.",
+        exclude_if=operator.not_,
     )
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""The ground that movement science tells a motion in: x ahead, y up, z to the right, on the floor.
+"""The ground frame of movement science: x ahead, y up, z to the right, on the floor.
 
 x is where the person faces over the motion, on average, as the laboratory axes of the International
 Society of Biomechanics point along the progression (Wu et al. 2002); the origin lies on the floor

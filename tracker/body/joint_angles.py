@@ -58,7 +58,7 @@ class Joint:
 
     angles: about z, x and y, in this order.
     usual_deg: near which angles are chosen, of a right limb, signs as of the axes: every rotation
-        has two triples, and an arm raised beyond the horizontal needs to be told which.
+        has two triples, and an arm raised beyond the horizontal needs to be given which.
     """
 
     name: str
@@ -106,6 +106,8 @@ _USUAL_SHOULDER_DEG = (60.0, -60.0, 0.0)
 """Half of how far an arm is raised, forward and sideways."""
 UNUSUAL: Final = 0.05
 """What a degree away from the usual costs at every frame, of what a degree of change costs."""
+WANDERS_DEG: Final = 270.0
+"""Farther from the usual, an angle has wound up: that of a joint that was posed half round once."""
 
 _TRUNK = ("waist", "chest", "head")
 
@@ -152,7 +154,7 @@ def joint_angles(
     """Every joint's angles over N frames, degrees; none where the body is not a person's.
 
     Rs_parent_part:  (N, P, 3, 3), NaN where not known.
-    R_ground_camera: (3, 3) the ground has y up; the pelvis is told in it.
+    R_ground_camera: (3, 3) the ground has y up; the pelvis is given in it.
     """
     found = []
     for joint in joints_of(body):
@@ -200,9 +202,18 @@ def _angles_deg(joint: Joint, rotations: Array) -> Array:
     if known.any():
         made[known] = _steady(np.degrees(cardan_zxy(rotations[known])), np.array(joint.usual_deg))
         even = np.unwrap(made[known], period=360.0, axis=0)
-        turns = np.round((np.median(even, axis=0) - joint.usual_deg) / 360.0)
-        made[known] = even if joint.carrier == ROOT else even - 360.0 * turns
+        if joint.carrier != ROOT:
+            even = _kept_near(even, made[known], np.array(joint.usual_deg))
+        made[known] = even
     return np.asarray(made * signs + 0.0)
+
+
+def _kept_near(even: Array, wrapped: Array, usual: Array) -> Array:
+    """Angles (N, 3) that run on past half a turn, as long as they do not wander far from the usual
+    ones (3,); else those within half a turn, which then jump where no joint comes anyway."""
+    even = even - 360.0 * np.round((np.median(even, axis=0) - usual) / 360.0)
+    wander = np.abs(even - usual).max(axis=0) > WANDERS_DEG
+    return np.asarray(np.where(wander, wrapped, even))
 
 
 def _steady(angles: Array, usual: Array) -> Array:

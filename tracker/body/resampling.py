@@ -3,7 +3,7 @@
 Between two frames it follows the cubic through them and one neighbour on each side, by the times
 they are shown at: of positions, and of rotations as rotation vectors from the earlier of the two.
 It meets every frame exactly, and a steady motion stays steady. Where a part turns so far from frame
-to frame that neighbours tell nothing, it turns evenly about one axis.
+to frame that neighbours determine nothing, it turns evenly about one axis.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
 FARTHEST_RAD = 3.0
-"""Where neighbours turn by more than this, frame by frame, together, cubics do not tell rotations:
+"""Where neighbours turn by more than this, frame by frame, together, cubics do not resolve them:
 half a turn has no direction."""
 
 

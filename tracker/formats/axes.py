@@ -17,8 +17,3 @@ FLIP = np.array([1.0, -1.0, -1.0])
 def flipped(points: Array) -> Array:
     """Points (..., 3) in the file's frames instead of ours."""
     return np.asarray(points * FLIP)
-
-
-def flipped_rotations(rotations: Array) -> Array:
-    """Rotations (..., 3, 3) likewise: F R F."""
-    return np.asarray(FLIP[:, None] * rotations * FLIP)

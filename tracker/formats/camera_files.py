@@ -1,6 +1,6 @@
 """The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
 
-Both tell where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
+Both give where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
 y up, the floor at zero, the origin below the camera.
 
 JSON:
@@ -53,7 +53,7 @@ DEGENERATE = 1e-9
 def camera_json(recording: Recording) -> str:
     """The text of the JSON file. FormatError where neither floor nor motion is known."""
     camera = recording.camera
-    said: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         **camera.model_dump(include={"width", "height", "projection", "fx", "fy", "cx", "cy"}),
@@ -66,21 +66,21 @@ def camera_json(recording: Recording) -> str:
         "film_frames": recording.film_frames[[0, -1]].round(4).tolist(),
     }
     if camera.telephoto_distance_m is not None:
-        said["telephoto_distance_m"] = camera.telephoto_distance_m
+        fields["telephoto_distance_m"] = camera.telephoto_distance_m
     else:
         across, down = fields_of_view_deg(camera)
-        said |= {"horizontal_fov_deg": round(across, 6), "vertical_fov_deg": round(down, 6)}
+        fields |= {"horizontal_fov_deg": round(across, 6), "vertical_fov_deg": round(down, 6)}
     if recording.rate is not None:
-        said["frames_per_second"] = round(recording.rate, 9)
+        fields["frames_per_second"] = round(recording.rate, 9)
     if recording.timecode is not None:
-        said["timecode_of_frame_0"] = str(recording.timecode)
+        fields["timecode_of_frame_0"] = str(recording.timecode)
     if recording.first_file_number is not None:
-        said["file_number_of_frame_0"] = recording.first_file_number
-    return json.dumps(said, indent=1) + "\n"
+        fields["file_number_of_frame_0"] = recording.first_file_number
+    return json.dumps(fields, indent=1) + "\n"
 
 
 def chan(recording: Recording) -> str:
-    """The text of the .chan file. FormatError for a telephoto lens, which it cannot tell."""
+    """The text of the .chan file. FormatError for a telephoto lens, which it cannot describe."""
     if recording.camera.telephoto_distance_m is not None:
         raise FormatError("A .chan file needs a field of view, and a telephoto lens has none.")
     T = floor_from_camera(recording)

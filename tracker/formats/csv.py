@@ -19,7 +19,7 @@ frames: what is known of every frame, and how far to trust it.
     degrees_of_freedom      of how many
     film_frame              which frame of the video a row is: where the motion was given a rate of
                             its own, `frame` counts by that rate, and this has fractions
-    timecode                of the nearest frame of the video; empty where the file tells none
+    timecode                of the nearest frame of the video; empty where the file has none
     filter_hz               cut-off of the low-pass filter (Butterworth, fourth order, without
                             delay); empty where the motion is as tracked
     note                    what a person wrote at this frame, on one line; "flag" where nothing was

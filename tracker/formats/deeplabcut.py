@@ -170,8 +170,11 @@ def _people(file: str, table: Table, individual: str | None) -> People:
         if (name, "x") not in mine or (name, "y") not in mine:
             raise FormatError(f"{file} has the bodypart {name!r} without x and y.")
     uv = np.stack([values[:, mine[name, axis]] for name in names for axis in "xy"], axis=1)
-    told, nothing = [mine.get((name, "likelihood")) for name in names], np.full(len(values), np.nan)
-    sure = [nothing if i is None else values[:, i] for i in told]
+    likelihoods, nothing = (
+        [mine.get((name, "likelihood")) for name in names],
+        np.full(len(values), np.nan),
+    )
+    sure = [nothing if i is None else values[:, i] for i in likelihoods]
     rows = person_numbers(file, uv.reshape(len(values), -1, 2), np.stack(sure, axis=1))
     return People(_by_frame(file, index, rows), names, program="DeepLabCut")
 

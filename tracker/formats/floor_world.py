@@ -34,7 +34,7 @@ def floor_from_camera(recording: Recording) -> Array:
 
 
 def with_floor(recording: Recording) -> Recording:
-    """The recording with its floor's height told, so that parts of it stand on the same floor;
+    """The recording with its floor's height given, so that parts of it stand on the same floor;
     itself where no frame is tracked."""
     if recording.floor_m is not None or not recording.tracks.tracked.any():
         return recording

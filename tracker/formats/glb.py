@@ -190,7 +190,7 @@ def _vrm_animation(rig: Rig) -> dict[str, Any]:
         return {}
     named = {row.name for row in table_of(rig.name).rows()}
     bones = {name: {"node": i} for i, name in enumerate(rig.names) if name in named}
-    said = {"specVersion": "1.0", "humanoid": {"humanBones": bones}}
+    humanoid = {"specVersion": "1.0", "humanoid": {"humanBones": bones}}
     return {
-        "extensionsUsed": ["VRMC_vrm_animation"], "extensions": {"VRMC_vrm_animation": said}
+        "extensionsUsed": ["VRMC_vrm_animation"], "extensions": {"VRMC_vrm_animation": humanoid}
     }  # fmt: skip

@@ -88,8 +88,8 @@ def main() -> None:
         json.dump({"refused": str(why)}, answers)
     else:
         frames = list(people.frames.items())
-        told = {"names": people.names, "frames": frames, "program": people.program}
-        json.dump(told, answers)
+        header = {"names": people.names, "frames": frames, "program": people.program}
+        json.dump(header, answers)
     answers.close()
 
 

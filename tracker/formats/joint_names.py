@@ -164,10 +164,10 @@ def match_also(
         raise FormatError(
             f"{file} has no keypoint {missing[0]!r}; it has {listed(list(names[:MOST_LISTED]))}."
         )
-    said = {names.index(n): (ours, _told_place(skeleton, ours)) for n, ours in also.items()}
-    taken = {place for _, place in said.values()}
-    kept = (one for one in known.known if one[0] not in said and one[2] not in taken)
-    every = sorted([*kept, *((i, *told) for i, told in said.items())])
+    asked = {names.index(n): (ours, _given_place(skeleton, ours)) for n, ours in also.items()}
+    taken = {place for _, place in asked.values()}
+    kept = (one for one in known.known if one[0] not in asked and one[2] not in taken)
+    every = sorted([*kept, *((i, *match) for i, match in asked.items())])
     indices = {index for index, _, _ in every}
     left_out = tuple(name for i, name in enumerate(names) if i not in indices)
     return Matched(f"{known.convention}, --map", tuple(every), left_out)
@@ -247,7 +247,7 @@ def _words(name: str) -> str:
     return " " + " ".join(sorted(_WORDS.get(part, part) for part in parts))
 
 
-def _told_place(skeleton: Skeleton, ours: str) -> BodyPoint:
+def _given_place(skeleton: Skeleton, ours: str) -> BodyPoint:
     """A part's joint, its end, or a landmark; FormatError lists the parts where it is none."""
     part, _, what = ours.partition(".")
     body = skeleton.body

@@ -39,7 +39,7 @@ MOST_FILES: Final = 200_000
 _LANDMARKS: Final = ("pose_landmarks", "poseLandmarks", "landmarks", "landmark")
 _FRAME: Final = ("frame", "frame_index", "frameIndex", "frame_number", "frameNumber")
 _ABOUT: Final = ("metadata", "info", "video")
-"""Under which a file may tell of its video, beside the top."""
+"""Under which a file may describe its video, beside the top."""
 
 
 def read_people(path: Path, individual: str | None = None) -> People:
@@ -282,16 +282,16 @@ def _u_v_visibility(file: str, landmark: Any) -> tuple[Any, Any, Any]:
 
 
 def _size(about: Mapping[str, Any]) -> list[tuple[float, float]]:
-    """Width and height where both are given, beside or under what tells of the video."""
-    found: list[tuple[Any, Any]] = [(a.get("width"), a.get("height")) for a in _telling(about)]
+    """Width and height where both are given, beside or under what describes the video."""
+    found: list[tuple[Any, Any]] = [(a.get("width"), a.get("height")) for a in _descriptions(about)]
     return [(w, h) for w, h in found if _is_positive(w) and _is_positive(h)]
 
 
 def _fps(about: Mapping[str, Any]) -> float | None:
-    return next((one["fps"] for one in _telling(about) if _is_positive(one.get("fps"))), None)
+    return next((one["fps"] for one in _descriptions(about) if _is_positive(one.get("fps"))), None)
 
 
-def _telling(about: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _descriptions(about: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [about, *(about[key] for key in _ABOUT if isinstance(about.get(key), dict))]
 
 

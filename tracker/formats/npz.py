@@ -4,14 +4,14 @@ Frames are the N from the first keyframe to the last, parts P, joints and landma
 Positions are metres in the camera frame: x right, y down, z away from the camera. Where a frame is
 not tracked, its numbers are NaN. The fields `first_frame`, `part_names`, `Rs_parent_part` and
 `ps_camera_root` make the file of a motion without gaps a reference for `keypose evaluate`, too,
-unless it has a rate of its own. Segments are told by the video's frames.
+unless it has a rate of its own. Segments are given by the video's frames.
 
     first_frame            ()              number of the first frame in the video
     frame, time_s          (N,)            numbers of the frames; their times, seconds
     film_frame             (N,)            which frame of the video that is: where the motion was
                                            given a rate of its own, `frame` counts by that rate
                                            from the video's first frame, and this has fractions
-    timecode               ()              of frame 0 of the video; empty where its file tells none
+    timecode               ()              of frame 0 of the video; empty where its file has none
     frames_per_second      ()              the rate, where frames are evenly spaced, or the mean
     filter_hz              ()              cut-off of the low-pass filter (Butterworth, fourth
                                            order, without delay); NaN where it is as tracked

@@ -1,6 +1,6 @@
 """AMASS archives in: poses of SMPL, SMPL-H or SMPL-X, played on a rest pose of ours.
 
-Whose body it was only a licensed model could tell, from `betas`. Joints are where a body of our own
+Whose body it was only a licensed model could give, from `betas`. Joints are where a body of our own
 has them in these poses, unless the file brings its `rest_joints`, as one written here does. The
 first 22 joints of all three models are the same; the others, of face and hands, are left out.
 """

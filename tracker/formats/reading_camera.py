@@ -45,7 +45,7 @@ class CameraFile:
     """A camera for pictures of a film's size.
 
     up_camera: (3,) the world's up in the camera frame.
-    floor_m:   the floor's height along up, from the camera's centre; None where nobody told it.
+    floor_m:   the floor's height along up, from the camera's centre; None where it is not given.
     """
 
     camera: Camera
@@ -76,7 +76,7 @@ def load_camera(path: Path, size: Size) -> CameraFile:
 # --- JSON
 
 
-class _Said(BaseModel):
+class _CameraFields(BaseModel):
     """What is read of a JSON file."""
 
     format: Literal["keypose camera"]
@@ -88,21 +88,21 @@ class _Said(BaseModel):
 
 def _read_json(file: str, content: bytes, size: Size) -> CameraFile:
     try:
-        told = json.loads(content)
-        said = _Said.model_validate(told)
-        camera = _exact(told, said.distortion)
+        data = json.loads(content)
+        fields = _CameraFields.model_validate(data)
+        camera = _exact(data, fields.distortion)
     except ValidationError as error:
         raise FormatError(f"{file}: {one_sentence(error)}") from None
     except (ValueError, RecursionError):
         raise FormatError(f"{file} is not JSON.") from None
-    T = np.array(said.T_world_camera)
-    floor_m = None if said.floor_m is None else said.floor_m - float(T[1, 3])
+    T = np.array(fields.T_world_camera)
+    floor_m = None if fields.floor_m is None else fields.floor_m - float(T[1, 3])
     return CameraFile(_resized(file, camera, size), _up(file, T[:3, :3]), floor_m)
 
 
-def _exact(told: dict[str, Any], distortion: Sequence[float]) -> Camera:
+def _exact(data: dict[str, Any], distortion: Sequence[float]) -> Camera:
     names = ("width", "height", "fx", "fy", "cx", "cy", "projection", "telephoto_distance_m")
-    known = {name: told[name] for name in names if name in told}
+    known = {name: data[name] for name in names if name in data}
     return Camera.model_validate({**known, "distortion": tuple(distortion), "origin": "intrinsics"})
 
 
@@ -185,9 +185,9 @@ def _of_document(file: str, glb: Glb, size: Size) -> CameraFile:
         if len(found) != 1:
             many = "no camera" if not found else f"{len(found)} cameras"
             raise FormatError(f"{file} has {many}: export the scene with the one that is meant.")
-        said = glb.items("cameras")[glb.items("nodes")[found[0]]["camera"]]
+        fields = glb.items("cameras")[glb.items("nodes")[found[0]]["camera"]]
         Ts = _placed(glb, found[0])
-        camera = _lens(file, said, size)
+        camera = _lens(file, fields, size)
         if not np.isfinite(Ts).all():
             raise ValueError("not finite")
         own = glb.document.get("asset", {}).get("generator") == "Keypose"
@@ -210,14 +210,14 @@ def _placed(glb: Glb, node: int) -> Array:
     return np.stack([nodes.worlds(moving, t)[node] for t in times])
 
 
-def _lens(file: str, said: dict[str, Any], size: Size) -> Camera:
-    seen = said.get("perspective")
-    if said.get("type") != "perspective" or not isinstance(seen, dict):
+def _lens(file: str, fields: dict[str, Any], size: Size) -> Camera:
+    seen = fields.get("perspective")
+    if fields.get("type") != "perspective" or not isinstance(seen, dict):
         raise FormatError(f"{file} has an orthographic camera: give it a perspective lens.")
     yfov, aspect = float(seen["yfov"]), seen.get("aspectRatio")
     if not 0 < yfov < math.pi:
         raise FormatError(f"{file} has a field of view that no camera has.")
-    extras = said.get("extras")
+    extras = fields.get("extras")
     if isinstance(extras, dict) and "fy" in extras:
         try:
             exact = _exact(extras, extras["distortion_k1_k2_p1_p2_k3"])

@@ -22,7 +22,7 @@ from keypose.tracker.formats.people import People
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
-from keypose.tracker.keypoints.telling_layout import told_layout
+from keypose.tracker.keypoints.recognise_layout import recognised_layout
 
 FARTHEST_PX: Final = 1e6
 NORMALIZED: Final = 2.0
@@ -157,12 +157,12 @@ def _names(file: str, people: People, layout: str | None, uv: Array) -> tuple[st
     count = uv.shape[1]
     layouts = layouts_of(count) if people.layout is None else (people.layout,)
     if layout is None:
-        told = told_layout(layouts, uv)
-        if told is None:
+        layout_name = recognised_layout(layouts, uv)
+        if layout_name is None:
             may_be = " or ".join(layouts)
             words = f"{file} has {count} keypoints a person, which may be {may_be}."
             raise ChoiceError(words, "layout", layouts)
-        return LAYOUTS[told]
+        return LAYOUTS[layout_name]
     if layout not in LAYOUTS:
         raise FormatError(f"There is no layout {layout!r}; there are {listed(list(LAYOUTS))}.")
     if layout not in layouts:

@@ -37,9 +37,9 @@ def _require_counts(file: str, header: dict[str, str], frames: int, markers: int
         ("NumFrames", frames, "frames"),
         ("NumMarkers", markers, "markers"),
     ):
-        said = header.get(key, "")
-        if said and said != str(found):
-            raise FormatError(f"{file} says {said[:20]} {what} and holds {found}.")
+        declared = header.get(key, "")
+        if declared and declared != str(found):
+            raise FormatError(f"{file} says {declared[:20]} {what} and holds {found}.")
 
 
 def _numbers(file: str, line: str, count: int) -> Array:

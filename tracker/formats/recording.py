@@ -71,7 +71,7 @@ class Recording:
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
-    timecode:  the video's; None: its file tells none.
+    timecode:  the video's; None: its file has none.
     floor_m:   where the floor is, metres along up from the camera's centre; None: as low as the
                body stands.
     pins:      what stands still, in frames of the video.

@@ -48,27 +48,27 @@ def read_analysis(root: Group, individual: str | None) -> People:
     uv = tracks[i].transpose(2, 1, 0)
     scores = np.full(uv.shape[:2], np.nan)
     if root.has("point_scores"):
-        told = _ordered(root, "point_scores", ("track", "node", "frame"))
-        if told.shape != (count, nodes, frames):
+        all_scores = _ordered(root, "point_scores", ("track", "node", "frame"))
+        if all_scores.shape != (count, nodes, frames):
             raise FormatError(f"{file}: its point_scores do not have the shape of its tracks.")
-        scores = told[i].T
+        scores = all_scores[i].T
     rows = person_numbers(file, uv, scores)
     return People({n: [row] for n, row in enumerate(rows)}, tuple(names), program="SLEAP")
 
 
 def _ordered(root: Group, name: str, axes: tuple[str, ...]) -> NDArray[np.float64]:
     """A dataset with its axes in this order."""
-    values, told = root.numbers(name), root.dataset_text(name, "dims")
+    values, axes_text = root.numbers(name), root.dataset_text(name, "dims")
     if values.ndim != len(axes):
         raise FormatError(
             f"{root.file}: its {name} has {values.ndim} axes where {len(axes)} are due."
         )
     try:
-        dims = json.loads(told) if told else list(axes)
+        dims = json.loads(axes_text) if axes_text else list(axes)
     except ValueError:
         dims = None
     if not isinstance(dims, list) or sorted(map(str, dims)) != sorted(axes):
-        raise FormatError(f"{root.file}: its {name} names its axes {told[:60]!r}.")
+        raise FormatError(f"{root.file}: its {name} names its axes {axes_text[:60]!r}.")
     return values.transpose([dims.index(axis) for axis in axes])
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.formats.rigs.on_body import PERSON
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
 from keypose.tracker.formats.rigs.table import table_of
 from keypose.tracker.geometry.rotations import Array, transform
@@ -32,6 +33,8 @@ SMPL_H_JOINTS: Final = 52
 
 def smpl_of(skeleton: Skeleton) -> Rig:
     """The rig, whose first bones are `JOINTS`. FormatError where the body lacks one of them."""
+    if not set(PERSON) <= set(skeleton.body.names):
+        raise FormatError("SMPL poses are those of a whole person, and this body is no person's.")
     rig = rig_of(skeleton, RIG)
     missing = [name.replace("_", " ") for name in JOINTS if name not in rig.names]
     if missing:

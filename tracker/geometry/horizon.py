@@ -2,7 +2,7 @@
 
 Every direction that points to the horizon is level, so the plane of the rays through its line in
 the picture is level too, and up is that plane's normal. A line along something upright leaves the
-tilt open; this one tells tilt and roll.
+tilt open; this one gives tilt and roll.
 """
 
 from __future__ import annotations

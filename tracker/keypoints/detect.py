@@ -1,8 +1,9 @@
 """Keypoints over many frames: the network follows one body from frame to frame.
 
-What it sees in one frame tells where to look in the next. It starts at seeds, frames where somebody
-said where the body is. Between two seeds the chain forward from the first is taken, and where that
-loses the body, or comes out beside the second seed's, the chain backward from the second.
+What it sees in one frame decides where to look in the next. It starts at seeds, frames where
+somebody said where the body is. Between two seeds the chain forward from the first is taken, and
+where that loses the body, or comes out beside the second seed's, the chain backward from the
+second.
 """
 
 from __future__ import annotations
@@ -249,7 +250,7 @@ class _Work:
 
         def look() -> Stretch:
             rows = _Rows(seed.region)
-            self._tell(seed.frame)
+            self._report(seed.frame)
             picture = self.frame(seed.frame)
             for _ in range(LOOKS_AT_SEED if picture is not None else 1):
                 rows = _Rows(rows.region)
@@ -274,7 +275,7 @@ class _Work:
         def look() -> Stretch:
             rows = _Rows(region, lost_for)
             for number in frames:
-                self._tell(number)
+                self._report(number)
                 rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
             return rows.stretch()
 
@@ -294,7 +295,7 @@ class _Work:
         self.kept.put(name, stretch)
         return stretch
 
-    def _tell(self, frame: int) -> None:
+    def _report(self, frame: int) -> None:
         self.report(Progress(frame, self.done, max(self.expected, self.done + 1)))
         self.done += 1
 

@@ -32,7 +32,7 @@ class Keypoints:
                  at integers, NaN where nothing was found.
     visibility:  (N, L) from 0 to 1, how sure it is that the keypoint is seen; 0 where uv is NaN.
     p_hips:      (N, L, 3) metres, in axes parallel to the picture's (x right, y down, z away),
-                 the middle of the hips at 0; NaN where unknown. None where nothing tells depth.
+                 the middle of the hips at 0; NaN where unknown. None where no depth is known.
     by_hand:     (N, L) which of them a person set. None where nobody did.
     """
 

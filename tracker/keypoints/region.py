@@ -87,7 +87,7 @@ class Region:
     @classmethod
     def of_circle(cls, middle: Array, rim: Array) -> Region:
         """Around the circle about the middle of the hips (2,) through a point above the head (2,),
-        as the network tells both."""
+        as the network gives both."""
         d = np.asarray(rim, dtype=float) - middle
         side = 2 * MARGIN * float(np.hypot(*d))
         return cls(float(middle[0]), float(middle[1]), side, float(np.arctan2(d[0], -d[1])))

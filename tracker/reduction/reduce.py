@@ -53,8 +53,8 @@ def reduce_motion(
     for a, b in pairwise(ends):
         between = frames[(frames >= a) & (frames <= b)]
         before = int((frames < a).sum())
-        tell = partial(_tell, progress, before, len(frames))
-        kept += fewest_frames(comparison, between, tell)[1:]
+        report = partial(_report, progress, before, len(frames))
+        kept += fewest_frames(comparison, between, report)[1:]
     misses[kept] = 0.0
     for a, b in pairwise(kept):
         misses[a + 1 : b] = np.where(comparison.known[a + 1 : b], comparison.misses(a, b), np.nan)
@@ -62,7 +62,7 @@ def reduce_motion(
     return Reduction(tuple(first + n for n in kept), first, frozen(misses), tolerance)
 
 
-def _tell(progress: Callable[[int, int], None], before: int, expected: int, done: int) -> None:
+def _report(progress: Callable[[int, int], None], before: int, expected: int, done: int) -> None:
     progress(before + done, expected)
 
 

@@ -1,7 +1,9 @@
 """The session: what a person edits and saves, and the file it lives in."""
 
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.references import VideoReference
 from keypose.tracker.session.results import Results, SegmentSummary
-from keypose.tracker.session.schema import Keyframe, PartKeyframe, Session, VideoReference
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
 from keypose.tracker.session.verdict import Verdict
 

@@ -23,7 +23,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, frozen
 
 if TYPE_CHECKING:
-    from keypose.tracker.session.schema import Keyframe, Session, Surface, VideoReference
+    from keypose.tracker.session.keyframe import Keyframe
+    from keypose.tracker.session.references import Surface, VideoReference
+    from keypose.tracker.session.schema import Session
 
 T = TypeVar("T")
 Frames: TypeAlias = Collection[int]

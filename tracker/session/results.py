@@ -87,13 +87,21 @@ class SpaceFinding(Plain):
     slides: a foot that stands still moves by `amount` metres; off_floor, below_floor: it is so far
     above or below; keyframe_depth: at the keyframe `go` it stands so much nearer (negative) or
     farther than nearby; mirrored: at the keyframe `go` the limb from `part` on may point the other
-    way in depth, its mirror image is `amount` metres nearer to a neighbouring keyframe; leans: the
-    body is `amount` radians out of balance over its feet; shakes: `amount` m/s², root mean square,
-    at the waist.
+    way in depth, its mirror image is `amount` metres nearer to a neighbouring keyframe; twisted: at
+    the keyframe `go` it is turned about its own length by `amount` radians beyond what is allowed,
+    signed; leans: the body is `amount` radians out of balance over its feet; shakes: `amount` m/s²,
+    root mean square, at the waist.
     """
 
     kind: Literal[
-        "slides", "off_floor", "below_floor", "keyframe_depth", "mirrored", "leans", "shakes"
+        "slides",
+        "off_floor",
+        "below_floor",
+        "keyframe_depth",
+        "mirrored",
+        "twisted",
+        "leans",
+        "shakes",
     ]
     part: str
     first_frame: FrameIndex

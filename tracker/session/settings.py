@@ -7,6 +7,8 @@ from typing import Annotated, Final, Literal, Self, TypeAlias
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
+Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
+Position: TypeAlias = tuple[Metres, Metres, Metres]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Literal["full", "fast", "preview"]

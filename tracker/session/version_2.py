@@ -91,9 +91,9 @@ def _check(match: re.Match[str], names: Sequence[str]) -> Verdict | None:
                    text=match[0])  # fmt: skip
 
 
-def _part(said: str, names: Sequence[str]) -> str:
+def _part(words: str, names: Sequence[str]) -> str:
     """The part's name; the text itself where the body no longer has the part."""
-    return next((name for name in names if name.replace("_", " ") == said), said)
+    return next((name for name in names if name.replace("_", " ") == words), words)
 
 
 def _segment(segment: Any, names: Sequence[str]) -> Any:

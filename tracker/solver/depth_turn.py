@@ -1,6 +1,6 @@
 """A limb, or the whole body, turned in depth: what points toward the camera points away from it.
 
-A picture tells depth only up to this mirror image. Every bone is mirrored at the plane across the
+A picture gives depth only up to this mirror image. Every bone is mirrored at the plane across the
 view; what cannot be mirrored, the handedness of each part, goes into an axis the bones do not show:
 of the trunk front and back, of a limb left and right, so that elbows and knees bend as before.
 """

@@ -88,7 +88,7 @@ def fit_motion(
     """The motion whose places come nearest to positions (N, J, 3), NaN where not known.
 
     near: a pose for each frame to stay near where the positions do not decide, or None.
-    progress: told how many frames of how many are done.
+    progress: receives how many frames of how many are done.
     """
     skeleton = free_skeleton(body)
     points, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)

@@ -239,9 +239,9 @@ class DepthFromRoot(RowTerm):
 
 @dataclass(frozen=True, eq=False)
 class JointLimits(RowTerm):
-    """Joint angles within their limits.
+    """Joint angles and twists within their limits.
 
-    allowed (P, 3): radians, signed, by which a joint may lie outside, as in a posed keyframe.
+    allowed (P, 4): radians, signed, by which a joint may lie outside, as in a posed keyframe.
     """
 
     limits: Limits
@@ -249,7 +249,7 @@ class JointLimits(RowTerm):
     allowed: Array | None = None
 
     def excess(self, posed: Posed) -> tuple[Array, Array]:
-        """Radians (..., P, 3) beyond what is allowed, and their slopes (..., P, 3, 3)."""
+        """Radians (..., P, 4) beyond what is allowed, and their slopes (..., P, 4, 3)."""
         outside, slopes = self.limits.excess(posed.Rs_parent_part)
         if self.allowed is not None:
             low, high = np.minimum(self.allowed, 0.0), np.maximum(self.allowed, 0.0)
@@ -260,18 +260,20 @@ class JointLimits(RowTerm):
         return _half_squares(self.excess(posed)[0] / self.sigma_rad)
 
     def rows(self, posed: Posed) -> Rows:
+        """Only of angles that are exceeded at some pose, of one pose mostly none."""
         skeleton = posed.skeleton
         outside, slopes = self.excess(posed)
+        over = outside != 0
+        part, angle = np.nonzero(over.reshape(-1, *over.shape[-2:]).any(axis=0))
         turns = np.flatnonzero(skeleton.dof_turns == 1)
-        parts, axes = skeleton.dof_part[turns], skeleton.dof_axis[turns]
-        over, r = outside != 0, outside / self.sigma_rad
-        if outside.ndim == 2 and not over.any():
-            return Rows(np.zeros(0), np.zeros((0, skeleton.dof_count)), 0.0)
-        J = np.zeros((*outside.shape, skeleton.dof_count))
-        J[..., parts, :, turns] = (slopes * over[..., None])[..., parts, :, axes]
-        if outside.ndim == 2:  # of one pose only those that are exceeded, mostly none
-            return Rows(r[over], J[over] / self.sigma_rad, _half_squares(r[over]))
-        return Rows(_flat(r), _flatten_rows(J) / self.sigma_rad, _half_squares(r))
+        row, turn = np.nonzero(part[:, None] == skeleton.dof_part[turns])
+        column = turns[turn]
+        J = np.zeros((*outside.shape[:-2], len(part), skeleton.dof_count))
+        J[..., row, column] = (slopes * over[..., None])[
+            ..., part[row], angle[row], skeleton.dof_axis[column]
+        ]
+        r = outside[..., part, angle] / self.sigma_rad
+        return Rows(r, J / self.sigma_rad, _half_squares(r))
 
 
 @dataclass(frozen=True, eq=False)

@@ -277,7 +277,7 @@ def _steps(records: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]
 
 
 def _made(value: Any) -> float | None:
-    """Older journals do not tell when a step was made."""
+    """Older journals do not hold when a step was made."""
     is_time = type(value) in (int, float) and math.isfinite(value)
     return float(value) if is_time else None
 

@@ -35,6 +35,8 @@ _BY_THEMSELVES = {
     "quality", "initial", "left_out", "cues", "cue_weights", "network", "smooth",
 }  # fmt: skip
 """Settings that count where they change a motion, or never."""
+LIMITS = {"limits_deg", "twist"}
+"""What of a part no segment is tracked by; see `stretches`."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -127,14 +129,14 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
         for mask in session.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
-    if not _listens_to_keypoints(session):
+    if not _uses_keypoints(session):
         return sorted(within)
-    said = [
+    corrected = [
         [each.frame, each.joint, each.uv]
         for each in session.keypoint_corrections
         if first <= each.frame <= last
     ]
-    return [*sorted(within), {"keypoints": said}] if said else sorted(within)
+    return [*sorted(within), {"keypoints": corrected}] if corrected else sorted(within)
 
 
 def _keyframe_ends(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
@@ -173,7 +175,7 @@ def _film_hash(session: Session) -> str:
         mode="json",
         include={"body", "camera", "ignore_masks"},
         exclude={
-            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "body": {"parts": {"__all__": LIMITS}},
             "camera": {"origin"},
             "ignore_masks": {"__all__": {"note"}},
         },
@@ -188,7 +190,7 @@ def _surface_hash(session: Session) -> str:
         mode="json",
         include={"body", "surface"},
         exclude={
-            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "body": {"parts": {"__all__": LIMITS}},
             "surface": {"fps", "model_frame", "cameras"},
         },
     )
@@ -235,7 +237,7 @@ def _keypoints(session: Session) -> list[Any]:
 
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """
-    if not _listens_to_keypoints(session):
+    if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.given_keypoints
     model = find_model(settings.network or FULL.name)
@@ -244,7 +246,7 @@ def _keypoints(session: Session) -> list[Any]:
     return ["keypoints", model.sha256 if given is None else given.file, *weighted]
 
 
-def _listens_to_keypoints(session: Session) -> bool:
+def _uses_keypoints(session: Session) -> bool:
     settings = session.settings
     wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
     return wanted and is_persons(session.body)
@@ -279,7 +281,7 @@ class _ById:
 @lru_cache(maxsize=8)
 def _body(body: _ById) -> str:
     """Names of parts count, since the verdict has them; other captions do not."""
-    parts = {"__all__": {"limits_deg"}}  # no segment is tracked by them; see `stretches`
+    parts = {"__all__": LIMITS}
     captions = {"name": True, "source": True, "mirror_pairs": True}
     data = body.it.model_dump(mode="json", exclude={**captions, "parts": parts})
     return json.dumps(data, sort_keys=True)

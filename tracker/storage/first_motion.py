@@ -26,7 +26,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import transpose
-from keypose.tracker.session.schema import FirstMotion, OwnRun, Session
+from keypose.tracker.session.references import FirstMotion, OwnRun
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import write_file
 

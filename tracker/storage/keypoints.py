@@ -6,7 +6,7 @@ The file is a plain NumPy archive, as a tracks file is:
     names        (L,)       text
     uv           (N, L, 2)  pixels, NaN where nothing was found
     visibility   (N, L)     from 0 to 1, 0 where uv is NaN
-    p_hips       (N, L, 3)  metres, NaN where unknown; left out where nothing tells depth
+    p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
 
 Its numbers have four bytes: a fraction of a thousandth of a pixel.
 """
@@ -25,7 +25,8 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.session.schema import KeypointFile, Session
+from keypose.tracker.session.references import KeypointFile
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import write_file
 

@@ -9,9 +9,10 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import joined
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.part_keyframes import keyed_parts
 from keypose.tracker.storage.stretches import Stretch, keyframes_within
 from keypose.tracker.tracking.space.contacts import proposed_pins

@@ -10,10 +10,12 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from keypose.tracker.body.body import Body
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.session.schema import Keyframe, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -114,9 +116,17 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         [pin.model_dump(mode="json") for pin in pins],
         [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],
         [part.limits_deg for part in session.body.parts],  # no segment's key has them
+        *_twists(session.body),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _twists(body: Body) -> list[Any]:
+    """Limits of twist as a person's body has them; nothing of one without, as before there were
+    any."""
+    twists = {part.name: part.twist.model_dump(mode="json") for part in body.parts if part.twist}
+    return [twists] if twists else []
 
 
 def keyframes_within(session: Session, first: int, last: int) -> list[Keyframe]:

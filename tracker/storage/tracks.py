@@ -265,7 +265,7 @@ def _how_tracked(session: Session, session_path: Path) -> tuple[str, str]:
 
 def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
     """What the session's file says of a segment: the fields that both have, by their names."""
-    said = {
+    fields = {
         name: _finite(getattr(segment, name))
         for name in SegmentSummary.model_fields
         if hasattr(segment, name)
@@ -274,7 +274,7 @@ def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
         first_frame=segment.first,
         last_frame=segment.last,
         open_ends=tuple(frame for frame in segment.span if frame in open_ends(session)),
-        **{**said, "key": segment.key or None},
+        **{**fields, "key": segment.key or None},
     )
 
 

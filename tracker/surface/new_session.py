@@ -11,7 +11,7 @@ import numpy as np
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.session.settings import Units, UpAxis
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.files.guessing import guess_units, guess_up

@@ -14,7 +14,8 @@ import numpy as np
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.schema import Session
 from keypose.tracker.surface.painting import Picture, paint
 from keypose.tracker.surface.source import SurfaceSteps, open_steps
 from keypose.tracker.video.damage import Examined

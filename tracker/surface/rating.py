@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from keypose.tracker.errors import SurfaceError, VideoError
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.cameras.footage import Footage
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.cameras.views import View

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.files.sequence import Glance, MeshSequence
 from keypose.tracker.surface.files.sources import SUFFIXES
 from keypose.tracker.surface.mesh import SurfaceMesh

@@ -4,7 +4,7 @@ correction over soft anchors, see `cues/soft_correction.py`, in place of closing
 Brightness follows a limb closely while it is seen, and loses it behind the trunk; keypoints jitter,
 but lose nothing. From two starts, the body followed from both keyframes and the keypoints alone,
 the same cycle leads to two motions, as a rule to nearly the same. Of these the one counts that all
-evidence together contradicts least; how far they lie apart tells how sure it is.
+evidence together contradicts least; how far they lie apart shows how sure it is.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def _outcome(
 def joint_evidence(
     free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
-    """What the keypoints tell of the best motion. keyed: its rows that are keyframes."""
+    """What the keypoints show of the best motion. keyed: its rows that are keyframes."""
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height

@@ -41,7 +41,7 @@ class Outcome:
     diverged: a pass left it; the pass was dropped.
     gap: how far the last correction missed the keyframe before it was set exactly: radians.
     notes: sentences for a person about what could not be done as asked.
-    joints: what keypoints tell of the motion, where there are any.
+    joints: what keypoints show of the motion, where there are any.
     silhouette: how its poses disagree with what moves, where that was asked.
     """
 

@@ -73,3 +73,11 @@ def method_of(settings: TrackSettings) -> Method:
     base = {"full": FULL, "fast": FAST, "preview": PREVIEW}[settings.quality]
     passes = settings.passes or base.passes
     return replace(base, passes=passes, initial=initial, left_out=left_out)
+
+
+def expected_steps(settings: TrackSettings) -> int:
+    """Trajectories a segment is expected to yield: starts, passes, refinement."""
+    method = method_of(settings)
+    if isinstance(method, Paper):
+        return method.passes + 1
+    return method.passes + 3 + method.templates

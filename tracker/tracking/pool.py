@@ -175,7 +175,7 @@ def stream(
     try:
         while True:
             look()
-            with suppress(queue.Empty):  # short turns: signals are heard on every system
+            with suppress(queue.Empty):  # short turns: signals are handled on every system
                 event = events.get(timeout=POLL_S)
                 if event is None:
                     break

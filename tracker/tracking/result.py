@@ -95,7 +95,7 @@ class Diagnostics:
     expected_gain: (N,) of a keyframe at each frame, see
         `keypose.tracker.tracking.diagnostics.expected_gain`; None where that is not known of any.
     expected_error: (N, P) pixels of the video by which the joint at a part's far end is expected to
-        be off, see `keypose.tracker.tracking.cues.joint_evidence`; NaN where no keypoint tells.
+        be off, see `keypose.tracker.tracking.cues.joint_evidence`; NaN where no keypoint was seen.
     """
 
     rank: NDArray[np.int64] = field(metadata=_layout("step", dtype="<i8"))

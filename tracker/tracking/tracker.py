@@ -21,13 +21,10 @@ from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, tra
 from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
 from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
-from keypose.tracker.tracking.cycle import Outcome, Work, track_segment
-from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
-from keypose.tracker.tracking.diagnostics.judge import judge
-from keypose.tracker.tracking.diagnostics.observability import observe, unobserved
-from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.cycle import Work, track_segment
+from keypose.tracker.tracking.diagnostics.segment_result import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
-from keypose.tracker.tracking.method import Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.method import Keypose, expected_steps, method_of
 from keypose.tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
 from keypose.tracker.tracking.parts.kept import KeptOutcomes, Kind
 from keypose.tracker.tracking.parts.keyed import KeyedParts
@@ -39,7 +36,7 @@ from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingS
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
-LOOKS_UNTOLD = 8
+LOOKS_BETWEEN_REPORTS = 8
 """Frames in which keypoints are looked for between two looks at whether to stop."""
 
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
@@ -178,7 +175,7 @@ class Tracker:
     def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
         """The expected number of trajectories from `run_segment`."""
         whole = expected_steps(settings)
-        if self._listens_to_keypoints(settings):
+        if self._uses_keypoints(settings):
             whole = expected_anchored_steps(method_of(settings).passes)
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
         if not inside:
@@ -224,12 +221,12 @@ class Tracker:
                 step = next(work)
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
-                if self._listens_to_silhouette(settings):
+                if self._uses_silhouette(settings):
                     found = silhouette_mismatch(scene, segment.clip, outcome.trajectory)
                     outcome = replace(outcome, silhouette=found)
-                if outcome.joints is None and self._listens_to_keypoints(settings):
+                if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
-                return _result(scene, segment, outcome, method, enlarged)
+                return segment_result(scene, segment, outcome, method, enlarged)
             emit(step, number)
             number += 1
 
@@ -274,7 +271,7 @@ class Tracker:
             candidates = anchors_of(free, segment, camera, keypoints, weight)
             if candidates:
                 brightness = "brightness" in settings.cues_used
-                silhouette = self._listens_to_silhouette(settings)
+                silhouette = self._uses_silhouette(settings)
                 return track_anchored(
                     scene, free, segment, method, candidates, brightness, silhouette=silhouette
                 )
@@ -291,62 +288,25 @@ class Tracker:
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
 
         def report() -> None:
-            if next(looks) % LOOKS_UNTOLD == 0:
+            if next(looks) % LOOKS_BETWEEN_REPORTS == 0:
                 emit(waiting, 0)
 
         return source.over(segment, self.skeleton, report)
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
         """Where keypoints come from; None where they do not count."""
-        return self._keypoints if self._listens_to_keypoints(settings) else None
+        return self._keypoints if self._uses_keypoints(settings) else None
 
-    def _listens_to_keypoints(self, settings: TrackSettings) -> bool:
+    def _uses_keypoints(self, settings: TrackSettings) -> bool:
         """Whether keypoints count where there are any: never for the printed method, nor for bodies
         that are no person's."""
         wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
-    def _listens_to_silhouette(self, settings: TrackSettings) -> bool:
+    def _uses_silhouette(self, settings: TrackSettings) -> bool:
         """Whether what moves counts: it is known before a camera that stands still."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         return wanted and self._prepared.has_static_camera
-
-
-def _result(
-    scene: Scene, segment: Segment, outcome: Outcome, method: Method, enlarged: float
-) -> SegmentResult:
-    """enlarged: pixels of the video to one of the pictures worked on."""
-    judged = isinstance(method, Paper) or method.judged
-    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
-    error = None
-    if outcome.joints is not None:
-        by_part = outcome.joints.expected_error(scene.skeleton.part_count)
-        error = by_part * outcome.joints.height_px * enlarged
-    diagnostics = replace(
-        seen.diagnostics,
-        expected_gain=expected_gain(scene, outcome, seen),
-        expected_error=error,
-    )
-    return SegmentResult(
-        trajectory=outcome.trajectory,
-        scores=tuple(step.score_or_nan for step in outcome.passes),
-        steps=tuple(step.what for step in outcome.passes),
-        best_pass=outcome.best,
-        closing_error=max(
-            outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
-        ),
-        verdict=judge(scene, segment, outcome, seen),
-        diagnostics=diagnostics,
-        notes=outcome.notes,
-    )
-
-
-def expected_steps(settings: TrackSettings) -> int:
-    """Trajectories a segment is expected to yield: starts, passes, refinement."""
-    method = method_of(settings)
-    if isinstance(method, Paper):
-        return method.passes + 1
-    return method.passes + 3 + method.templates
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

@@ -29,14 +29,14 @@ class FileLens:
 def lens_in(tags: Iterable[Mapping[str, str]]) -> FileLens | None:
     """The lens named by tags of QuickTime and MP4 files, or by the EXIF tags of an image.
 
-    None where no focal length is told, or one that no lens has.
+    None where no focal length is given, or one that no lens has.
     """
-    told = {key.casefold(): value for some in tags for key, value in some.items()}
-    texts = [value for key, value in told.items() if key.endswith(_FOCAL)]
+    known = {key.casefold(): value for some in tags for key, value in some.items()}
+    texts = [value for key, value in known.items() if key.endswith(_FOCAL)]
     focal_mm = next((mm for mm in map(_millimetres, texts) if mm is not None), None)
     if focal_mm is None:
         return None
-    return FileLens(focal_mm, _device(_first(told, _MAKE), _first(told, _MODEL)))
+    return FileLens(focal_mm, _device(_first(known, _MAKE), _first(known, _MODEL)))
 
 
 def _millimetres(text: str) -> float | None:
@@ -45,8 +45,8 @@ def _millimetres(text: str) -> float | None:
     return mm if NEAREST_MM <= mm <= FARTHEST_MM else None
 
 
-def _first(told: Mapping[str, str], keys: tuple[str, ...]) -> str:
-    return next((told[key] for key in keys if key in told), "")
+def _first(known: Mapping[str, str], keys: tuple[str, ...]) -> str:
+    return next((known[key] for key in keys if key in known), "")
 
 
 def _device(make: str, model: str) -> str:

@@ -45,8 +45,8 @@ class VideoInfo:
     pixel_aspect: Fraction  # width over height of one pixel of the upright picture
     missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
     damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
-    lens: FileLens | None = None  # as the file tells it
-    timecode: Timecode | None = None  # of the first frame, as the file tells it
+    lens: FileLens | None = None  # as the file gives it
+    timecode: Timecode | None = None  # of the first frame, as the file gives it
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,10 @@
-"""Does the camera stand still? Told from a few frames of the film alone.
+"""Does the camera stand still? Judged from a few frames of the film alone.
 
 Two looks must agree, each by cells of the picture, since people and leaves move before a camera
 that stands still and only some cells are theirs. Corners are followed from the first frame to the
 sampled ones and back (Lucas and Kanade); and what differs from the background, every pixel's
 median over the samples, is asked for the shift of the whole cell that would explain it. The second
-look also tells of soft gradients, where a pan leaves no corner to follow.
+look also works on soft gradients, where a pan leaves no corner to follow.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ RETURN_PX = 0.5
 MOST_MOVING = 0.5
 """Share of the picture that may move before a camera that stands still."""
 SHIFT_SIGMA_PX = 0.05
-"""A cell tells its shift where noise would leave it no less certain than this."""
+"""A cell has a known shift where noise would leave it no less certain than this."""
 NOISE_GREY = 1.0
 """What the smoothed pictures of a still scene differ by, grey levels, compression included."""
 AROUND_PX = 5
@@ -190,8 +190,8 @@ def _residual_shifts(picture: Grey, plate: Grey, away: NDArray[np.bool_]) -> Arr
     xx, xy, yy = (_by_cell(product) for product in (right * right, right * down, down * down))
     normal = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
     moment = np.stack([_by_cell(right * residual), _by_cell(down * residual)], -1)
-    told = np.linalg.eigvalsh(normal)[:, 0] > (NOISE_GREY / SHIFT_SIGMA_PX) ** 2
-    shifts = np.linalg.solve(normal[told], moment[told][..., None])[..., 0]
+    textured = np.linalg.eigvalsh(normal)[:, 0] > (NOISE_GREY / SHIFT_SIGMA_PX) ** 2
+    shifts = np.linalg.solve(normal[textured], moment[textured][..., None])[..., 0]
     return np.asarray(np.linalg.norm(shifts, axis=-1))
 
 

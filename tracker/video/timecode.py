@@ -1,8 +1,8 @@
 """Timecode: the clock of a shoot, by which editing programs find a frame.  SMPTE ST 12-1
 
-A frame is told as HH:MM:SS:FF. Where the rate is 30/1.001 or 60/1.001 frames a second, a semicolon
-before FF says that numbers are dropped: 2 or 4 of them at every minute but each tenth, so that the
-timecode keeps to the clock.
+A frame is written as HH:MM:SS:FF. Where the rate is 30/1.001 or 60/1.001 frames a second, a
+semicolon before FF says that numbers are dropped: 2 or 4 of them at every minute but each tenth, so
+that the timecode keeps to the clock.
 """
 
 from __future__ import annotations
@@ -71,9 +71,9 @@ class Timecode:
 
 
 def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | None:
-    """The timecode that tags of a file tell of its first frame; None where none do."""
-    told = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
-    return next((code for text in told if (code := Timecode.read(text, fps)) is not None), None)
+    """The timecode that tags of a file give for its first frame; None where none do."""
+    texts = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
+    return next((code for text in texts if (code := Timecode.read(text, fps)) is not None), None)
 
 
 def _dropped(rate: int, mark: str) -> int:

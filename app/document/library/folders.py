@@ -23,7 +23,7 @@ from keypose.app.document.library.names import printable
 from keypose.tracker.errors import KeyposeError
 
 MOST_PEEKED = 400
-"""Entries of a folder inside that are looked at to tell what it holds."""
+"""Entries of a folder inside that are looked at to see what it holds."""
 
 SESSION = "session.json"
 

@@ -41,9 +41,9 @@ class ThumbCache:
         """That of a session, a video or a folder of images, as it is now. OSError where there is
         nothing."""
         facts = path.stat()
-        said = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
+        identity = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
         make = of_session if path.suffix.lower() == ".json" else _of_film
-        content = self.get(f"{_FILE}{id_of(said)}", lambda: make(path))
+        content = self.get(f"{_FILE}{id_of(identity)}", lambda: make(path))
         self._tidy()
         return content
 

@@ -66,6 +66,14 @@ class TurnInDepth(Edit):
     part: Name | None = None
 
 
+class Untwist(Edit):
+    """A limb turned back about its own length, its elbow and, as near as it can be, its hand where
+    they are."""
+
+    do: Literal["untwist"] = "untwist"
+    part: Name
+
+
 class CopyKey(Edit):
     """The pose of another keyframe, here."""
 
@@ -86,6 +94,7 @@ Posing: TypeAlias = (
     | ResetPose
     | Exchange
     | TurnInDepth
+    | Untwist
     | PastePose
     | CopyKey
     | TakeTracked

@@ -72,12 +72,12 @@ def gait_section(subject: Subject, recording: Recording) -> Html | None:
 
 def _tiles(strides: Sequence[Stride]) -> Html:
     """The mean over both feet in large figures."""
-    said = [tile(str(len(strides)), "stride" if len(strides) == 1 else "strides")]
+    tiles = [tile(str(len(strides)), "stride" if len(strides) == 1 else "strides")]
     for value_of, digits, unit, words in _LARGE:
         known = [value for one in strides if (value := value_of(one)) is not None]
         if known:
-            said.append(tile(f"{number_text(float(np.mean(known)), digits)} {unit}", words))
-    return element("div", *said, class_="tiles")
+            tiles.append(tile(f"{number_text(float(np.mean(known)), digits)} {unit}", words))
+    return element("div", *tiles, class_="tiles")
 
 
 def strides_table(subject: Subject, gait: Gait) -> Html:
@@ -127,13 +127,13 @@ def _diagram(subject: Subject, gait: Gait) -> Html:
         for stance in (s for s in gait.stances if s.part == part):
             first = stance.still[0] if stance.heel_strike is None else stance.heel_strike
             last = stance.still[1] if stance.toe_off is None else stance.toe_off
-            told = (
+            tip = (
                 "" if stance.heel_strike is None else f"heel strike {first}, ",
                 f"still {stance.still[0]}–{stance.still[1]}",
                 "" if stance.toe_off is None else f", toe off {last}",
             )
-            bars.append(_bar(scale, first, last, f"stance {side}", "".join(told)))
-            bars.append(_bar(scale, *stance.still, f"stance still {side}", "".join(told)))
+            bars.append(_bar(scale, first, last, f"stance {side}", "".join(tip)))
+            bars.append(_bar(scale, *stance.still, f"stance still {side}", "".join(tip)))
         rows.append((f"{part_label(side)} foot", joined(bars)))
     return timeline(rows, scale)
 

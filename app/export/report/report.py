@@ -246,7 +246,7 @@ def _summary(subject: Subject) -> list[str]:
     if len(subject.keys) < 2:
         return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
-    reviewed = answers_words([said for said in known.reviewed if known.counts(said)])
+    reviewed = answers_words([one for one in known.reviewed if known.counts(one)])
     return [f"{outcome} {interval}", advice, *([reviewed] if reviewed else [])]
 
 

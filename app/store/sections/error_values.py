@@ -12,7 +12,7 @@ from keypose.app.store.state import AppState
 from keypose.tracker.tracking.result import SegmentResult
 
 MOST: Final = 5
-"""Parts of a segment that are told."""
+"""Parts of a segment that are listed."""
 
 
 def errors(app_state: AppState) -> Json:
@@ -37,16 +37,16 @@ def _worst_parts(known: Judged, track: SegmentResult) -> list[dict[str, Json]]:
         return []
     last = len(errors) - 1
     found = problem_of(known, track)
-    told = []
+    listed = []
     for part, largest in enumerate(errors.max(axis=0)):
         if largest < 0:
             continue
         row = best_row(track, part, 0, last)
         if found is not None and known.name(part) == found.part and found.px is not None:
             row = found.frame - track.first
-        told.append((float(errors[row, part]), part, row))
-    told.sort(key=lambda one: -one[0])
-    return [_row(known, track, *one) for one in told[:MOST]]
+        listed.append((float(errors[row, part]), part, row))
+    listed.sort(key=lambda one: -one[0])
+    return [_row(known, track, *one) for one in listed[:MOST]]
 
 
 def _row(known: Judged, track: SegmentResult, px: float, part: int, row: int) -> dict[str, Json]:

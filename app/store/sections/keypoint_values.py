@@ -15,14 +15,14 @@ from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import HEAD_POINTS, points_on_body
 from keypose.tracker.session.corrections import KeypointCorrection
 
-TOLD: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
+SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 
 
 def keypoints(app_state: AppState) -> Json:
     """Where each is, in pixels of the main view, how sure that is, and what a person said of it;
     null where nothing is known of this frame.
 
-    Of an ignored one it is told where it was found, so that it can be put back.
+    Of an ignored one it is given where it was found, so that it can be put back.
     """
     edit = app_state.edit
     if edit is None or edit.doc.surface is not None:
@@ -31,8 +31,8 @@ def keypoints(app_state: AppState) -> Json:
     said = {c.joint: c for c in edit.doc.keypoint_corrections if c.frame == edit.frame}
     if found is None and not said:
         return None
-    on_body = points_on_body(edit.doc.body, TOLD).indices
-    names = [TOLD[k] for k in on_body]
+    on_body = points_on_body(edit.doc.body, SHOWN).indices
+    names = [SHOWN[k] for k in on_body]
     at = {name: k for k, name in enumerate(found.names)} if found is not None else {}
     points = []
     for name in names:

@@ -37,12 +37,12 @@ def _segment(
 ) -> Json:  # fmt: skip
     first, last = span
     running = app_state.running.get(span)
-    unsaid = {"outdated": "Outdated", "none": f"Not {words.done}"}
+    others = {"outdated": "Outdated", "none": f"Not {words.done}"}
     value: dict[str, Json] = {
         "first": first,
         "last": last,
         "state": state,
-        "words": unsaid.get(state, ""),
+        "words": others.get(state, ""),
         "short": "",
         "todo": "",
         "cause": None,
@@ -88,14 +88,14 @@ def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
     if found is None or (is_good and found.cause in BY_MOTION):
         good: dict[str, Json] = {"words": "Good", "short": "Good", "cause": "good"}
         return good if is_good else {"state": "good", "words": "Reviewed", "short": "Reviewed"}
-    said = sentence_of(found)
-    lost = "" if said.startswith("Lost") else "Lost. "
-    check = f"Check: {said[:1].lower()}{said[1:]}"
-    least = f"Good. Least sure: {said[:1].lower()}{said[1:]}"
-    words = {"good": least, "check": check, "lost": f"{lost}{said}"}[found.kind]
+    sentence = sentence_of(found)
+    lost = "" if sentence.startswith("Lost") else "Lost. "
+    check = f"Check: {sentence[:1].lower()}{sentence[1:]}"
+    least = f"Good. Least sure: {sentence[:1].lower()}{sentence[1:]}"
+    words = {"good": least, "check": check, "lost": f"{lost}{sentence}"}[found.kind]
     return {
-        "words": said if found.cause == "other" else words,
-        "short": words if is_good else said,
+        "words": sentence if found.cause == "other" else words,
+        "short": words if is_good else sentence,
         "todo": todo_of(found),
         "cause": found.cause,
         "part": found.part,

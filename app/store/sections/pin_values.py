@@ -59,7 +59,7 @@ def proposed_pins(app_state: AppState) -> Json:
 
 
 def floor(app_state: AppState) -> Json:
-    """Where the floor is, and whether pinned feet could tell."""
+    """Where the floor is, and whether pinned feet could determine it."""
     doc = doc_of(app_state)
     if doc is None:
         return None
@@ -95,9 +95,9 @@ def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
     if found is None:
         return {"slides_cm": None, "keyframe": None, "problem": ""}
     cm = 100 * found.off_m
-    said = number_text(cm, 0 if cm >= 1 else 1)
+    text = number_text(cm, 0 if cm >= 1 else 1)
     is_wrong = found.keyframe is not None
-    problem = f"Keyframe {found.keyframe} is {said} cm off the pin." if is_wrong else ""
+    problem = f"Keyframe {found.keyframe} is {text} cm off the pin." if is_wrong else ""
     return {"slides_cm": round(cm, 1), "keyframe": found.keyframe, "problem": problem}
 
 

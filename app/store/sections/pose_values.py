@@ -17,7 +17,7 @@ from keypose.app.store.state import AppState
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
-from keypose.tracker.session.schema import PartKeyframe
+from keypose.tracker.session.keyframe import PartKeyframe
 from keypose.tracker.storage.results import listed, residual, rotations
 
 AT_REST = (1.0, 0.0, 0.0, 0.0)

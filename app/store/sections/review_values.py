@@ -26,8 +26,7 @@ def review(app_state: AppState) -> Json:
     return {
         "places": [_place(doc, found, place) for place in found.places],
         "answered": [
-            {"frame": said.frame, "part": said.part, "answer": said.answer}
-            for said in found.answered
+            {"frame": one.frame, "part": one.part, "answer": one.answer} for one in found.answered
         ],
         "goal": found.goal_px,
         "goals": list(GOALS_PX),

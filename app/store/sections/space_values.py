@@ -17,11 +17,12 @@ _REMEDIES: Final = {
     "below_floor": "floor",
     "keyframe_depth": "soften",
     "mirrored": "turn",
+    "twisted": "untwist",
     "leans": "",
     "shakes": "smooth",
 }
 _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
-                   "mirrored": 20.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
+                   "mirrored": 20.0, "twisted": 3.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
 """What makes findings of different kinds comparable: of 5 cm, of 20°, of 10 m/s² each about 1."""
 
 
@@ -31,11 +32,11 @@ def space(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return []
-    told: list[tuple[float, Json]] = []
+    weighted: list[tuple[float, Json]] = []
     known = Judged.of(edit.settled, edit.results)
     for stretch in edit.results.space(edit.settled):
         waiting = (found for found in stretch.findings if not _is_accepted(known, found))
-        told += [(_weight(found), _finding(found)) for found in waiting]
+        weighted += [(_weight(found), _finding(found)) for found in waiting]
         for pin in stretch.pins:
             if pin.keyframe is not None:
                 row = {
@@ -43,8 +44,8 @@ def space(app_state: AppState) -> Json:
                     "first": pin.first_frame, "last": pin.last_frame, "go": pin.keyframe,
                     "remedy": "soften",
                 }  # fmt: skip
-                told.append((_WEIGHTS["slides"] * pin.off_m, row))
-    rows = [row for _, row in sorted(told, key=lambda one: -one[0])]
+                weighted.append((_WEIGHTS["slides"] * pin.off_m, row))
+    rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)
     share = edit.settled.depth_share
     return [*rows, _guessed_lens(edit, share)] if is_known and share is not None else rows
@@ -54,8 +55,8 @@ def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
     """Whether a person has said that the foot is right where it leaves the floor, or the limb as it
     points."""
     asked = found.kind in ("off_floor", "mirrored")
-    said = known.answer(found.part, found.go) if asked else None
-    return said is not None and said.answer == "accepted"
+    answered = known.answer(found.part, found.go) if asked else None
+    return answered is not None and answered.answer == "accepted"
 
 
 def _guessed_lens(edit: EditorState, share: float) -> Json:

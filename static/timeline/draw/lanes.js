@@ -1,5 +1,5 @@
-// The lanes: how much the image tells about each part over the frames. Height says how much; hatched
-// where it tells too little.
+// The lanes: how much the image shows of each part over the frames. Height says how much; hatched
+// where it shows too little.
 
 import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';

@@ -35,7 +35,7 @@ function outlinesOf(fills, cx, cy, r) {
 }
 
 /** One mark about a point. */
-export function partMark(limbs, cx, cy, kind = '') {
+function partMark(limbs, cx, cy, kind = '') {
   const fills = fillsOf(limbs, cx, cy, RADIUS);
   return svg`<g class=${`partkey ${kind}`}>
     <path class="ground" d=${`M${cx} ${cy - RADIUS}l${RADIUS} ${RADIUS}-${RADIUS} ${RADIUS}-${RADIUS}-${RADIUS}z`} />

@@ -45,7 +45,7 @@ let pressTimer = 0;
 let stopFollowing = () => {};
 let wasCancelled = false;
 
-/** Listen on the drawing; `ground()` tells its rows, lanes and scroll. */
+/** Listen on the drawing; `ground()` gives its rows, lanes and scroll. */
 export function listenOn(drawing, groundOf, scrollLanes) {
   element = drawing;
   ground = groundOf;

@@ -70,9 +70,9 @@ def test_the_bundled_box_is_followed_without_any_keypoints(
     )
     assert record.to_frame >= 20
     assert off_px(session) < 4.0
-    said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith(f"Tracked ahead to {record.to_frame}. ")
-    assert said[-1] == f"Written: {one_key}"
+    message = capsys.readouterr().out.splitlines()
+    assert message[0].startswith(f"Tracked ahead to {record.to_frame}. ")
+    assert message[-1] == f"Written: {one_key}"
 
 
 def test_from_python_it_is_the_same(one_key: Path) -> None:

@@ -63,7 +63,7 @@ def events(capsys: Capture) -> list[dict[str, Any]]:
     return [json.loads(line, parse_constant=pytest.fail) for line in out.splitlines()]
 
 
-def test_all_sessions_of_a_folder_are_tracked_and_told_of(
+def test_all_sessions_of_a_folder_are_tracked_and_reported_of(
     sessions: list[Path], capsys: Capture
 ) -> None:
     assert batch(root(sessions)) == 0
@@ -74,13 +74,13 @@ def test_all_sessions_of_a_folder_are_tracked_and_told_of(
     assert [line.split()[:2] for line in lines[1:4]] == [[n, "tracked"] for n in "abc"]
     assert lines[4].startswith("3 of 3 sessions done in ")
     assert lines[5] == f"Written: {root(sessions) / NAME}"
-    told = err.splitlines()
-    assert [line for line in told if "begun" in line] == ["a: begun", "b: begun", "c: begun"]
-    assert told[-1].startswith("c: tracked, ")
-    assert told[-1].endswith("(3 of 3)")
+    reported = err.splitlines()
+    assert [line for line in reported if "begun" in line] == ["a: begun", "b: begun", "c: begun"]
+    assert reported[-1].startswith("c: tracked, ")
+    assert reported[-1].endswith("(3 of 3)")
 
 
-def test_the_report_tells_of_every_session_by_name(sessions: list[Path]) -> None:
+def test_the_report_lists_every_session_by_name(sessions: list[Path]) -> None:
     cases.altered(sessions[1], lambda data: data["video"].update(path="<gone>.mp4"))
     odd = sessions[2].parent.rename(root(sessions) / "<b>c & d")
     assert batch(root(sessions)) == 1
@@ -105,14 +105,14 @@ def test_a_second_batch_exchanges_the_report_and_no_other_file(
 
 def test_json_is_lines_of_events_and_a_summary(sessions: list[Path], capsys: Capture) -> None:
     assert batch(*sessions[:2], "--json") == 0
-    told = events(capsys)
+    reported = events(capsys)
     first, last = (str(path) for path in sessions[:2])
-    assert told[0] == {"event": "batch_started", "sessions": [first, last], "done_before": 0}
-    assert told[1] == {"event": "session_started", "session": first, "again": False}
-    kinds = [event["event"] for event in told if event.get("session") == first]
+    assert reported[0] == {"event": "batch_started", "sessions": [first, last], "done_before": 0}
+    assert reported[1] == {"event": "session_started", "session": first, "again": False}
+    kinds = [event["event"] for event in reported if event.get("session") == first]
     assert kinds.count("segment_finished") == 2
     assert kinds[-1] == "session_finished"
-    finished = told[-1]
+    finished = reported[-1]
     assert finished["event"] == "finished"
     assert [s["session"] for s in finished["sessions"]] == [first, last]
     assert finished["not_done"] == finished["lost"] == []
@@ -137,11 +137,11 @@ def test_what_goes_wrong_with_one_does_not_stop_the_others(
     gone = (1, WorkerDied("Its worker is gone"))
     meeting(monkeypatch, lambda number, task: gone if number == 1 else None)
     assert batch(root(sessions), "--json") == 1
-    told = events(capsys)[-1]
-    assert [s["state"] for s in told["sessions"]] == ["failed", "failed", "tracked"]
-    assert "not JSON" in told["sessions"][0]["words"]
-    assert told["sessions"][1]["words"] == "Its worker is gone, twice."
-    assert told["not_done"] == [str(path) for path in sessions[:2]]
+    reported = events(capsys)[-1]
+    assert [s["state"] for s in reported["sessions"]] == ["failed", "failed", "tracked"]
+    assert "not JSON" in reported["sessions"][0]["words"]
+    assert reported["sessions"][1]["words"] == "Its worker is gone, twice."
+    assert reported["not_done"] == [str(path) for path in sessions[:2]]
 
 
 def test_a_lost_segment_gives_exit_code_1(
@@ -184,9 +184,9 @@ def test_after_an_interruption_the_same_command_goes_on_with_what_was_not_done(
     outcomes = [line[len("session") :][:12].strip() for line in out.splitlines()[1:4]]
     assert outcomes == ["up to date", "tracked", "tracked"]
     assert batch(root(sessions), "--json") == 0
-    told = events(capsys)
-    assert told[0]["done_before"] == 0
-    assert {s["state"] for s in told[-1]["sessions"]} == {"tracked"}
+    reported = events(capsys)
+    assert reported[0]["done_before"] == 0
+    assert {s["state"] for s in reported[-1]["sessions"]} == {"tracked"}
 
 
 def test_a_session_changed_after_an_interruption_is_tracked_though_it_had_been(
@@ -247,9 +247,9 @@ def test_killed_midway_it_leaves_no_worker_in_the_way_and_goes_on_when_started_a
                 first.kill()
                 break
     again = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    told = [json.loads(line) for line in again.stdout.splitlines()]
-    assert told[0]["done_before"] >= 1
-    states = [s["state"] for s in told[-1]["sessions"]]
+    reported = [json.loads(line) for line in again.stdout.splitlines()]
+    assert reported[0]["done_before"] >= 1
+    states = [s["state"] for s in reported[-1]["sessions"]]
     assert states[0] == "kept"
     assert set(states) <= {"kept", "tracked"}
     assert all(load_session(path).results is not None for path in paths)
@@ -351,7 +351,7 @@ def test_a_full_disk_fails_the_sessions_with_a_sentence_each_and_the_table_is_th
     assert batch(small_disk / "all") == 0
 
 
-def test_a_report_that_cannot_be_written_is_told_after_the_table(
+def test_a_report_that_cannot_be_written_is_reported_after_the_table(
     sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def full(*_: object, **__: object) -> None:

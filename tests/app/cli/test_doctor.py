@@ -48,7 +48,7 @@ def test_what_cannot_be_written_to_is_an_error(tmp_path: Path) -> None:
     assert "cannot be written to" in found["workspace"].words
 
 
-def test_the_exit_code_tells_that_something_is_wrong(
+def test_the_exit_code_shows_that_something_is_wrong(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken() -> Iterator[Finding]:
@@ -57,9 +57,9 @@ def test_the_exit_code_tells_that_something_is_wrong(
 
     monkeypatch.setattr(checks, "films", broken)
     assert main(["doctor", "--json"]) == 1
-    said = json.loads(capsys.readouterr().out)
-    assert not said["well"]
-    (wrong,) = [finding for finding in said["findings"] if finding["state"] == "error"]
+    message = json.loads(capsys.readouterr().out)
+    assert not message["well"]
+    (wrong,) = [finding for finding in message["findings"] if finding["state"] == "error"]
     assert wrong["words"] == "cannot be checked: ZeroDivisionError: no films"
 
 

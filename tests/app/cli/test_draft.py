@@ -46,13 +46,13 @@ def test_a_session_with_drafts_and_its_keypoints_are_written(
     assert (keypoints.first_frame, keypoints.last_frame) == (0, 5)
     with open_video_of(session, out / "session.json") as video:
         assert video.info.frame_count == session.video.frame_count
-    said = capsys.readouterr().out
-    assert "Drafts at 6 of 6 frames." in said
-    assert "frame 0: first draft" in said
-    assert f"Written: {out / 'session.json'}" in said
+    message = capsys.readouterr().out
+    assert "Drafts at 6 of 6 frames." in message
+    assert "frame 0: first draft" in message
+    assert f"Written: {out / 'session.json'}" in message
 
 
-def test_json_tells_the_progress_and_the_frames_to_confirm(
+def test_json_gives_the_progress_and_the_frames_to_confirm(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(command(tmp_path / "new", "--json", "--field-of-view", "60")) == 0

@@ -99,14 +99,14 @@ def test_events_have_the_form_of_those_of_tracking(
     session_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert fit("--session", session_path, "--json") == 0
-    told = events(capsys)
-    assert told[0] == {
+    reported = events(capsys)
+    assert reported[0] == {
         "event": "segment_started", "segment": 0, "of": 1, "first_frame": 0,
         "last_frame": cases.STEPS - 1,
     }  # fmt: skip
-    passed = [event for event in told if event["event"] == "pass_finished"]
+    passed = [event for event in reported if event["event"] == "pass_finished"]
     assert all(0 <= event["pass"] < event["of"] == cases.STEPS - 1 for event in passed)
-    finished, summary = told[-2:]
+    finished, summary = reported[-2:]
     assert finished["event"] == "segment_finished"
     assert finished["verdict"] == "good"
     assert summary["event"] == "finished"
@@ -128,9 +128,9 @@ def test_ctrl_c_keeps_the_steps_that_are_done(
 
     monkeypatch.setattr(pool._Work, "_leave_when_cancelled", stop_at_the_third_look)
     assert fit("--session", session_path) == 130
-    told = capsys.readouterr()
-    assert "check frames 3–4: not fitted yet" in told.out
-    assert "Interrupted: 0 of 1 segments are finished, 1 more kept in part." in told.err
+    reported = capsys.readouterr()
+    assert "check frames 3–4: not fitted yet" in reported.out
+    assert "Interrupted: 0 of 1 segments are finished, 1 more kept in part." in reported.err
     found = load_tracks(load_session(session_path), session_path)
     assert found.runs(tracked=False) == "3 to 4"
     assert np.abs(found.ps_camera_root - cases.true_roots())[:3].max() < NEAR_M
@@ -145,7 +145,7 @@ def test_ctrl_c_keeps_the_steps_that_are_done(
     assert load_session(session_path).results.segments[0].missing == 0  # type: ignore[union-attr]
 
 
-def test_a_mesh_that_cannot_be_used_is_left_out_and_told(
+def test_a_mesh_that_cannot_be_used_is_left_out_and_reported(
     session_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (session_path.parent / "meshes" / "step_0002.ply").write_bytes(b"ply\nnothing more")
@@ -153,9 +153,9 @@ def test_a_mesh_that_cannot_be_used_is_left_out_and_told(
     video = unknown.video.model_copy(update={"fingerprint": ""})
     save_session(unknown.model_copy(update={"video": video}), session_path)
     assert fit("--session", session_path) == 0
-    said = capsys.readouterr().out
-    assert "frames 0–4: check frame 2" in said
-    assert "step_0002.ply" in said
+    message = capsys.readouterr().out
+    assert "frames 0–4: check frame 2" in message
+    assert "step_0002.ply" in message
     tracks = load_tracks(load_session(session_path), session_path)
     assert tracks.tracked.all()
     assert np.abs(tracks.ps_camera_root - cases.true_roots()).max() < NEAR_M
@@ -213,9 +213,9 @@ def test_without_a_keyframe_it_says_where_to_pose_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = cases.write_session(tmp_path / "job", keyframes=())
-    said = refused(capsys, tmp_path, ["fit", "--session", path])
-    assert "has no keyframe" in said
-    assert f"keypose open {path}" in said
+    message = refused(capsys, tmp_path, ["fit", "--session", path])
+    assert "has no keyframe" in message
+    assert f"keypose open {path}" in message
 
 
 def test_a_session_about_a_video_is_for_tracking(
@@ -229,17 +229,17 @@ def test_other_meshes_than_the_sessions_are_refused(
     session_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     other = cases.meshes(tmp_path / "other", steps=3)
-    said = refused(capsys, tmp_path, ["fit", other, "--session", session_path])
-    assert "holds other meshes" in said
+    message = refused(capsys, tmp_path, ["fit", other, "--session", session_path])
+    assert "holds other meshes" in message
 
 
 @pytest.mark.parametrize("option", ["--units=mm", "--up=-y"])
 def test_other_units_than_those_it_was_posed_in_are_refused(
     session_path: Path, option: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = refused(capsys, session_path.parent, ["fit", "--session", session_path, option])
-    assert "was posed in meshes read" in said
-    assert "change it under Fit in the page" in said
+    message = refused(capsys, session_path.parent, ["fit", "--session", session_path, option])
+    assert "was posed in meshes read" in message
+    assert "change it under Fit in the page" in message
 
 
 def test_cameras_that_are_none_are_refused_before_the_work(
@@ -274,15 +274,15 @@ def test_pictures_films_sheets_reports_and_exports_are_made_of_what_was_fitted(
     assert (out / "motion.bvh").is_file()
 
 
-def test_a_model_with_holes_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_model_with_holes_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = cases.write_session(tmp_path / "job", keyframes=(2,))
     file = path.parent / "meshes" / "step_0002.ply"
     mesh = trimesh.load(file, process=False)
     mesh.faces = mesh.faces[20:]
     mesh.export(file)
-    told = load_session(path)
-    video = told.video.model_copy(update={"fingerprint": ""})
-    save_session(told.model_copy(update={"video": video}), path)
+    reported = load_session(path)
+    video = reported.video.model_copy(update={"fingerprint": ""})
+    save_session(reported.model_copy(update={"video": video}), path)
     assert fit("--session", path) in (0, 1)
     assert capsys.readouterr().out.count("has holes") == 1
 

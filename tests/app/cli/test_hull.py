@@ -30,7 +30,7 @@ def cameras(tmp_path: Path) -> Path:
     return write_studio(tmp_path / "studio", views, [shots] * 3, PLACED)
 
 
-def test_silhouettes_become_meshes_that_open_and_tell_how_the_cameras_agree(
+def test_silhouettes_become_meshes_that_open_and_show_how_the_cameras_agree(
     cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "meshes"
@@ -45,19 +45,19 @@ def test_silhouettes_become_meshes_that_open_and_tell_how_the_cameras_agree(
     assert np.linalg.norm(p_camera - P_BALL, axis=1).min() == pytest.approx(RADIUS_M, abs=0.02)
 
 
-def test_json_tells_what_was_written_and_nothing_else(
+def test_json_shows_what_was_written_and_nothing_else(
     cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "meshes"
     assert main(["hull", str(cameras), "--out", str(out), "--json", *VOXEL]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["written"] == [str(out / f"step_000{i}.ply") for i in range(3)]
-    assert told["steps"] == 3
-    assert told["refused"] == []
-    assert told["interrupted"] is False
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["written"] == [str(out / f"step_000{i}.ply") for i in range(3)]
+    assert reported["steps"] == 3
+    assert reported["refused"] == []
+    assert reported["interrupted"] is False
 
 
-def test_a_step_without_a_hull_is_told_and_left_out(
+def test_a_step_without_a_hull_is_reported_and_left_out(
     cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shape = cameras.parent / "camera_01" / "silhouettes" / "0001.png"
@@ -110,7 +110,7 @@ def test_meshes_that_are_there_are_not_written_over_unasked(
         ("", ["--voxel", "nan"], "is not a length"),
     ],
 )
-def test_what_cannot_be_done_is_told_in_one_sentence(
+def test_what_cannot_be_done_is_reported_in_one_sentence(
     cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
     drop: str, more: list[str], words: str,
 ) -> None:  # fmt: skip
@@ -123,9 +123,9 @@ def test_what_cannot_be_done_is_told_in_one_sentence(
     except SystemExit as refused:
         code = int(str(refused.code))
     assert code == 2
-    told = capsys.readouterr().err
-    assert words in told
-    assert told.count("\n") == 1
+    reported = capsys.readouterr().err
+    assert words in reported
+    assert reported.count("\n") == 1
     assert not (tmp_path / "meshes").exists()
 
 
@@ -174,10 +174,10 @@ def test_at_a_terminal_a_bar_counts_the_steps(
 ) -> None:  # fmt: skip
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert main(["hull", str(cameras), "--out", str(tmp_path / "meshes"), *VOXEL]) == 0
-    told = capsys.readouterr().err
-    assert "0/3" in told
-    assert "3/3" in told
-    assert "1 of 3" not in told
+    reported = capsys.readouterr().err
+    assert "0/3" in reported
+    assert "3/3" in reported
+    assert "1 of 3" not in reported
 
 
 def test_preparing_compiles_all_that_a_hull_needs(cameras: Path, tmp_path: Path) -> None:

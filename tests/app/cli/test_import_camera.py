@@ -40,9 +40,9 @@ def test_the_lens_and_what_is_up_are_the_files(
     assert made.lens_source == "calibration"
     tilt = np.radians(10)
     np.testing.assert_allclose(made.up_camera, [0, -np.cos(tilt), -np.sin(tilt)], atol=1e-6)
-    said = capsys.readouterr().out
-    assert "Up: turned by 10.0°." in said
-    assert f"Written: {path}" in said
+    message = capsys.readouterr().out
+    assert "Up: turned by 10.0°." in message
+    assert f"Written: {path}" in message
 
 
 def test_what_was_posed_is_seen_as_large_as_before(path: Path) -> None:
@@ -78,13 +78,13 @@ def test_the_camera_that_was_exported_outdates_nothing(path: Path, tmp_path: Pat
         assert made.model_copy(update={"lens_source": before.lens_source}) == before
 
 
-def test_json_tells_what_was_set(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_shows_what_was_set(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = chan(path.parent, "1 0 0 0 0 0 0 30")
     assert main(["import", str(path), str(file), "--camera", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["written"] == str(path)
-    assert said["up_camera"] == [0, -1, 0]
-    assert said["fx"] == load_session(path).camera.fx
+    message = json.loads(capsys.readouterr().out)
+    assert message["written"] == str(path)
+    assert message["up_camera"] == [0, -1, 0]
+    assert message["fx"] == load_session(path).camera.fx
 
 
 def test_a_camera_that_moves_leaves_the_session_as_it_was(

@@ -99,7 +99,7 @@ def test_any_other_file_is_refused_and_nothing_is_written(
         (("add", "heavy", "--from", "nowhere"), "cannot be read"),
     ],
 )
-def test_wrong_arguments_are_told_in_one_sentence(
+def test_wrong_arguments_are_reported_in_one_sentence(
     capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], words: str
 ) -> None:
     assert run(*arguments) == 2

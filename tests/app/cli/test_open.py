@@ -45,7 +45,7 @@ def angle_of(tab: Visitor) -> float:
     return float(tab.seen["pose"]["angles"]["left_forearm"][0])
 
 
-def test_a_tab_is_told_everything_when_it_comes(tab: Visitor) -> None:
+def test_a_tab_receives_everything_when_it_comes(tab: Visitor) -> None:
     assert tab.seen["file"]["frames"] == 73
     assert tab.seen["keys"]["frames"] == [0, 24, 48, 72]
     assert len(tab.seen["body"]["parts"]) == len(tab.seen["pose"]["T"]) == 16
@@ -188,14 +188,14 @@ def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
 ) -> None:
     second = Keypose(str(session), "--workspace", str(session.parent / "w"))
     reader = Visitor(second)
-    told = f"Read only: open in another Keypose (pid {keypose.process.pid}). Close it there, "
-    told += "then open it here again."
-    assert reader.seen["saved"] == {"state": "readonly", "at": 0.0, "words": told}
+    reported = f"Read only: open in another Keypose (pid {keypose.process.pid}). Close it there, "
+    reported += "then open it here again."
+    assert reader.seen["saved"] == {"state": "readonly", "at": 0.0, "words": reported}
     reader.do(do="go", frame=7)
     assert reader.seen["view"]["frame"] == 7
     for action in (turn(-20), {"do": "undo"}, {"do": "track", "what": "all"}):
         reader.do(**action)
-        assert reader.refusal().startswith(told)
+        assert reader.refusal().startswith(reported)
     tab.do(**turn(-33))
     tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)
     reader.leave()
@@ -227,6 +227,6 @@ def test_a_session_with_a_damaged_motion_opens_with_its_keyframes_and_says_so(
     back = Visitor(again)
     assert back.seen["keys"]["frames"] == [0, 24, 48, 72]
     assert [s["state"] for s in back.seen["segments"]] == ["none"] * 3
-    assert "damaged" in back.said[0]["words"]
+    assert "damaged" in back.replies[0]["words"]
     back.leave()
     again.end()

@@ -41,16 +41,16 @@ def test_the_session_gets_the_keyframes_that_are_printed(
 ) -> None:
     before = load_session(session).keyframes
     assert main(["reduce", str(session), "--tolerance", "6cm", "--dry-run", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    reported = json.loads(capsys.readouterr().out)
     assert load_session(session).keyframes == before
     assert main(["reduce", str(session), "--tolerance", "6cm"]) == 0
     words = capsys.readouterr().out
     saved = load_session(session)
-    assert [keyframe.frame for keyframe in saved.keyframes] == told["frames"]
+    assert [keyframe.frame for keyframe in saved.keyframes] == reported["frames"]
     assert (saved.keyframes[0], saved.keyframes[-1]) == before
     assert saved.drafts == ()
-    assert (told["kept"], told["frames_without_a_pose"]) == (2, 3)
-    assert f"{len(told['frames'])} keyframes for 70 drafted frames, 2 of them yours" in words
+    assert (reported["kept"], reported["frames_without_a_pose"]) == (2, 3)
+    assert f"{len(reported['frames'])} keyframes for 70 drafted frames, 2 of them yours" in words
     assert "3 frames have no pose" in words
     assert saved.first_motion is not None
     assert [(run.first_frame, run.last_frame) for run in saved.first_motion.own] == [

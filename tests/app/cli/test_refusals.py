@@ -156,7 +156,7 @@ def test_the_words_for_a_gap_do_not_span_tracked_frames(
     assert "the tracked frames are 0 to 2, 6 to 8." in refused(capsys, tmp_path, command)
 
 
-def test_a_folder_that_may_not_be_written_is_told_before_the_work(
+def test_a_folder_that_may_not_be_written_is_reported_before_the_work(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def forbidden(self: Path, *_: object) -> None:

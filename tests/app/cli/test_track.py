@@ -124,7 +124,7 @@ def test_the_start_and_what_is_left_out_are_of_this_run_only(
 
 
 @pytest.mark.parametrize("still", ["yes", "no"])
-def test_that_a_camera_that_moves_shows_no_silhouette_is_told_once_it_is_asked_for(
+def test_that_a_camera_that_moves_shows_no_silhouette_is_reported_once_it_is_asked_for(
     still: str,
     session_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -153,7 +153,7 @@ def test_a_cue_that_is_none_is_refused_with_those_there_are(
     assert "choose from brightness, keypoints" in words
 
 
-def test_what_could_not_be_done_as_wished_is_told_of_its_segment(
+def test_what_could_not_be_done_as_wished_is_reported_of_its_segment(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     note = "left hand lost at frame 5: interpolated instead"
@@ -257,7 +257,7 @@ def test_sigterm_keeps_what_is_finished_as_ctrl_c_does(
     assert load_trajectory(load_session(session_path), session_path).last_frame == 8
 
 
-def test_sigterm_is_heard_where_ctrl_c_is_ignored(
+def test_sigterm_is_handled_where_ctrl_c_is_ignored(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(follow, "rerun", tracker(stop_after=1, number=signal.SIGTERM))
@@ -269,7 +269,7 @@ def test_sigterm_is_heard_where_ctrl_c_is_ignored(
     assert load_trajectory(load_session(session_path), session_path).last_frame == 4
 
 
-def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_told(
+def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_reported(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(follow, "rerun", tracker(stop_after=1, stops=2))
@@ -296,7 +296,7 @@ def test_whoever_ignores_ctrl_c_goes_on_ignoring_it(
         signal.signal(signal.SIGINT, before)
 
 
-def test_an_error_midway_is_told_after_the_finished_segments_are_written(
+def test_an_error_midway_is_reported_after_the_finished_segments_are_written(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     broken = tracker(stop_after=1, error=VideoError("Frame 6 is gone."))

@@ -77,10 +77,10 @@ def test_a_file_that_says_what_cannot_be_is_refused_in_one_sentence(
     with pytest.raises(KeyposeError):
         read_defaults()
     assert main(["config"]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert str(config) in said
-    assert said.count("\n") == 1
+    message = capsys.readouterr().err
+    assert words in message
+    assert str(config) in message
+    assert message.count("\n") == 1
 
 
 def test_what_config_prints_is_a_file_that_says_the_same(
@@ -93,6 +93,6 @@ def test_what_config_prints_is_a_file_that_says_the_same(
     assert Defaults.model_validate(tomllib.loads(printed)) == read_defaults()
     assert "(built in)" not in next(line for line in printed.splitlines() if "port" in line)
     assert main(["config", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert (said["path"], said["from_file"]) == (str(config), ["port", "quality"])
-    assert said["values"]["port"] == 8123
+    message = json.loads(capsys.readouterr().out)
+    assert (message["path"], message["from_file"]) == (str(config), ["port", "quality"])
+    assert message["values"]["port"] == 8123

@@ -73,7 +73,7 @@ async def done(store: Store, *actions: dict[str, Any]) -> None:
     tab = store.join()
     for number, action in enumerate(actions, start=1):
         store.receive(tab, {**action, "n": number})
-        await told(tab, "ack", number)
+        await reported(tab, "ack", number)
     store.leave(tab)
 
 
@@ -82,12 +82,12 @@ async def tried(store: Store, *actions: dict[str, Any]) -> Tab:
     tab = store.join()
     for number, action in enumerate(actions, start=1):
         store.receive(tab, {**action, "n": number})
-        await told(tab, "done", number)
+        await reported(tab, "done", number)
         await store._writer.saver.wait()
     return tab
 
 
-async def told(tab: Tab, what: str, number: int) -> None:
+async def reported(tab: Tab, what: str, number: int) -> None:
     """The tab has been told that this action is done, or acknowledged."""
     while max(m.get(what, 0) for m in await tab.next()) < number:
         pass
@@ -155,8 +155,8 @@ def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
     assert load_session(path).keyframes == after
 
     async def look(store: Store) -> None:
-        said = (await store.join().next())[0]
-        assert said["words"] == "Restored 2 edits made before Keypose ended unexpectedly."
+        message = (await store.join().next())[0]
+        assert message["words"] == "Restored 2 edits made before Keypose ended unexpectedly."
 
     with_store(path, look)
 
@@ -167,7 +167,7 @@ def drop_saved(path: Path) -> None:
     Journal(path, 0).begin_anew(records)
 
 
-def test_a_session_changed_outside_is_taken_as_it_is_and_told(path: Path) -> None:
+def test_a_session_changed_outside_is_taken_as_it_is_and_reported(path: Path) -> None:
     async def edit(store: Store) -> None:
         await done(store, turn(-10))
 
@@ -176,8 +176,8 @@ def test_a_session_changed_outside_is_taken_as_it_is_and_told(path: Path) -> Non
     shutil.copy(ROOT / "sample_videos" / "person" / "session.json", path)
 
     async def look(store: Store) -> None:
-        said = (await store.join().next())[0]
-        assert "changed outside" in said["words"]
+        message = (await store.join().next())[0]
+        assert "changed outside" in message["words"]
         await done(store, {"do": "undo"})
 
     with_store(path, look)
@@ -225,7 +225,7 @@ def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
     assert not journal_path(path).exists()
 
 
-def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_room(
+def test_a_disk_that_is_full_is_reported_and_what_was_done_is_written_once_there_is_room(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def edit(store: Store) -> None:
@@ -251,7 +251,7 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
             tab = await tried(store, turn(-10), {"do": "go", "frame": 3})
             assert tab._ack == 0
             assert store.app_state.saved.state == "failed"
-        await told(tab, "ack", 2)
+        await reported(tab, "ack", 2)
         assert len(labels(path)) == 1
         await store._writer.saver.wait()
         assert store.app_state.saved.state == "saved"
@@ -274,7 +274,7 @@ def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_i
         assert "is gone or was renamed" in store.app_state.saved.words
         assert tab._ack == 0
         elsewhere.rename(path.parent)
-        await told(tab, "ack", 1)
+        await reported(tab, "ack", 1)
 
     with_store(path, edit)
     assert len(labels(path)) == 2
@@ -354,12 +354,12 @@ def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_las
 
         def slowly(piece: OpenSession) -> Any:
             state = edit_state(piece)
-            monkeypatch.setattr("keypose.app.store.store.edit_state", edit_state)
+            monkeypatch.setattr("keypose.app.store.opener.edit_state", edit_state)
             asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
             asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
             return state
 
-        monkeypatch.setattr("keypose.app.store.store.edit_state", slowly)
+        monkeypatch.setattr("keypose.app.store.opener.edit_state", slowly)
         second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
         await second.open(path)
         await done(second, turn(-40))
@@ -397,13 +397,13 @@ def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -
     assert len(labels(path)) == 3
 
 
-def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_told(path: Path) -> None:
+def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_reported(path: Path) -> None:
     async def edit(store: Store) -> None:
         await done(store, turn(-10), turn(-20), turn(-30))
 
     async def go_on(store: Store) -> None:
-        said = (await store.join().next())[0]
-        assert "damaged" in said["words"]
+        message = (await store.join().next())[0]
+        assert "damaged" in message["words"]
         await done(store, turn(-40))
 
     with_store(path, edit)
@@ -417,13 +417,13 @@ def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_told(path: Path) -> None:
     )
 
 
-def test_a_journal_that_cannot_be_read_is_told(path: Path) -> None:
+def test_a_journal_that_cannot_be_read_is_reported(path: Path) -> None:
     with journal_path(path).open("wb") as file:
         file.truncate(10**9)
 
     async def look(store: Store) -> None:
-        said = (await store.join().next())[0]
-        assert "too large to be a session's journal" in said["words"]
+        message = (await store.join().next())[0]
+        assert "too large to be a session's journal" in message["words"]
 
     with_store(path, look)
     assert journal_path(path).stat().st_size == 10**9

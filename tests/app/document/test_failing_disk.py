@@ -92,7 +92,9 @@ _UNUSED = ("rename", "link")
 """A save does without them where they fail."""
 
 
-def test_a_full_disk_is_told_and_every_edit_is_there_once_there_is_room(small_disk: Path) -> None:
+def test_a_full_disk_is_reported_and_every_edit_is_there_once_there_is_room(
+    small_disk: Path,
+) -> None:
     folder = small_disk / "person"
     folder.mkdir()
     sample = ROOT / "sample_videos" / "person"

@@ -39,7 +39,7 @@ def holder(folder: Path) -> Iterator[subprocess.Popen[str]]:
         process.kill()
 
 
-def test_a_second_one_is_told_who_has_it(tmp_path: Path) -> None:
+def test_a_second_one_learns_who_has_it(tmp_path: Path) -> None:
     message = r"another Keypose \(pid {}\)"
     with holder(tmp_path) as other, pytest.raises(LockedElsewhere, match=message.format(other.pid)):
         SessionLock.take(tmp_path)
@@ -96,7 +96,7 @@ def test_asking_for_a_lock_that_is_held_changes_nothing_in_it(tmp_path: Path) ->
         assert (tmp_path / NAME).read_text() == str(other.pid)
 
 
-def test_who_has_it_is_told_where_a_locked_byte_can_be_read_by_nobody_else(
+def test_who_has_it_is_reported_where_a_locked_byte_can_be_read_by_nobody_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As on Windows: the first byte of the file is the holder's alone."""

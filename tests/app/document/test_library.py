@@ -370,7 +370,7 @@ def test_verdicts_come_from_the_session_when_none_are_given(tracked_path: Path) 
     assert {state for state, _ in recent.strip} <= {"good", "check", "lost"}
 
 
-def test_a_moved_video_is_told(library: Library, home: Path) -> None:
+def test_a_moved_video_is_reported(library: Library, home: Path) -> None:
     path = session_in(home / "throw")
     session = load_session(path)
     library.remember(path, session)
@@ -379,7 +379,7 @@ def test_a_moved_video_is_told(library: Library, home: Path) -> None:
     assert recent["missing"]
 
 
-def test_another_video_in_the_place_of_the_sessions_own_is_told(
+def test_another_video_in_the_place_of_the_sessions_own_is_reported(
     library: Library, home: Path
 ) -> None:
     film, other = clip(home / "throw"), SAMPLES / "person" / "person.mp4"

@@ -66,7 +66,7 @@ def box(
     return folder
 
 
-def test_info_names_all_meshes_whose_files_tell_that_they_cannot_be_used(
+def test_info_names_all_meshes_whose_files_give_that_they_cannot_be_used(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sequence, "GLANCE_S", 60.0)
@@ -75,9 +75,9 @@ def test_info_names_all_meshes_whose_files_tell_that_they_cannot_be_used(
     files[2].write_bytes(b"")
     files[4].write_bytes(files[4].read_bytes()[:-40])
     assert main(["info", str(folder)]) == 0
-    told = capsys.readouterr().out
-    assert "note         Steps 2 and 4 cannot be used. The first of them: Step 2" in told
-    assert "not looked at" not in told
+    reported = capsys.readouterr().out
+    assert "note         Steps 2 and 4 cannot be used. The first of them: Step 2" in reported
+    assert "not looked at" not in reported
     assert main(["info", str(folder), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["missing_frames"] == [2, 4]
@@ -108,7 +108,7 @@ def test_a_folder_of_meshes_begins_a_session_whose_camera_sees_them(
         assert (uv < (session.camera.width, session.camera.height)).all()
 
 
-def test_what_files_do_not_tell_is_guessed_and_told(tmp_path: Path, closing: ExitStack) -> None:
+def test_what_files_do_not_show_is_guessed_and_reported(tmp_path: Path, closing: ExitStack) -> None:
     piece = opened(box(tmp_path / "scan", (400.0, 300.0, 1750.0)), closing)
     assert piece.session.surface is not None
     assert (piece.session.surface.units, piece.session.surface.up) == ("mm", "+z")
@@ -119,7 +119,7 @@ def test_what_files_do_not_tell_is_guessed_and_told(tmp_path: Path, closing: Exi
     np.testing.assert_allclose(high - low, (0.4, 1.75, 0.3), atol=1e-6)
 
 
-def test_what_files_tell_is_not_guessed(tmp_path: Path, closing: ExitStack) -> None:
+def test_what_files_give_is_not_guessed(tmp_path: Path, closing: ExitStack) -> None:
     piece = opened(box(tmp_path / "scan", (40.0, 175.0, 30.0), suffix="glb"), closing)
     assert piece.session.surface is not None
     assert (piece.session.surface.units, piece.session.surface.up) == ("m", "+y")
@@ -222,7 +222,7 @@ def test_as_many_meshes_as_there_were_are_wanted(tmp_path: Path) -> None:
         open_video_of(load_session(path), path)
 
 
-def test_cameras_calibrated_again_are_told_too(tmp_path: Path, closing: ExitStack) -> None:
+def test_cameras_calibrated_again_are_reported_too(tmp_path: Path, closing: ExitStack) -> None:
     scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
     path, _ = open_with_reading(scan, place, Reading(), rig)
@@ -274,7 +274,7 @@ def test_meshes_are_read_as_a_person_says_until_a_body_is_posed_in_them(tmp_path
     assert posed.read_bytes() == before
 
 
-def test_cameras_tell_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -> None:
+def test_cameras_give_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -> None:
     scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
     path, news = open_with_reading(scan, place, Reading(), rig)
@@ -335,7 +335,9 @@ def test_a_mesh_that_is_missing_is_a_frame_that_says_so(tmp_path: Path, closing:
     assert (grey > 200).any()
 
 
-def test_the_facts_of_meshes_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_facts_of_meshes_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     scan = box(tmp_path / "scan", (0.5, 1.8, 0.4), count=3)
     assert main(["info", str(scan), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)

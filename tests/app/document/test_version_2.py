@@ -66,8 +66,8 @@ def test_its_verdicts_stand_where_they_stood(path: Path) -> None:
 
 def test_the_page_shows_them(path: Path) -> None:
     sections = Sections().changed(AppState(edit=_edit(path)))
-    told = [(s["state"], s["words"], s["part"], s["go"]) for s in sections["segments"]]
-    assert told == [
+    reported = [(s["state"], s["words"], s["part"], s["go"]) for s in sections["segments"]]
+    assert reported == [
         ("good", "Good", None, None),
         ("check", f"Check: box may be wrong{DIFFER}", "box", 9),
         ("check", f"Check: box may be wrong{DIFFER}", "box", 15),

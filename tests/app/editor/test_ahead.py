@@ -178,12 +178,12 @@ def test_where_it_cannot_begin_it_says_why() -> None:
 def test_it_is_said_how_far_it_came_and_why_no_farther() -> None:
     state = one_key()
 
-    def said(to: int, **stop: Any) -> str:
+    def message(to: int, **stop: Any) -> str:
         return found_sentence(found(state, to=to, stop=Stop(**stop)))
 
-    assert said(40, cause="clip_end") == "Tracked ahead to 40. The video ends there."
-    assert said(2, cause="cut") == "Tracked back to 2. Another scene begins after it."
-    assert said(24, cause="uncertain", part="left_shin") == (
+    assert message(40, cause="clip_end") == "Tracked ahead to 40. The video ends there."
+    assert message(2, cause="cut") == "Tracked back to 2. Another scene begins after it."
+    assert message(24, cause="uncertain", part="left_shin") == (
         "Nothing tracked from 24: left shin may be wrong right after it. "
         "Pose the next keyframe by hand."
     )

@@ -54,7 +54,7 @@ def test_a_body_without_feet_is_followed_by_the_ends_of_its_limbs() -> None:
     assert found.frames.tolist() == [0]
 
 
-def test_a_long_film_is_told_in_a_thousand_moments_with_every_keyframe() -> None:
+def test_a_long_film_is_reported_in_a_thousand_moments_with_every_keyframe() -> None:
     state = desk()
     last = state.doc.keyframes[-1].model_copy(update={"frame": 7201, "time_s": 240.0})
     video = state.doc.video.model_copy(update={"frame_count": 9000})
@@ -64,12 +64,12 @@ def test_a_long_film_is_told_in_a_thousand_moments_with_every_keyframe() -> None
     assert {0, 24, 48, 72, 7201} <= set(frames.tolist())
 
 
-def test_the_page_is_told_of_neighbouring_keyframes_and_of_the_solids() -> None:
+def test_the_page_receives_neighbouring_keyframes_and_of_the_solids() -> None:
     edit = after(desk(), {"do": "display", "ghosts": True}, {"do": "go", "frame": 30})
-    told = Sections().changed(AppState(edit=edit))
-    assert [ghost["frame"] for ghost in told["ghosts"]] == [24, 48]
-    assert told["ghosts"][0]["T"].keys() == told["solids"].keys()
-    T = np.reshape(told["ghosts"][0]["T"]["left_foot"], (3, 4))
-    p = apply_transform(np.vstack([T, [0, 0, 0, 1]]), np.array(told["solids"]["left_foot"]))
-    assert -p[:, 1].max() == pytest.approx(told["feet"]["floor_m"], abs=0.2)
+    reported = Sections().changed(AppState(edit=edit))
+    assert [ghost["frame"] for ghost in reported["ghosts"]] == [24, 48]
+    assert reported["ghosts"][0]["T"].keys() == reported["solids"].keys()
+    T = np.reshape(reported["ghosts"][0]["T"]["left_foot"], (3, 4))
+    p = apply_transform(np.vstack([T, [0, 0, 0, 1]]), np.array(reported["solids"]["left_foot"]))
+    assert -p[:, 1].max() == pytest.approx(reported["feet"]["floor_m"], abs=0.2)
     assert Sections().changed(AppState(edit=desk()))["ghosts"] == []

@@ -21,7 +21,8 @@ from keypose.app.posing import with_height
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.session.schema import FirstMotion, Session
+from keypose.tracker.session.references import FirstMotion
+from keypose.tracker.session.schema import Session
 from tests.app.editor.desk import after, desk
 
 BACK = {"do": "undo"}
@@ -141,9 +142,11 @@ def test_a_part_that_the_body_does_not_have_cannot_be_left_out() -> None:
 
 def test_another_body_forgets_parts_left_out_that_it_does_not_have() -> None:
     state = after(desk(), {"do": "settings", "left_out": ["left_hand", "head"]})
-    told = state.doc.body.model_dump()
-    told["parts"] = [part for part in told["parts"] if part["name"] != "left_hand"]
-    told["mirror_pairs"] = [pair for pair in told["mirror_pairs"] if "left_hand" not in pair]
-    doc = with_body(state, Body.model_validate(told))
+    reported = state.doc.body.model_dump()
+    reported["parts"] = [part for part in reported["parts"] if part["name"] != "left_hand"]
+    reported["mirror_pairs"] = [
+        pair for pair in reported["mirror_pairs"] if "left_hand" not in pair
+    ]
+    doc = with_body(state, Body.model_validate(reported))
     assert doc.settings.left_out == ("head",)
     assert Session.model_validate_json(doc.model_dump_json()).body == doc.body

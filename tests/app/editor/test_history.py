@@ -69,15 +69,15 @@ def test_a_step_without_a_time_gets_none_by_being_done_again() -> None:
     assert redone.history.past[-1].made_s is None
 
 
-def test_the_page_is_told_of_the_steps_around_the_present_one() -> None:
-    told = history(AppState(edit=go_to(edited(5), 3)))
-    assert (told["done"], told["total"], told["first"]) == (3, 5, 0)
-    assert [step["made"] for step in told["steps"]] == [1000.0, 1001.0, 1002.0, 1003.0, 1004.0]
-    assert told["steps"][1] == {"label": "write the note at 1", "frame": 0, "made": 1001.0}
+def test_the_page_receives_the_steps_around_the_present_one() -> None:
+    reported = history(AppState(edit=go_to(edited(5), 3)))
+    assert (reported["done"], reported["total"], reported["first"]) == (3, 5, 0)
+    assert [step["made"] for step in reported["steps"]] == [1000.0, 1001.0, 1002.0, 1003.0, 1004.0]
+    assert reported["steps"][1] == {"label": "write the note at 1", "frame": 0, "made": 1001.0}
     assert history(AppState()) is None
 
 
-def test_a_long_history_is_told_in_part() -> None:
+def test_a_long_history_is_reported_in_part() -> None:
     many = MOST_LISTED + 30
-    told = history(AppState(edit=edited(many)))
-    assert (told["first"], len(told["steps"]), told["total"]) == (30, MOST_LISTED, many)
+    reported = history(AppState(edit=edited(many)))
+    assert (reported["first"], len(reported["steps"]), reported["total"]) == (30, MOST_LISTED, many)

@@ -186,24 +186,24 @@ def test_a_longer_lens_moves_part_keyframes_away_with_the_keyframes() -> None:
 def test_what_is_keyed_comes_back_from_file_and_journal_as_it_was() -> None:
     state = keyed(*ARM_KEYED)
     assert Session.model_validate_json(state.doc.model_dump_json()) == state.doc
-    told = changes.changes(desk().doc, state.doc)
-    assert told.keys() == {"part_keyframes"}
-    assert changes.apply_changes(desk().doc, told) == state.doc
+    reported = changes.changes(desk().doc, state.doc)
+    assert reported.keys() == {"part_keyframes"}
+    assert changes.apply_changes(desk().doc, reported) == state.doc
     assert "part_keyframes" not in desk().doc.model_dump(mode="json")
 
 
-def test_the_page_is_told_frames_limbs_and_sides() -> None:
+def test_the_page_receives_frames_limbs_and_sides() -> None:
     state = keyed(*ARM_KEYED, {**KEY_12, "parts": ["left_shin"]})
-    (told,) = pose_values.keys(AppState(edit=state))["parts"]
-    assert told["frame"] == 12
-    assert told["limbs"] == [
+    (reported,) = pose_values.keys(AppState(edit=state))["parts"]
+    assert reported["frame"] == 12
+    assert reported["limbs"] == [
         {"label": "Right arm", "side": "R", "parts": list(RIGHT_ARM)},
         {"label": "Left leg", "side": "L", "parts": list(LEFT_LEG)},
     ]
-    assert told["words"] == "right arm and left leg only"
+    assert reported["words"] == "right arm and left leg only"
     head = keyed({**KEY_12, "parts": ["head"]})
-    (told,) = pose_values.keys(AppState(edit=head))["parts"]
-    assert [(limb["label"], limb["side"]) for limb in told["limbs"]] == [("Head", "C")]
+    (reported,) = pose_values.keys(AppState(edit=head))["parts"]
+    assert [(limb["label"], limb["side"]) for limb in reported["limbs"]] == [("Head", "C")]
 
 
 def test_a_part_keyframe_not_tracked_yet_shows_the_pose_it_was_set_with() -> None:

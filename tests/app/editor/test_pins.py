@@ -279,7 +279,7 @@ def horizon(doc: Session, tilt_deg: float, roll_deg: float) -> dict[str, object]
     return {"do": "horizon", "a": tuple(ends[0]), "b": tuple(ends[1])}
 
 
-def test_a_drawn_horizon_tells_what_is_up_and_lays_the_floor_under_the_lower_foot() -> None:
+def test_a_drawn_horizon_shows_what_is_up_and_lays_the_floor_under_the_lower_foot() -> None:
     state = desk()
     drawn = after(state, horizon(state.doc, 6, -3))
     assert drawn.doc.up_camera is not None
@@ -306,7 +306,7 @@ def test_a_horizon_below_the_feet_is_refused_and_loses_nothing() -> None:
         after(state, {"do": "horizon", "a": (0, low), "b": (400, low)})
 
 
-def test_a_horizon_without_a_posed_body_tells_up_alone() -> None:
+def test_a_horizon_without_a_posed_body_gives_up_alone() -> None:
     state = desk(keyframes=False)
     drawn = after(state, horizon(state.doc, 6, 0))
     assert drawn.doc.up_camera is not None

@@ -98,8 +98,13 @@ def test_what_is_accepted_stays_away_and_is_one_step_of_undo() -> None:
     accepted = after(state, {"do": "accept_place", **FOREARM})
     assert named(accepted) == [(5, "left_foot")]
     assert accepted.history.past[-1].label == "accept right forearm"
-    (said,) = reviewed(accepted).answered
-    assert (said.answer, said.frame, said.first_frame, said.last_frame) == ("accepted", 10, 9, 11)
+    (message,) = reviewed(accepted).answered
+    assert (message.answer, message.frame, message.first_frame, message.last_frame) == (
+        "accepted",
+        10,
+        9,
+        11,
+    )
     assert accepted.doc.keyframes == state.doc.keyframes
     assert named(after(accepted, {"do": "undo"})) == named(state)
 
@@ -200,10 +205,10 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     path = tmp_path / "session.json"
     save_session(save_results(state.doc, path, state.results), path)
     assert main(["review", str(path)]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told[0].split() == ["frame", "part", "expected", "error", "reason"]
-    assert told[1].startswith("   10  Right forearm  ≈ 14 px")
-    assert told[-1] == "2 places left above 5 px."
+    reported = capsys.readouterr().out.splitlines()
+    assert reported[0].split() == ["frame", "part", "expected", "error", "reason"]
+    assert reported[1].startswith("   10  Right forearm  ≈ 14 px")
+    assert reported[-1] == "2 places left above 5 px."
     done = after(
         state,
         {"do": "accept_place", **FOREARM},
@@ -211,8 +216,8 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     )
     save_session(save_results(done.doc, path, done.results), path)
     assert main(["review", str(path)]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told == [
+    reported = capsys.readouterr().out.splitlines()
+    assert reported == [
         "2 places reviewed, 1 accepted. Nobody can tell: left foot at 5.",
         "Nothing left above 5 px.",
     ]

@@ -294,7 +294,7 @@ def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:
         assert asked < 9
 
 
-def test_results_that_do_not_tell_what_could_be_mended_are_judged_as_before() -> None:
+def test_results_that_do_not_show_what_could_be_mended_are_judged_as_before() -> None:
     some = fitting(
         needing(0, 24, 5, 9), judged(24, 48, Verdict.check("not_seen", (26, 41), "left_hand"))
     )

@@ -144,6 +144,16 @@ def test_a_new_edit_forgets_what_could_be_done_again() -> None:
         after(state, {"do": "redo"})
 
 
+def test_a_twisted_arm_is_untwisted_and_one_that_is_not_stays() -> None:
+    arm = {"part": "left_upper_arm"}
+    with pytest.raises(KeyposeError, match="Left upper arm is not turned too far"):
+        after(desk(), {"do": "untwist", **arm})
+    twisted = after(desk(), {"do": "angles", **arm, "x": 0, "y": 170, "z": 0, "free": True})
+    assert angles(twisted, "left_upper_arm")[1] == pytest.approx(170)
+    mended = after(twisted, {"do": "untwist", **arm})
+    assert abs(angles(mended, "left_upper_arm")[1]) < 125
+
+
 def test_undo_goes_to_where_the_edit_was_made() -> None:
     state = after(desk(), {"do": "go", "frame": 24}, TURN, {"do": "go", "frame": 60})
     assert after(state, {"do": "undo"}).frame == 24

@@ -45,11 +45,11 @@ SAID = {
 }
 
 
-@pytest.mark.parametrize("said", SAID)
+@pytest.mark.parametrize("message", SAID)
 def test_a_verdict_is_said_in_sentence_case_without_repeating_the_frames_of_its_segment(
-    said: str,
+    message: str,
 ) -> None:
-    assert sentence(SAID[said], 24, 48) == said
+    assert sentence(SAID[message], 24, 48) == message
 
 
 def test_there_is_a_sentence_for_every_cause() -> None:

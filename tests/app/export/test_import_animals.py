@@ -76,14 +76,14 @@ def test_a_dogs_keypoints_become_drafts_seen_where_they_are(
     path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
     file = _keypoints(path.parent, kind)
-    said = [word for pair in MAP for word in ("--map", pair)]
-    command = ["import", str(path), str(file), "--keypoints", "--every", "2", "--json", *said]
+    message = [word for pair in MAP for word in ("--map", pair)]
+    command = ["import", str(path), str(file), "--keypoints", "--every", "2", "--json", *message]
     assert main(command) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert [draft["frame"] for draft in told["drafts"]] == [0, 2]
-    assert all(draft["miss_px"] < 2.0 for draft in told["drafts"])
-    assert told["matched"]["tip"] == "tail.end"
-    assert not told["left_out"]
+    reported = json.loads(capsys.readouterr().out)
+    assert [draft["frame"] for draft in reported["drafts"]] == [0, 2]
+    assert all(draft["miss_px"] < 2.0 for draft in reported["drafts"])
+    assert reported["matched"]["tip"] == "tail.end"
+    assert not reported["left_out"]
     assert len(load_session(path).drafts) == 2
 
 
@@ -92,14 +92,14 @@ def test_what_matched_and_what_did_not_is_listed(
 ) -> None:
     file = _keypoints(path.parent, "SLEAP")
     assert main(["import", str(path), str(file), "--keypoints", "--frames", "0"]) == 0
-    told = capsys.readouterr().out
-    assert "Matched 5 keypoints (the body's own): nose = nose, " in told
-    assert "l_front_paw = left_front_paw, paw_fore_r = right_front_paw, " in told
-    assert "Left out 4: tail_base, tip, withers, throat" in told
+    reported = capsys.readouterr().out
+    assert "Matched 5 keypoints (the body's own): nose = nose, " in reported
+    assert "l_front_paw = left_front_paw, paw_fore_r = right_front_paw, " in reported
+    assert "Left out 4: tail_base, tip, withers, throat" in reported
 
 
 @pytest.mark.parametrize(
-    ("said", "words"),
+    ("message", "words"),
     [
         ("wing=tail", "dog.h5 has no keypoint 'wing'; it has nose, "),
         ("tip=wing", "The body has no place 'wing': say PART, PART.end or a landmark"),
@@ -108,8 +108,8 @@ def test_what_matched_and_what_did_not_is_listed(
     ],
 )
 def test_a_map_that_leads_nowhere_leaves_the_session_as_it_was(
-    path: Path, capsys: pytest.CaptureFixture[str], said: str, words: str
+    path: Path, capsys: pytest.CaptureFixture[str], message: str, words: str
 ) -> None:
     file = _keypoints(path.parent, "SLEAP")
-    command = ["import", path, file, "--keypoints", "--map", said]
+    command = ["import", path, file, "--keypoints", "--map", message]
     assert words in refused(capsys, path.parent, command)

@@ -122,20 +122,20 @@ def test_the_offset_says_where_the_files_time_begins(path: Path) -> None:
         assert _away(motion)[:, : SKELETON.part_count].max() < 1e-3
 
 
-def test_what_was_matched_left_out_and_met_is_told(
+def test_what_was_matched_left_out_and_met_is_reported(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     noise = np.random.default_rng(1).normal(0, 0.01, (len(TRUTH), 13, 3))
     file = path.parent / "wide.csv"
     file.write_text(_wide(TRUTH.joints(SKELETON)[:, :13] + noise, [*NAMES[:12], "Banana"]))
     assert _run("import", path, file, "--json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["left_out"] == ["Banana"]
-    assert told["matched"]["left_forearm"] == "left_forearm"
-    assert told["keyframes"] == [0, 24, 48, 72]
-    assert 0.3 < told["rms_cm"] < 2.0
-    assert 0.3 < told["from_keyframes_cm"] < 3.0
-    assert Path(told["written"]).is_file()
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["left_out"] == ["Banana"]
+    assert reported["matched"]["left_forearm"] == "left_forearm"
+    assert reported["keyframes"] == [0, 24, 48, 72]
+    assert 0.3 < reported["rms_cm"] < 2.0
+    assert 0.3 < reported["from_keyframes_cm"] < 3.0
+    assert Path(reported["written"]).is_file()
     assert _run("import", path, file) == 0
     words = capsys.readouterr().out
     assert "Banana" in words
@@ -297,7 +297,7 @@ def test_import_is_asked_for_but_there_is_none(path: Path) -> None:
         _tracked(session.model_copy(update={"settings": settings}), path)
 
 
-def test_a_damaged_or_missing_motion_is_told(path: Path) -> None:
+def test_a_damaged_or_missing_motion_is_reported(path: Path) -> None:
     file = path.parent / "motion.bvh"
     file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
@@ -325,8 +325,8 @@ def test_a_joint_of_another_name_is_known_once_it_is_said(path: Path) -> None:
     names = [{"left_hand": "grip"}.get(name, name) for name in NAMES]
     file = path.parent / "motion.csv"
     file.write_text(_wide(TRUTH.joints(SKELETON), names), newline="")
-    for said, known in (([], False), (["--map", "grip=left_hand"], True)):
-        assert _run("import", path, file, *said) == 0
+    for message, known in (([], False), (["--map", "grip=left_hand"], True)):
+        assert _run("import", path, file, *message) == 0
         reference = load_session(path).first_motion
         assert reference is not None
         assert (reference.matched.get("grip") == "left_hand") == known
@@ -431,7 +431,7 @@ def test_a_file_that_does_not_name_its_keypoints_gives_drafts_of_the_right_ones(
     assert np.linalg.norm(away, axis=-1).mean() < 1.0
 
 
-def test_what_the_limbs_do_not_tell_is_asked_for_and_told_by_the_option(
+def test_what_the_limbs_do_not_show_is_asked_for_and_reported_by_the_option(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     seen = _keypoints("BODY_25B")
@@ -440,8 +440,8 @@ def test_what_the_limbs_do_not_tell_is_asked_for_and_told_by_the_option(
     visibility[30, [seen.names.index(name) for name in arms]] = 1.0
     file = path.parent / "points.json"
     file.write_text(json.dumps(_coco(Keypoints(0, seen.names, seen.uv, visibility))))
-    said = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
-    assert "BODY_25 or BODY_25B. Choose with --layout." in said
+    message = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
+    assert "BODY_25 or BODY_25B. Choose with --layout." in message
     assert _run("import", path, file, "--keypoints", "--layout", "body_25b") == 0
     assert [draft.frame for draft in load_session(path).drafts] == [30]
 
@@ -472,7 +472,7 @@ def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
         assert _judged(draft)[0] > 3.0
 
 
-def test_a_body_without_such_joints_is_told(tmp_path: Path) -> None:
+def test_a_body_without_such_joints_is_reported(tmp_path: Path) -> None:
     box = recordings.session("box")
     with pytest.raises(FormatError, match=r"names 0 places of .* say where others lie"):
         _drafts(box, _keypoints("COCO_17"), [3])

@@ -84,21 +84,21 @@ def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    with pytest.raises(FormatError, match="The rig smpl is for a person") as told:
+    with pytest.raises(FormatError, match="The rig smpl is for a person") as reported:
         motion_archive("amass", edit)
     command = ["export", path, "--format", "amass", "--out", path.parent / "out"]
-    assert refused(capsys, path.parent, command) == f"{told.value}\n"
+    assert refused(capsys, path.parent, command) == f"{reported.value}\n"
 
 
 def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    with pytest.raises(FormatError, match="this body is no person's") as told:
+    with pytest.raises(FormatError, match="this body is no person's") as reported:
         from_page("mot", edit)
     out = path.parent / "out"
     command = ["export", path, "--format", "mot", "--out", out]
-    assert str(told.value) in refused(capsys, path.parent, command)
+    assert str(reported.value) in refused(capsys, path.parent, command)
     command = ["export", path, "--format", "trc", "--markers", "halpe26", "--out", out]
     words = refused(capsys, path.parent, command)
     assert "this body has no Nose: choose the markers keypose" in words
@@ -112,7 +112,7 @@ def test_the_page_offers_every_format_and_unit() -> None:
     offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
     for name in FILE_UNITS:
         assert re.search(rf"\b{name}: {{ label: ", offered)
-    table = (STATIC / "actions" / "table.js").read_text("utf-8")
+    table = (STATIC / "actions" / "table" / "export.js").read_text("utf-8")
     assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
     rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
     assert rigged == [name for name, kind in FORMATS.items() if kind.rigged]
@@ -311,9 +311,9 @@ def test_formats_without_room_for_gaps_name_the_frames_by_both_doors(
         f"Frames 3 to 5 are not tracked, and {format_name.upper()} holds no gaps: track them "
         "first, or choose CSV, NPZ, TRC or C3D."
     )
-    with pytest.raises(FormatError) as told:
+    with pytest.raises(FormatError) as reported:
         motion_archive(format_name, edit)
-    assert str(told.value) == words
+    assert str(reported.value) == words
     out = path.parent / "out"
     command = ["export", path, "--format", f"csv,{format_name}", "--out", out]
     assert refused(capsys, path.parent, command) == f"{words}\n"
@@ -407,7 +407,7 @@ def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
         ("glb", "biped", "invalid choice: 'biped'"),
     ],
 )
-def test_a_rig_that_cannot_be_is_told(
+def test_a_rig_that_cannot_be_is_reported(
     formats: str, rig: str, words: str, path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     opened(path, results_cases.both(load_session(path)))

@@ -16,7 +16,7 @@ from keypose.app.export.motion_files import AS_TRACKED, Sampling
 from keypose.app.export.motion_formats import MARKER_SETS as MARKER_SETS_OF_HELP
 from keypose.app.export.opensim_files import files_for_model
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.recording import MARKER_SETS
+from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName
 from tests.app.cli_cases import refused
 from tests.tracker.formats import recordings
 from tests.tracker.formats.opensim_model import osim
@@ -68,6 +68,23 @@ def test_markers_of_the_setups_are_those_of_the_table_and_stand_upright(
     assert 1400 < max(heights_mm) < 2000
 
 
+@pytest.mark.usefixtures("without_opensim")
+@pytest.mark.parametrize(
+    ("marker_set", "beside"), [("keypose", []), ("halpe26", ["lumbar_extension"])]
+)
+def test_where_markers_of_the_pelvis_lie_in_one_line_the_trunks_bend_stays_near_the_motion(
+    marker_set: MarkerSetName, beside: list[str], model: Path, tmp_path: Path
+) -> None:
+    sampling = Sampling(marker_set=marker_set)
+    files = files_for_model(recordings.recording("person"), sampling, model, tmp_path).files
+    ik = ElementTree.fromstring(files["ik.xml"])
+    tasks = list(ik.iter("IKCoordinateTask"))
+    assert [task.get("name") for task in tasks] == beside
+    assert all(task.findtext("value_type") == "from_file" for task in tasks)
+    assert all(0 < float(task.findtext("weight", "")) < 0.01 for task in tasks)  # markers weigh 1
+    assert ik.findtext(".//coordinate_file") == ("motion.mot" if beside else None)
+
+
 def test_gaps_in_the_motion_are_named(model: Path, tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="not tracked, and MOT holds no gaps"):
         files_for_model(recordings.recording("person", without=(1,)), AS_TRACKED, model, tmp_path)
@@ -88,11 +105,11 @@ def test_opensim_itself_scales_the_model(model: Path, tmp_path: Path) -> None:
     made = files_for_model(recordings.recording("person"), AS_TRACKED, model, tmp_path / "out")
     assert "small-scaled.osim is the model at the body's size" in made.words
     (tmp_path / "scaled.osim").write_bytes(made.files["small-scaled.osim"])
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-c", "import opensim; m = opensim.Model('scaled.osim'); "
          "m.initSystem(); print('markers', m.getMarkerSet().getSize())"],
         cwd=tmp_path, capture_output=True, text=True, check=True,
     )  # fmt: skip
     count = len(list(ElementTree.fromstring(made.files["markers.xml"]).iter("Marker")))
-    assert f"markers {count}" in told.stdout
+    assert f"markers {count}" in reported.stdout
     assert not list(Path.cwd().glob("opensim.log"))

@@ -42,7 +42,7 @@ def test_json_is_a_camera_or_keypoints_by_what_it_says(tmp_path: Path) -> None:
         assert kind_of(file) == kind
 
 
-def test_a_motion_is_told_with_its_rate_its_unit_and_the_names_that_are_known(
+def test_a_motion_is_reported_with_its_rate_its_unit_and_the_names_that_are_known(
     tmp_path: Path, info: VideoInfo
 ) -> None:
     file = tmp_path / "a.bvh"

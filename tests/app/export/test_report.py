@@ -98,7 +98,7 @@ def doubtful_path(session_path: Path) -> Path:
     return session_path
 
 
-def test_a_report_tells_every_segment_and_keyframe(doubtful_path: Path) -> None:
+def test_a_report_gives_every_segment_and_keyframe(doubtful_path: Path) -> None:
     text = read(report_of(doubtful_path)).text
     subject = subject_of(load_session(doubtful_path), doubtful_path)
     advice = suggestion(subject.keys, cases.FRAMES, subject.fitting, cases.body().names)
@@ -215,14 +215,14 @@ def _key_hand_alone(path: Path) -> None:
     cases.altered(path, change)
 
 
-def test_limbs_keyed_alone_are_told_and_outdate_what_was_tracked(doubtful_path: Path) -> None:
+def test_limbs_keyed_alone_are_reported_and_outdate_what_was_tracked(doubtful_path: Path) -> None:
     _key_hand_alone(doubtful_path)
     text = read(report_of(doubtful_path)).text
     assert "Limbs keyed alone, the rest of the body tracked: at 6 (left hand)." in text
     assert "9 frames, 3 keyframes" in text
 
 
-def test_a_damaged_motion_is_told_and_the_keyframes_are_shown(doubtful_path: Path) -> None:
+def test_a_damaged_motion_is_reported_and_the_keyframes_are_shown(doubtful_path: Path) -> None:
     for file in doubtful_path.parent.glob("tracks-*.npz"):
         file.write_bytes(file.read_bytes()[:-50])
     found = read(report_of(doubtful_path))
@@ -230,7 +230,7 @@ def test_a_damaged_motion_is_told_and_the_keyframes_are_shown(doubtful_path: Pat
     assert sum(tag == "img" for tag, _ in found.tags) == len(cases.KEYFRAMES)
 
 
-def test_a_motion_of_other_keyframes_is_told_to_be_outdated(doubtful_path: Path) -> None:
+def test_a_motion_of_other_keyframes_is_reported_to_be_outdated(doubtful_path: Path) -> None:
     cases.altered(doubtful_path, lambda data: data["keyframes"][2].update(root_m=[0.3, -0.05, 3.2]))
     text = read(report_of(doubtful_path)).text
     assert "Outdated" in text

@@ -48,7 +48,7 @@ def tracked(path: Path, *kinds: cases.Kind) -> Subject:
     return subject_of(load_session(path), path)
 
 
-def test_tiles_count_verdicts_and_keyframes_and_tell_interval_and_lowest_rank(
+def test_tiles_count_verdicts_and_keyframes_and_show_interval_and_lowest_rank(
     session_path: Path,
 ) -> None:
     subject = tracked(session_path, "good", "lost")

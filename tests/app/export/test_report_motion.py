@@ -55,14 +55,14 @@ def test_every_joint_that_moves_has_a_chart_for_each_plane(
 ) -> None:
     charts = [read(chart) for chart in clinical_charts(subject, recording)]
     assert len(charts) % 3 == 0
-    said = "\n".join(chart.text for chart in charts)
+    message = "\n".join(chart.text for chart in charts)
     for words in (
         "Hip flexion − extension", "Hip adduction − abduction",
         "Hip internal rotation − external rotation", "Knee flexion − extension",
         "Trunk rotation to the left − to the right", "Elbow pronation − supination",
     ):  # fmt: skip
-        assert words in said
-    assert "Wrist" not in said  # hands do not move here
+        assert words in message
+    assert "Wrist" not in message  # hands do not move here
 
 
 def test_both_sides_are_in_one_chart_with_the_highest_and_lowest_angle(

@@ -25,15 +25,15 @@ def cache() -> WorkerCache:
 
 def worked(cache: WorkerCache, session: Session, frame: int, *, cancel: bool) -> list[Report]:
     """All that is reported of an order from this frame."""
-    said: list[Report] = []
+    message: list[Report] = []
     cancelled = Event()
     way: Direction = "forward" if frame == 0 else "backward"
     if cancel:
         cancelled.set()
     video, folder = BOX.with_name("box.mp4"), str(BOX.parent)
     order = AheadOrder(session.model_dump_json().encode(), str(video), frame, way, folder, 7)
-    Fit(order, cancelled, said.append).run(cache)
-    return said
+    Fit(order, cancelled, message.append).run(cache)
+    return message
 
 
 def one_key(frame: int) -> Session:
@@ -42,7 +42,7 @@ def one_key(frame: int) -> Session:
     return session.model_copy(update={"keyframes": keys, "results": None})
 
 
-def test_it_tells_how_far_it_is_and_what_it_found(cache: WorkerCache) -> None:
+def test_it_shows_how_far_it_is_and_what_it_found(cache: WorkerCache) -> None:
     *on_the_way, end = worked(cache, one_key(40), 40, cancel=False)
     assert on_the_way
     assert all(isinstance(report, FollowingAhead) for report in on_the_way)

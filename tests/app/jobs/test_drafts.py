@@ -24,7 +24,7 @@ def content() -> bytes:
         return new_session(video, Path("session.json").absolute()).model_dump_json().encode()
 
 
-def told(order: DraftOrder, cancelled: Event | None = None, leave_at: int = -1) -> list[Report]:
+def reported(order: DraftOrder, cancelled: Event | None = None, leave_at: int = -1) -> list[Report]:
     """All reports of an order, which is cancelled after so many."""
     reports: list[Report] = []
     left = cancelled or Event()
@@ -47,7 +47,7 @@ def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> Draft
 
 
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
-    *progress, end = told(order(content))
+    *progress, end = reported(order(content))
     assert isinstance(end, Drafted)
     assert (end.job, sorted(end.poses)) == (7, list(range(5)))
     assert end.network
@@ -61,12 +61,12 @@ def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
 
 
 def test_a_cancelled_draft_reports_nothing_it_found(content: bytes) -> None:
-    *progress, end = told(order(content), leave_at=2)
+    *progress, end = reported(order(content), leave_at=2)
     assert end == JobFinished(7, cancelled=True)
     assert len(progress) == 2
 
 
 def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:
-    end = told(order(content, (0.0, 0.0, 60.0, 60.0)))[-1]
+    end = reported(order(content, (0.0, 0.0, 60.0, 60.0)))[-1]
     assert isinstance(end, JobFailed)
     assert end.words.startswith("No person was found at frame 0:")

@@ -67,7 +67,7 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
     return replaced
 
 
-def told(order: FitOrder, cancelled: Event | None = None) -> Report:
+def reported(order: FitOrder, cancelled: Event | None = None) -> Report:
     """The one report that an order ends in."""
     reports: list[Report] = []
     Fit(order, cancelled or Event(), reports.append).run(Bench())  # type: ignore[arg-type]
@@ -84,7 +84,7 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
         return Found()
 
     fits(fit)
-    report = told(PoseOrder(CONTENT, "v.mp4", 4, POSE, {3: POSE}, job=5))
+    report = reported(PoseOrder(CONTENT, "v.mp4", 4, POSE, {3: POSE}, job=5))
     assert isinstance(report, PoseFitted)
     assert (report.job, report.found, report.words) == (5, True, "Right forearm moved 6 px.")
     assert given["video"] == "v.mp4"
@@ -94,9 +94,9 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
     assert given["cancelled"]() is False
 
 
-def test_what_the_picture_does_not_tell_is_told_as_such(fits: Callable[..., None]) -> None:
+def test_what_the_picture_does_not_show_is_reported_as_such(fits: Callable[..., None]) -> None:
     fits(lambda *_, **__: Found(way="nothing", message="Nothing is seen."))
-    report = told(PoseOrder(CONTENT, "v.mp4", 4, POSE))
+    report = reported(PoseOrder(CONTENT, "v.mp4", 4, POSE))
     assert isinstance(report, PoseFitted)
     assert not report.found
 
@@ -109,14 +109,14 @@ def test_sizes_are_fitted_to_all_keyframes(fits: Callable[..., None]) -> None:
         return Found(alone="sizes alone", unseen=("neck",))
 
     fits(fit)
-    report = told(SizesOrder(CONTENT, "v.mp4", focal=True, job=6))
+    report = reported(SizesOrder(CONTENT, "v.mp4", focal=True, job=6))
     assert isinstance(report, SizesFitted)
     assert given == {"frames": [0, 4, 8], "focal": True}
     assert (report.error_px, report.alone, report.with_poses) == (6.2, "sizes alone", None)
     assert report.unseen == ("neck",)
 
 
-def test_a_fit_that_was_cancelled_tells_nothing_it_found(fits: Callable[..., None]) -> None:
+def test_a_fit_that_was_cancelled_reports_nothing_it_found(fits: Callable[..., None]) -> None:
     cancelled = Event()
 
     def fit(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Found:
@@ -126,12 +126,12 @@ def test_a_fit_that_was_cancelled_tells_nothing_it_found(fits: Callable[..., Non
 
     event = cancelled
     fits(fit)
-    assert told(PoseOrder(CONTENT, "v", 4, POSE, job=3), cancelled) == JobFinished(3, True)
+    assert reported(PoseOrder(CONTENT, "v", 4, POSE, job=3), cancelled) == JobFinished(3, True)
 
 
-def test_a_video_that_is_gone_is_told_in_a_sentence(fits: Callable[..., None]) -> None:
+def test_a_video_that_is_gone_is_reported_in_a_sentence(fits: Callable[..., None]) -> None:
     fits(lambda *_, **__: Found())
-    assert told(PoseOrder(CONTENT, "", 4, POSE, job=3)) == JobFailed(3, "The video is gone.")
+    assert reported(PoseOrder(CONTENT, "", 4, POSE, job=3)) == JobFailed(3, "The video is gone.")
 
 
 def test_a_fault_is_one_sentence_too(
@@ -141,7 +141,7 @@ def test_a_fault_is_one_sentence_too(
         raise ZeroDivisionError
 
     fits(fit)
-    report = told(SizesOrder(CONTENT, "v", job=3))
+    report = reported(SizesOrder(CONTENT, "v", job=3))
     assert isinstance(report, JobFailed)
     assert "an internal error (ZeroDivisionError)" in report.words
     assert "Traceback" in capsys.readouterr().err

@@ -12,10 +12,10 @@ from keypose.app.jobs.worker import Worker
 
 
 @pytest.fixture
-def told(monkeypatch: pytest.MonkeyPatch) -> list[Report]:
-    heard: list[Report] = []
-    monkeypatch.setattr(worker, "send", lambda _, report: heard.append(report))
-    return heard
+def reported(monkeypatch: pytest.MonkeyPatch) -> list[Report]:
+    received: list[Report] = []
+    monkeypatch.setattr(worker, "send", lambda _, report: received.append(report))
+    return received
 
 
 def _pass() -> PassFinished:
@@ -31,26 +31,26 @@ def _telling(desk: Worker, report: Report) -> Thread:
 
 @pytest.mark.parametrize("release", [Pause(False), Cancel(1)])
 def test_a_pass_waits_for_the_hand_and_nothing_else_does(
-    told: list[Report], monkeypatch: pytest.MonkeyPatch, release: Pause | Cancel
+    reported: list[Report], monkeypatch: pytest.MonkeyPatch, release: Pause | Cancel
 ) -> None:
     monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 60)
     desk = Worker(None)  # type: ignore[arg-type]
     desk._handle(Pause(True))
     waiting, ready = _telling(desk, found := _pass()), Ready()
     _telling(desk, ready)
-    assert told == [ready]
+    assert reported == [ready]
     assert waiting.is_alive()
     desk._handle(release)
     waiting.join()
-    assert told[1] is found
+    assert reported[1] is found
 
 
 def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
-    told: list[Report], monkeypatch: pytest.MonkeyPatch
+    reported: list[Report], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 0.01)
     desk = Worker(None)  # type: ignore[arg-type]
     desk._handle(Pause(True))
     for _ in range(3):
         desk._send(_pass())
-    assert len(told) == 3
+    assert len(reported) == 3

@@ -60,7 +60,7 @@ def test_a_preview_is_a_small_share_of_the_work() -> None:
     assert progress.after(done(0)).after(done(4)).percent == 100
 
 
-def test_the_time_left_is_told_once_it_can_be_known() -> None:
+def test_the_time_left_is_reported_once_it_can_be_known() -> None:
     assert begun().seconds_left(now=110.0) is None
     half = begun().after(done(0))
     assert half.seconds_left(now=100.2) is None

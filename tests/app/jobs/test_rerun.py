@@ -40,11 +40,11 @@ def copied(folder: Path, pins: tuple[Pin, ...] = (), **settings: Any) -> Path:
     """The box, with two segments of different length."""
     folder.mkdir(parents=True)
     shutil.copy(SAMPLE / "box.mp4", folder)
-    told = json.loads((SAMPLE / "session.json").read_text("utf-8"))
-    told["results"] = None
-    told["settings"].update(settings)
+    reported = json.loads((SAMPLE / "session.json").read_text("utf-8"))
+    reported["results"] = None
+    reported["settings"].update(settings)
     path = folder / "session.json"
-    path.write_text(json.dumps(told), encoding="utf-8")
+    path.write_text(json.dumps(reported), encoding="utf-8")
     session = load_session(path)
     start, end = session.keyframes
     skeleton = Skeleton.of(session.body)
@@ -164,7 +164,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
         (MemoryError(), SessionError),
     ],
 )
-def test_an_error_in_one_segment_is_raised_after_the_others_are_told(
+def test_an_error_in_one_segment_is_raised_after_the_others_are_reported(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     error: Exception,
@@ -180,20 +180,20 @@ def test_an_error_in_one_segment_is_raised_after_the_others_are_told(
 
     monkeypatch.setattr(Tracker, "run_segment", run_segment)
     path = cases.write_session(tmp_path)
-    told: list[Any] = []
+    reported: list[Any] = []
     with pytest.raises(raised):
-        _hear(told, path, workers)
-    assert [r.result.first for r in told if isinstance(r, SegmentFinished)] == [4]
-    assert isinstance(told[-1], JobFailed)
+        _hear(reported, path, workers)
+    assert [r.result.first for r in reported if isinstance(r, SegmentFinished)] == [4]
+    assert isinstance(reported[-1], JobFailed)
 
 
-def _hear(told: list[Any], path: Path, workers: int) -> None:
+def _hear(reported: list[Any], path: Path, workers: int) -> None:
     """Track, and keep what is told before an error."""
     session = load_session(path)
     with open_video_of(session, path) as video:
         wanted = all_segments(session)
         for report in rerun(session, path, video, wanted, workers=workers, stop=Event()):
-            told.append(report)
+            reported.append(report)
 
 
 def test_nobody_listening_any_more_ends_the_work(tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ def test_what_comes_of_it_comes_back() -> None:
     assert (state.state, state.result) == ("done", "counted")
 
 
-def test_a_file_that_is_at_fault_is_told_in_its_sentence() -> None:
+def test_a_file_that_is_at_fault_is_reported_in_its_sentence() -> None:
     state = SideProcess(Refusing()).wait()
     assert (state.state, state.words) == ("failed", "It is no such file.")
 

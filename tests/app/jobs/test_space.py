@@ -27,15 +27,15 @@ def order(of: Session, job: int = 7) -> SpaceOrder:
     return SpaceOrder(of.model_dump_json().encode(), tuple(both(of).unsolved(of)), job)
 
 
-def told(given: SpaceOrder, cancelled: Event | None = None) -> list[Report]:
-    heard: list[Report] = []
-    solve_order(given, cancelled or Event(), heard.append)
-    return heard
+def reported(given: SpaceOrder, cancelled: Event | None = None) -> list[Report]:
+    received: list[Report] = []
+    solve_order(given, cancelled or Event(), received.append)
+    return received
 
 
 def test_an_order_reports_every_stretch_and_then_its_end() -> None:
     of = smooth(pinned())
-    one, end = told(order(of))
+    one, end = reported(order(of))
     assert isinstance(one, SpaceSolved)
     assert (one.job, end) == (7, JobFinished(7, cancelled=False))
     assert one.result.key == both(of).unsolved(of)[0].key
@@ -50,7 +50,7 @@ def test_an_order_reports_every_stretch_and_then_its_end() -> None:
 
 def test_exact_keyframes_stay_where_they_are_posed() -> None:
     of = smooth(pinned())
-    one, _ = told(order(of))
+    one, _ = reported(order(of))
     assert isinstance(one, SpaceSolved)
     for keyframe in of.keyframes:
         pose, wanted = one.result.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)
@@ -60,7 +60,7 @@ def test_exact_keyframes_stay_where_they_are_posed() -> None:
 
 def test_a_pin_that_an_exact_keyframe_contradicts_names_it() -> None:
     whole = session(pins=(PIN.model_copy(update={"first_frame": 0, "last_frame": 8}),))
-    one, _ = told(order(whole))
+    one, _ = reported(order(whole))
     assert isinstance(one, SpaceSolved)
     (pin,) = one.result.pins
     assert pin.off_m > 0.01
@@ -70,15 +70,15 @@ def test_a_pin_that_an_exact_keyframe_contradicts_names_it() -> None:
 def test_a_cancelled_order_says_so_and_reports_nothing_half_done() -> None:
     cancelled = Event()
     cancelled.set()
-    assert told(order(smooth()), cancelled) == [JobFinished(7, cancelled=True)]
+    assert reported(order(smooth()), cancelled) == [JobFinished(7, cancelled=True)]
 
 
-def test_a_fault_is_told_in_one_sentence_and_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_is_reported_in_one_sentence_and_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: Any) -> Any:
         raise ZeroDivisionError
 
     monkeypatch.setattr(space, "solved", fail)
-    (failed,) = told(order(smooth()))
+    (failed,) = reported(order(smooth()))
     assert isinstance(failed, JobFailed)
     assert failed.words.startswith("Smoothing failed with an internal error")
     assert failed.words.endswith("The motion is as it was tracked.")

@@ -67,44 +67,44 @@ def done(
     path: Path,
     session: Session,
     cancelled: Event | None = None,
-    heard: Callable[[Report], None] | None = None,
+    received: Callable[[Report], None] | None = None,
 ) -> list[Report]:
-    """All reports of a job over every segment of a session; `heard` gets each when it is told."""
+    """All reports of a job over every segment of a session; `received` gets each of them."""
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
     content = _only_needed(session, wanted).model_dump_json().encode()
     order = Order(7, content, str(path.parent / "meshes"), wanted, ("full",), str(path.parent))
-    told: list[Report] = []
+    reported: list[Report] = []
 
-    def tell(report: Report) -> None:
-        told.append(report)
-        if heard is not None:
-            heard(report)
+    def send(report: Report) -> None:
+        reported.append(report)
+        if received is not None:
+            received(report)
 
     with ThreadPoolExecutor(2) as threads:
-        Job(order, cancelled or Event(), tell).run(bench, threads)
-    return told
+        Job(order, cancelled or Event(), send).run(bench, threads)
+    return reported
 
 
 def fitted(bench: WorkerCache, path: Path, frame: int, pose: Pose) -> Report:
     """What comes of a fit here."""
     content = load_session(path).model_dump_json().encode()
     meshes = str(path.parent / "meshes")
-    told: list[Report] = []
+    reported: list[Report] = []
     order = PoseOrder(content, meshes, frame, pose, folder=str(path.parent), job=3)
-    Fit(order, Event(), told.append).run(bench)
-    return told[-1]
+    Fit(order, Event(), reported.append).run(bench)
+    return reported[-1]
 
 
 def pose_at(frame: int) -> Pose:
     return Pose(cases.true_rotations()[frame], cases.true_roots()[frame])
 
 
-def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
+def test_the_worker_counts_steps_and_gives_a_motion_of_the_whole_segment(
     bench: WorkerCache, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(segment, "REPORT_S", 0.0)
-    told = done(bench, path, load_session(path))
-    passed = [report for report in told if isinstance(report, PassFinished)]
+    reported = done(bench, path, load_session(path))
+    passed = [report for report in reported if isinstance(report, PassFinished)]
     assert [report.number for report in passed] == [0, 1, 2, 3]
     assert passed[0].words == "step 1 of 4"
     assert passed[0].result.verdict is None
@@ -124,22 +124,22 @@ def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
             if isinstance(report, PassFinished) and report.number + 1 == steps:
                 cancelled.set()
 
-        return {"cancelled": cancelled, "heard": leave}
+        return {"cancelled": cancelled, "received": leave}
 
     return after
 
 
-def _tracks(told: list[Report]) -> list[SegmentResult]:
-    return [report.result for report in told if isinstance(report, SegmentFinished)]
+def _tracks(reported: list[Report]) -> list[SegmentResult]:
+    return [report.result for report in reported if isinstance(report, SegmentFinished)]
 
 
 def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_them(
     bench: WorkerCache, path: Path, stopped: Callable[[int], dict[str, Any]]
 ) -> None:
     session = load_session(path)
-    told = done(bench, path, session, **stopped(2))
-    assert told[-1] == JobFinished(7, cancelled=True)
-    (part,) = _tracks(told)  # the step under way when it was stopped is done as well
+    reported = done(bench, path, session, **stopped(2))
+    assert reported[-1] == JobFinished(7, cancelled=True)
+    (part,) = _tracks(reported)  # the step under way when it was stopped is done as well
     assert part.missing == 1
     assert part.verdict == Verdict.check("not_fitted", (4, 4))
     assert Results().with_result(part).wanted(session)
@@ -244,7 +244,7 @@ def _moved_keyframe(session: Session, by_m: float) -> Session:
 @pytest.mark.parametrize(
     "wrong", ["a pose beside the mesh", "meshes ten times too small", "meshes in millimetres"]
 )
-def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_told_before_all_else(
+def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_reported_before_all_else(
     bench: WorkerCache, path: Path, wrong: str
 ) -> None:
     session = cases.session(keyframes=(0, 3))
@@ -282,8 +282,8 @@ def test_cameras_that_do_not_count_are_not_asked(
     session = cases.session(cameras="rig.json", weights=weights)
     given = (str(path.parent / "meshes"), path.parent)
     assert len(bench.surfaces(session, *given).mesh(1).vertices) > 100
-    told = done(bench, path, session)
-    assert told[-1] == JobFinished(7, cancelled=False)
+    reported = done(bench, path, session)
+    assert reported[-1] == JobFinished(7, cancelled=False)
     (failed,) = done(bench, path, cases.session(cameras="rig.json"))[-1:]
     assert isinstance(failed, JobFailed)
     assert "rig.json" in failed.words
@@ -335,10 +335,12 @@ def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(
 
 
 def test_sizes_are_not_fitted_to_surfaces(bench: WorkerCache, path: Path) -> None:
-    told: list[Report] = []
+    reported: list[Report] = []
     content = load_session(path).model_dump_json().encode()
-    Fit(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), told.append).run(bench)
-    (report,) = told
+    Fit(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), reported.append).run(
+        bench
+    )
+    (report,) = reported
     assert isinstance(report, JobFailed)
     assert report.words.startswith("Sizes are fitted to pictures")
 

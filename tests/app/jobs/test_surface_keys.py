@@ -177,8 +177,8 @@ def test_a_session_about_a_film_is_written_as_ever() -> None:
     results = saved.Results(
         tracks="tracks-000000000000.npz", method="keypose", quality="full", segments=(segment,)
     )
-    told = session_json(of.model_copy(update={"results": results}))
+    reported = session_json(of.model_copy(update={"results": results}))
     digest = "5d1b4786f189a4b04e68a83aac29371decb4983ed3c832ebe0140eebb6743931"
-    assert hashlib.sha256(told).hexdigest() == digest
-    assert b'"surface"' not in told
+    assert hashlib.sha256(reported).hexdigest() == digest
+    assert b'"surface"' not in reported
     assert "surface" not in base_record(Moment(of))["base"]

@@ -48,20 +48,20 @@ class Office:
     """Tracking and all it has reported."""
 
     def __init__(self) -> None:
-        self.told: list[Report] = []
+        self.reported: list[Report] = []
         self.threads: set[int] = set()
         self._more = asyncio.Event()
         self.tracking = Tracking(self._report, asyncio.get_running_loop())
 
     def _report(self, report: Report) -> None:
-        self.told.append(report)
+        self.reported.append(report)
         self.threads.add(threading.get_ident())
         self._more.set()
 
     async def until(self, seen: Callable[[Report], bool]) -> Report:
         """The first report like this, of those told or to come."""
         while True:
-            for report in self.told:
+            for report in self.reported:
                 if seen(report):
                     return report
             self._more.clear()
@@ -73,7 +73,7 @@ class Office:
         )
 
     def of(self, job: int, kind: Any) -> list[Any]:
-        return [r for r in self.told if isinstance(r, kind) and r.job == job]
+        return [r for r in self.reported if isinstance(r, kind) and r.job == job]
 
 
 def in_office(visit: Callable[[Office], Awaitable[None]]) -> None:
@@ -99,7 +99,7 @@ def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
         assert office.tracking.job == job
         assert await office.ended(job) == JobFinished(job, cancelled=False)
         assert office.tracking.job is None
-        assert [type(r) for r in office.told[:3]] == [Warming, Ready, Started]
+        assert [type(r) for r in office.reported[:3]] == [Warming, Ready, Started]
         found = [(r.result.span, r.result.quality) for r in office.of(job, SegmentFinished)]
         assert sorted(found) == [
             *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
@@ -153,12 +153,12 @@ def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
     in_office(visit)
 
 
-def test_a_job_that_has_to_wait_for_the_worker_is_told_so(place: tuple[Session, Path]) -> None:
+def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(place: tuple[Session, Path]) -> None:
     of, video = place
 
     async def visit(office: Office) -> None:
         await office.until(lambda report: isinstance(report, Warming))
-        assert office.told[0].job is None
+        assert office.reported[0].job is None
         job = office.tracking.start(of, video, wanted(of))
         await office.ended(job)
         kinds = [type(report) for report in office.of(job, Warming | Ready)]
@@ -181,12 +181,12 @@ def test_a_cancelled_job_ends_and_the_next_one_works(place: tuple[Session, Path]
     in_office(visit)
 
 
-def test_a_killed_worker_is_told_and_replaced(place: tuple[Session, Path]) -> None:
+def test_a_killed_worker_is_reported_and_replaced(place: tuple[Session, Path]) -> None:
     of, video = place
 
     async def visit(office: Office) -> None:
-        killed = office.tracking.pid
         job = office.tracking.start(of, video, wanted(of))
+        killed = office.tracking.pid
         assert killed is not None
         os.kill(killed, signal.SIGKILL)
         end = await office.ended(job)
@@ -199,7 +199,7 @@ def test_a_killed_worker_is_told_and_replaced(place: tuple[Session, Path]) -> No
     in_office(visit)
 
 
-def test_a_video_that_is_not_there_is_told_in_one_sentence(place: tuple[Session, Path]) -> None:
+def test_a_video_that_is_not_there_is_reported_in_one_sentence(place: tuple[Session, Path]) -> None:
     of, video = place
 
     async def visit(office: Office) -> None:
@@ -217,6 +217,7 @@ def test_a_video_that_is_not_there_is_told_in_one_sentence(place: tuple[Session,
 def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
     async def main() -> None:
         office = Office()
+        office.tracking.start(cases.session(), Path("x"), [])
         pid = office.tracking.pid
         assert pid is not None
         office.tracking.close()

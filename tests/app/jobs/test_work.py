@@ -26,7 +26,7 @@ from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
 from keypose.tracker.storage.results import Span, segment_keys
-from keypose.tracker.tracking.tracker import expected_steps
+from keypose.tracker.tracking.method import expected_steps
 from tests.tracker import session_cases as cases
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
@@ -70,32 +70,34 @@ def done(
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
     content = session.model_dump_json().encode()
     order = Order(7, content, "video", wanted, stages or ("full",))
-    told: list[Report] = []
+    reported: list[Report] = []
     with ThreadPoolExecutor(threads) as pool:
-        Job(order, cancelled or Event(), told.append).run(bench, pool)  # type: ignore[arg-type]
-    return told
+        Job(order, cancelled or Event(), reported.append).run(bench, pool)  # type: ignore[arg-type]
+    return reported
 
 
-def finished(told: list[Report]) -> list[tuple[int, str]]:
-    return [(r.result.first, r.result.quality) for r in told if isinstance(r, SegmentFinished)]
+def finished(reported: list[Report]) -> list[tuple[int, str]]:
+    return [(r.result.first, r.result.quality) for r in reported if isinstance(r, SegmentFinished)]
 
 
 def test_all_segments_are_done_at_one_quality_before_the_next() -> None:
-    told = done(FakeBench(at_ease), "preview", "full")
-    assert isinstance(told[0], Started)
-    assert finished(told) == [(0, "preview"), (4, "preview"), (0, "full"), (4, "full")]
-    assert told[-1] == JobFinished(7, cancelled=False)
+    reported = done(FakeBench(at_ease), "preview", "full")
+    assert isinstance(reported[0], Started)
+    assert finished(reported) == [(0, "preview"), (4, "preview"), (0, "full"), (4, "full")]
+    assert reported[-1] == JobFinished(7, cancelled=False)
 
 
-def test_passes_are_told_but_not_those_of_a_preview() -> None:
-    told = [r for r in done(FakeBench(at_ease), "preview", "full") if isinstance(r, PassFinished)]
-    assert [(r.result.first, r.result.quality, r.number) for r in told] == [
+def test_passes_are_reported_but_not_those_of_a_preview() -> None:
+    reported = [
+        r for r in done(FakeBench(at_ease), "preview", "full") if isinstance(r, PassFinished)
+    ]
+    assert [(r.result.first, r.result.quality, r.number) for r in reported] == [
         *((0, "full", 0), (0, "full", 1), (4, "full", 0)),
         (4, "full", 1),
     ]
-    assert {r.of for r in told} == {expected_steps(TrackSettings())}
-    assert told[0].result.scores == (3.0,)
-    assert np.isnan(told[1].result.scores).all()  # not judged
+    assert {r.of for r in reported} == {expected_steps(TrackSettings())}
+    assert reported[0].result.scores == (3.0,)
+    assert np.isnan(reported[1].result.scores).all()  # not judged
 
 
 def test_results_carry_the_key_they_were_ordered_with() -> None:
@@ -121,12 +123,12 @@ def test_the_published_method_is_worked_through_once() -> None:
     def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
         seen.append((settings.method, settings.passes))
 
-    told = done(
+    reported = done(
         FakeBench(work), "preview", "full", settings=TrackSettings(method="paper", passes=9)
     )
     assert seen == [("paper", 9)] * 2
-    assert isinstance(told[0], Started)
-    assert told[0].stages == ("full",)
+    assert isinstance(reported[0], Started)
+    assert reported[0].stages == ("full",)
 
 
 def test_a_cancelled_job_is_left_at_its_next_pass_and_keeps_what_is_finished() -> None:
@@ -139,17 +141,17 @@ def test_a_cancelled_job_is_left_at_its_next_pass_and_keeps_what_is_finished() -
             emit(Pass("pass", cases.segment(first, last).trajectory, 3.0), 1)
             raise AssertionError("it went on")
 
-    told = done(FakeBench(work), cancelled=cancelled)
-    assert finished(told) == [(0, "full")]
-    assert told[-1] == JobFinished(7, cancelled=True)
+    reported = done(FakeBench(work), cancelled=cancelled)
+    assert finished(reported) == [(0, "full")]
+    assert reported[-1] == JobFinished(7, cancelled=True)
 
 
 def test_a_job_cancelled_before_it_began_does_nothing() -> None:
     cancelled = Event()
     cancelled.set()
-    told = done(FakeBench(at_ease), cancelled=cancelled)
-    assert finished(told) == []
-    assert told[-1] == JobFinished(7, cancelled=True)
+    reported = done(FakeBench(at_ease), cancelled=cancelled)
+    assert finished(reported) == []
+    assert reported[-1] == JobFinished(7, cancelled=True)
 
 
 def test_a_job_that_was_done_when_it_was_cancelled_is_done() -> None:
@@ -168,17 +170,17 @@ def test_what_goes_wrong_in_one_segment_leaves_the_others(threads: int) -> None:
         if first == 0:
             raise VideoError("The video has no frame 3.")
 
-    told = done(FakeBench(work), "preview", "full", threads=threads)
-    assert sorted(finished(told)) == [(4, "full"), (4, "preview")]  # side by side, in any order
-    assert told[-1] == JobFailed(7, "The video has no frame 3.")
+    reported = done(FakeBench(work), "preview", "full", threads=threads)
+    assert sorted(finished(reported)) == [(4, "full"), (4, "preview")]  # side by side, in any order
+    assert reported[-1] == JobFailed(7, "The video has no frame 3.")
 
 
 def test_a_segment_that_cannot_be_begun_leaves_the_others() -> None:
     bench = FakeBench(at_ease)
     bench.refused.add((4, 8))
-    told = done(bench)
-    assert finished(told) == [(0, "full")]
-    assert told[-1] == JobFailed(7, "Keyframes 4 and 8 lie too far apart.")
+    reported = done(bench)
+    assert finished(reported) == [(0, "full")]
+    assert reported[-1] == JobFailed(7, "Keyframes 4 and 8 lie too far apart.")
 
 
 @pytest.mark.parametrize(
@@ -201,11 +203,11 @@ def test_faults_are_one_sentence_too(
     assert ("Traceback" in capsys.readouterr().err) == isinstance(error, ZeroDivisionError)
 
 
-def test_a_session_that_does_not_fit_together_is_told_in_one_sentence() -> None:
-    told: list[Report] = []
+def test_a_session_that_does_not_fit_together_is_reported_in_one_sentence() -> None:
+    reported: list[Report] = []
     order = Order(7, b'{"schema_version": 1}', "video", (), ("full",))
     with ThreadPoolExecutor(1) as pool:
-        Job(order, Event(), told.append).run(FakeBench(at_ease), pool)  # type: ignore[arg-type]
-    (last,) = told
+        Job(order, Event(), reported.append).run(FakeBench(at_ease), pool)  # type: ignore[arg-type]
+    (last,) = reported
     assert isinstance(last, JobFailed)
     assert "field required" in last.words

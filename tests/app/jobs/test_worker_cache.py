@@ -90,7 +90,7 @@ def test_another_video_at_the_same_place_is_opened(
     assert other.loader((0, 4)).video is not one.loader((0, 4)).video
 
 
-def test_a_video_that_is_gone_is_told_in_one_sentence(bench: WorkerCache, place: Place) -> None:
+def test_a_video_that_is_gone_is_reported_in_one_sentence(bench: WorkerCache, place: Place) -> None:
     of, video = place
     bench.tracker(of, video)
     shutil.rmtree(video)

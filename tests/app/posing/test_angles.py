@@ -20,7 +20,14 @@ from keypose.app.posing import (
     with_reset,
 )
 from keypose.app.posing.angles import rotation_of
-from keypose.app.posing.limits import box_of, is_within, nearest_within, of_angles
+from keypose.app.posing.limits import (
+    JointRange,
+    box_of,
+    is_within,
+    nearest_within,
+    of_angles,
+    range_of,
+)
 from keypose.tracker.body.body import PEOPLE, preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
@@ -96,9 +103,9 @@ def test_the_nearest_allowed_rotation_is_nearer_than_any_other(part: str) -> Non
     assert box is not None
     rng = np.random.default_rng(4)
     for R in exp_rotation(rng.normal(0, 1.2, (25, 3))):
-        found = nearest_within(R, box)
-        assert is_within(found, box)
-        if is_within(R, box):
+        found = nearest_within(R, JointRange(box))
+        assert is_within(found, JointRange(box))
+        if is_within(R, JointRange(box)):
             np.testing.assert_array_equal(found, R)
             continue
         made = np.linalg.norm(log_rotation(R.T @ found))
@@ -112,7 +119,7 @@ def test_a_clamped_pose_keeps_every_limit_and_is_not_clamped_again() -> None:
     for seed in range(5):
         held = clamp_to_limits(SKELETON, bent(PERSON, seed, size=0.9))
         for R, part in zip(held.Rs_parent_part, PERSON.parts, strict=True):
-            assert is_within(R, box_of(part)), part.name
+            assert is_within(R, range_of(part)), part.name
         assert difference(clamp_to_limits(SKELETON, held), held) < 1e-6
         now = angles_deg(SKELETON, held)
         for i, part in enumerate(PERSON.parts):
@@ -160,7 +167,7 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     assert setup_hash(without) == setup_hash(session)
 
 
-def test_a_person_who_has_turned_round_is_told_by_the_turn_alone() -> None:
+def test_a_person_who_has_turned_round_is_reported_by_the_turn_alone() -> None:
     root = PERSON.parts[0]
     leaning = [rotation_of(np.array([8.0, turn, -3.0])) for turn in range(-175, 180, 10)]
     shown = part_angles_deg(root, np.stack(leaning))
@@ -170,7 +177,7 @@ def test_a_person_who_has_turned_round_is_told_by_the_turn_alone() -> None:
 
 
 @pytest.mark.parametrize("name", PERSON.names)
-def test_one_part_alone_is_told_as_it_is_among_the_others(name: str) -> None:
+def test_one_part_alone_is_reported_as_it_is_among_the_others(name: str) -> None:
     i, pose = PERSON.index(name), walking()
     alone = part_angles_deg(PERSON.parts[i], pose.Rs_parent_part[i][None])
     np.testing.assert_allclose(alone[0], angles_deg(SKELETON, pose)[i], atol=1e-9)

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keypose.app.posing import Posed, angles_deg, drag
+from keypose.app.posing.limits import JointRange
 from keypose.app.posing.turning import furthest
 from keypose.app.posing.vectors import any_across
 from keypose.tracker.body.pose import Pose
@@ -241,9 +242,9 @@ def test_a_part_taken_by_its_surface_turns_as_the_pointer_goes_round_its_joint()
 
 
 def test_an_angle_of_a_million_turns_is_looked_at_for_one_turn_only() -> None:
-    box = np.radians([[-30.0, 30.0], [-30.0, 30.0], [-30.0, 30.0]])
+    box = JointRange(np.radians([[-30.0, 30.0], [-30.0, 30.0], [-30.0, 30.0]]))
     axis = np.array([1.0, 0.0, 0.0])
     far = furthest(np.eye(3), axis, 2e6 * np.pi, box)
     assert far == pytest.approx(furthest(np.eye(3), axis, 2.0, box), abs=1e-4)
-    free = np.array([[-np.pi, np.pi]] * 3)
+    free = JointRange(np.array([[-np.pi, np.pi]] * 3))
     assert furthest(np.eye(3), axis, 2e6 * np.pi, free) == 2e6 * np.pi

@@ -114,16 +114,16 @@ def test_a_rate_asked_for_sets_the_times(tracked_path: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("view", ["main", "top", "all", "orbit", "camera:30,10", "camera:-60,5,9"])
-def test_every_view_is_filmed_and_told_in_json(
+def test_every_view_is_filmed_and_reported_in_json(
     tracked_path: Path, tmp_path: Path, view: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "film.mp4"
     assert film(tracked_path, out, "--view", view, "--json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["written"] == [str(out)]
+    reported = json.loads(capsys.readouterr().out)
+    assert reported["written"] == [str(out)]
     with Video.open(out) as found:
         assert found.info.frame_count == cases.FRAMES
-        assert (found.info.width, found.info.height) == (told["width"], told["height"])
+        assert (found.info.width, found.info.height) == (reported["width"], reported["height"])
         assert np.ptp(found.frame(4).astype(int)) > 60
 
 

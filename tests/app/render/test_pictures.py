@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from keypose.app.render import pictures
 from keypose.app.render.lettering import axes, length_name, round_length, scale_bar, write_name
 from keypose.app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
-from keypose.app.render.pictures import Style, contact_sheet, four_views, orthographic, overlay
+from keypose.app.render.pictures import Style, four_views, orthographic, overlay
 from keypose.tracker.body.body import Body, Part, load_body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh
@@ -20,6 +20,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from keypose.tracker.geometry.view import ViewName
+from tests.benchmarks.contact_sheet import contact_sheet
 
 CAMERA = Camera(width=320, height=180, fx=300.0, fy=300.0, cx=163.2, cy=88.7)
 GREY = np.full((180, 320, 3), 90, dtype=np.uint8)

@@ -278,11 +278,11 @@ def test_where_the_meshes_are_gone_the_body_is_filmed_alone_with_a_note(
     shutil.copy(path, lonely)
     out = ["--out", str(tmp_path / "a.mp4"), "--size", "64x48"]
     assert main(["film", str(lonely), "--view", "side", *out]) == 0
-    told = capsys.readouterr().err
-    assert "the meshes are missing; the body is filmed without its surface" in told
+    reported = capsys.readouterr().err
+    assert "the meshes are missing; the body is filmed without its surface" in reported
 
 
-def test_of_a_step_that_cannot_be_used_the_body_is_drawn_alone_and_it_is_told(
+def test_of_a_step_that_cannot_be_used_the_body_is_drawn_alone_and_it_is_reported(
     path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole = shot(path, tmp_path / "a.png", "--view", "side")

@@ -39,20 +39,20 @@ class Listener:
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.heard: list[messages.Message] = []
+        self.received: list[messages.Message] = []
         wire: Any = stage._viser.server._websock_server
-        tell = wire.queue_message
+        report = wire.queue_message
 
         def queue_message(message: messages.Message) -> None:
-            self.heard.append(message)
-            tell(message)
+            self.received.append(message)
+            report(message)
 
         wire.queue_message = queue_message
 
     def show(self, scenery: Scenery) -> list[messages.Message]:
-        self.heard.clear()
+        self.received.clear()
         self.stage.show(scenery)
-        return list(self.heard)
+        return list(self.received)
 
 
 @pytest.fixture
@@ -69,15 +69,15 @@ def posed(shift_m: float = 0.0, body: Body = BODY) -> Array:
     return pose_transforms(skeleton, replace(pose, Rs_parent_part=turns))
 
 
-def kinds(told: list[messages.Message]) -> set[str]:
-    return {type(message).__name__ for message in told}
+def kinds(reported: list[messages.Message]) -> set[str]:
+    return {type(message).__name__ for message in reported}
 
 
-def names(told: list[messages.Message]) -> set[str]:
-    return {message.name for message in told}  # type: ignore[attr-defined]
+def names(reported: list[messages.Message]) -> set[str]:
+    return {message.name for message in reported}  # type: ignore[attr-defined]
 
 
-def test_the_same_scenery_again_tells_nothing(listener: Listener) -> None:
+def test_the_same_scenery_again_shows_nothing(listener: Listener) -> None:
     scenery = Scenery(BODY, posed())
     assert listener.show(scenery)
     assert listener.show(scenery) == []
@@ -86,15 +86,15 @@ def test_the_same_scenery_again_tells_nothing(listener: Listener) -> None:
 
 def test_a_new_pose_is_the_transforms_of_the_parts_and_the_outlines(listener: Listener) -> None:
     listener.show(Scenery(BODY, posed()))
-    told = listener.show(Scenery(BODY, posed(0.5)))
-    assert kinds(told) == {"SetPositionMessage", "SceneNodeUpdateMessage"}
-    moved = [m.name for m in told if isinstance(m, messages.SetPositionMessage)]
+    reported = listener.show(Scenery(BODY, posed(0.5)))
+    assert kinds(reported) == {"SetPositionMessage", "SceneNodeUpdateMessage"}
+    moved = [m.name for m in reported if isinstance(m, messages.SetPositionMessage)]
     assert moved == [f"{ROOT}/body/{i}" for i in range(len(BODY.parts))]
-    drawn = {m.name for m in told if isinstance(m, messages.SceneNodeUpdateMessage)}
+    drawn = {m.name for m in reported if isinstance(m, messages.SceneNodeUpdateMessage)}
     assert drawn == {f"{ROOT}/outline/{role}" for role in OUTLINED}
 
 
-def test_a_pose_is_told_as_one(listener: Listener, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pose_is_reported_as_one(listener: Listener, monkeypatch: pytest.MonkeyPatch) -> None:
     listener.show(Scenery(BODY, posed()))
     buffer: Any = listener.stage._viser.server._websock_server.get_message_buffer()
     depths: list[int] = []
@@ -118,8 +118,8 @@ def test_three_js_has_x_to_the_right_y_up_and_z_toward_the_viewer() -> None:
     stage = Stage()
     try:
         buffer = stage._viser.server._websock_server.get_message_buffer()
-        told = list(buffer.message_from_id.values())
-        turns = [m for m in told if isinstance(m, messages.SetOrientationMessage)]
+        reported = list(buffer.message_from_id.values())
+        turns = [m for m in reported if isinstance(m, messages.SetOrientationMessage)]
         world = next(m.wxyz for m in turns if m.name == "")
         camera = stage._scene.get_handle_by_name(ROOT)
         assert camera is not None
@@ -132,19 +132,19 @@ def test_three_js_has_x_to_the_right_y_up_and_z_toward_the_viewer() -> None:
 def test_selecting_a_part_changes_its_looks_and_no_pose(listener: Listener) -> None:
     scenery = Scenery(BODY, posed())
     listener.show(scenery)
-    told = listener.show(replace(scenery, selected=frozenset({"right_forearm"})))
-    assert "SetPositionMessage" not in kinds(told)
+    reported = listener.show(replace(scenery, selected=frozenset({"right_forearm"})))
+    assert "SetPositionMessage" not in kinds(reported)
     arm = f"{ROOT}/body/{BODY.index('right_forearm')}"
-    assert {name for name in names(told) if "/body/" in name} == {
+    assert {name for name in names(reported) if "/body/" in name} == {
         f"{arm}/{child}" for child in ("overlay", "solid", "rims", "wires", "edges", "hull")
     }
     colours = [
         m.updates["color"]
-        for m in told
+        for m in reported
         if isinstance(m, messages.SceneNodeUpdateMessage) and "color" in m.updates
     ]
     assert colours == [SELECTED, SELECTED, WHITE]  # of the two solids, and of the hull
-    assert f"{ROOT}/held/main" in names(told)
+    assert f"{ROOT}/held/main" in names(reported)
 
 
 def test_a_part_has_the_colour_of_its_side(listener: Listener) -> None:
@@ -175,10 +175,10 @@ def test_the_wire_picture_has_no_fill_and_the_solid_one_no_inner_lines(listener:
 def test_another_size_changes_the_shapes_of_the_nodes_there_are(listener: Listener) -> None:
     listener.show(Scenery(BODY, posed()))
     taller = with_height(BODY, 2.0)
-    told = listener.show(Scenery(taller, posed(body=taller)))
-    assert not kinds(told) & {"FrameMessage", "MeshMessage", "RemoveSceneNodeMessage"}
+    reported = listener.show(Scenery(taller, posed(body=taller)))
+    assert not kinds(reported) & {"FrameMessage", "MeshMessage", "RemoveSceneNodeMessage"}
     assert any(
-        "vertices" in m.updates for m in told if isinstance(m, messages.SceneNodeUpdateMessage)
+        "vertices" in m.updates for m in reported if isinstance(m, messages.SceneNodeUpdateMessage)
     )
 
 
@@ -198,10 +198,10 @@ def test_another_body_has_nodes_of_its_own(listener: Listener) -> None:
 def test_ghosts_come_and_go(listener: Listener) -> None:
     scenery = Scenery(BODY, posed())
     listener.show(scenery)
-    told = listener.show(replace(scenery, ghosts=((3, posed(0.2)), (9, posed(0.4)))))
-    assert {f"{ROOT}/ghost/{k}/{role}" for k in range(2) for role in OUTLINED} <= names(told)
-    told = listener.show(replace(scenery, ghosts=((3, posed(0.2)),)))
-    assert f"{ROOT}/ghost/1/main" in names([m for m in told if "Remove" in type(m).__name__])
+    reported = listener.show(replace(scenery, ghosts=((3, posed(0.2)), (9, posed(0.4)))))
+    assert {f"{ROOT}/ghost/{k}/{role}" for k in range(2) for role in OUTLINED} <= names(reported)
+    reported = listener.show(replace(scenery, ghosts=((3, posed(0.2)),)))
+    assert f"{ROOT}/ghost/1/main" in names([m for m in reported if "Remove" in type(m).__name__])
     listener.show(scenery)
     assert listener.stage._scene.get_handle_by_name(f"{ROOT}/ghost/0/main") is None
 
@@ -211,12 +211,12 @@ def test_a_trail_comes_moves_on_and_goes(listener: Listener) -> None:
     way = np.linspace([0.0, 0.0, 4.0], [1.0, 0.0, 4.0], 20)
     listener.show(scenery)
     for trail in (Trail(way, 5), Trail(way, 19), Trail(way[:1], 0), None):
-        told = listener.show(replace(scenery, trail=trail))
-        assert names(told) <= {f"{ROOT}/trail"}
+        reported = listener.show(replace(scenery, trail=trail))
+        assert names(reported) <= {f"{ROOT}/trail"}
     assert listener.stage._scene.get_handle_by_name(f"{ROOT}/trail") is None
 
 
-def test_each_view_is_told_which_nodes_are_not_for_it(listener: Listener) -> None:
+def test_each_view_is_sent_which_nodes_are_not_for_it(listener: Listener) -> None:
     listener.show(Scenery(BODY, posed(), selected=frozenset({"head"})))
     only = listener.stage._only_for
     assert only[f"{ROOT}/body/0/overlay"] == ("main",)

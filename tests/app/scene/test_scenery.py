@@ -19,8 +19,8 @@ TRAIL = {"part": "head", "points": POINTS, "keys": [10, 20]}
 """The section of the page: frames and places."""
 
 
-def trail_at(frame: int, told: Any = TRAIL) -> Trail | None:
-    return SceneryMaker().of(after(desk(), {"do": "go", "frame": frame}), told).trail
+def trail_at(frame: int, reported: Any = TRAIL) -> Trail | None:
+    return SceneryMaker().of(after(desk(), {"do": "go", "frame": frame}), reported).trail
 
 
 @pytest.mark.parametrize("frame", [10, 11, 14, 19, 20])

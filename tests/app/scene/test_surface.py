@@ -79,7 +79,7 @@ def test_colours_go_along_with_what_the_vertices_became() -> None:
     assert (kept[far_right] == [0, 0, 200]).all()
 
 
-def test_a_page_is_told_a_surface_in_little_more_than_a_picture() -> None:
+def test_a_page_receives_a_surface_in_little_more_than_a_picture() -> None:
     assert len(skin(FINE, clay(len(FINE.vertices)))) < 300_000
 
 
@@ -114,24 +114,24 @@ def stage() -> Iterator[Stage]:
     made.stop()
 
 
-def told(stage: Stage) -> list[messages.Message]:
+def reported(stage: Stage) -> list[messages.Message]:
     """All that the stage tells viser from now on."""
-    heard: list[messages.Message] = []
+    received: list[messages.Message] = []
     wire: Any = stage._viser.server._websock_server
-    tell = wire.queue_message
+    report = wire.queue_message
 
     def queue_message(message: messages.Message) -> None:
-        heard.append(message)
-        tell(message)
+        received.append(message)
+        report(message)
 
     wire.queue_message = queue_message
-    return heard
+    return received
 
 
-def on_stage(heard: list[messages.Message]) -> set[str]:
+def on_stage(received: list[messages.Message]) -> set[str]:
     """Names of the surfaces that are there after all this."""
     there: set[str] = set()
-    for message in heard:
+    for message in received:
         if isinstance(message, messages.GlbMessage):
             there.add(message.name)
         if isinstance(message, messages.RemoveSceneNodeMessage):
@@ -140,26 +140,26 @@ def on_stage(heard: list[messages.Message]) -> set[str]:
 
 
 def test_the_surface_before_stands_until_the_next_one_is_drawn(stage: Stage) -> None:
-    heard, glb = told(stage), skin(COARSE, clay(len(COARSE.vertices)))
+    received, glb = reported(stage), skin(COARSE, clay(len(COARSE.vertices)))
     stage.show_skin(glb)
     stage.settle_skin()
-    assert on_stage(heard) == {f"{ROOT}/surface/1"}
+    assert on_stage(received) == {f"{ROOT}/surface/1"}
     stage.show_skin(glb)
-    assert on_stage(heard) == {f"{ROOT}/surface/0", f"{ROOT}/surface/1"}
+    assert on_stage(received) == {f"{ROOT}/surface/0", f"{ROOT}/surface/1"}
     stage.settle_skin()
-    assert on_stage(heard) == {f"{ROOT}/surface/0"}
+    assert on_stage(received) == {f"{ROOT}/surface/0"}
 
 
 def test_never_more_than_two_stand_however_fast_they_come(stage: Stage) -> None:
-    heard, glb = told(stage), skin(COARSE, clay(len(COARSE.vertices)))
+    received, glb = reported(stage), skin(COARSE, clay(len(COARSE.vertices)))
     for _ in range(5):
         stage.show_skin(glb)
-        assert len(on_stage(heard)) <= 2
+        assert len(on_stage(received)) <= 2
 
 
 def test_without_a_surface_none_is_left(stage: Stage) -> None:
-    heard, glb = told(stage), skin(COARSE, clay(len(COARSE.vertices)))
+    received, glb = reported(stage), skin(COARSE, clay(len(COARSE.vertices)))
     stage.show_skin(glb)
     stage.show_skin(glb)
     stage.show_skin(None)
-    assert on_stage(heard) == set()
+    assert on_stage(received) == set()

@@ -20,7 +20,7 @@ from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.results import Results, segment_keys
@@ -165,7 +165,7 @@ def test_the_trail_reaches_to_where_nobody_has_posed() -> None:
 # --- what the page is told
 
 
-def told(state: EditorState, name: str, **more: Any) -> Any:
+def reported(state: EditorState, name: str, **more: Any) -> Any:
     return Sections().changed(AppState(edit=state, **more))[name]
 
 
@@ -177,35 +177,35 @@ def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> Edi
     return replace(state, results=Results({key: replace(track, verdict=verdict, missing=missing)}))
 
 
-def test_of_a_film_no_surface_is_told() -> None:
+def test_of_a_film_no_surface_is_reported() -> None:
     assert Sections().changed(AppState(edit=film()))["surface"] is None
 
 
 def test_one_keyframe_makes_a_segment_to_both_ends() -> None:
-    (segment,) = told(desk(), "segments")
+    (segment,) = reported(desk(), "segments")
     assert (segment["first"], segment["last"], segment["words"]) == (0, 18, "Not fitted")
     moved = after(desk(), {"do": "move_key", "frame": 0, "to": 6})
-    assert [(s["first"], s["last"]) for s in told(moved, "segments")] == [(0, 6), (6, 18)]
+    assert [(s["first"], s["last"]) for s in reported(moved, "segments")] == [(0, 6), (6, 18)]
 
 
-def test_of_a_segment_at_work_its_steps_are_told() -> None:
-    (segment,) = told(desk(), "segments", running={(0, 18): Running("tracking", 7, 18, 39)})
+def test_of_a_segment_at_work_its_steps_are_reported() -> None:
+    (segment,) = reported(desk(), "segments", running={(0, 18): Running("tracking", 7, 18, 39)})
     assert segment["words"] == "step 7 of 18"
 
 
-def test_a_problem_is_told_at_its_own_frame_alone() -> None:
+def test_a_problem_is_reported_at_its_own_frame_alone() -> None:
     seen = SurfaceSeen(frame=3, problem="Step 3 is missing.")
-    assert told(replace(desk(), frame=3), "surface", surface=seen)["problem"] == seen.problem
-    assert told(replace(desk(), frame=4), "surface", surface=seen)["problem"] == ""
+    assert reported(replace(desk(), frame=3), "surface", surface=seen)["problem"] == seen.problem
+    assert reported(replace(desk(), frame=4), "surface", surface=seen)["problem"] == ""
 
 
 def test_a_colour_that_cannot_be_had_says_why() -> None:
     bare = after(desk(), {"do": "delete_key", "frame": 0})
-    off = {tint["id"]: tint["off"] for tint in told(bare, "surface")["tints"]}
+    off = {tint["id"]: tint["off"] for tint in reported(bare, "surface")["tints"]}
     assert off["clay"] == ""
     assert "first keyframe" in off["contact"]
     assert "cameras" in off["photo"]
-    rated = told(desk(), "surface", surface=SurfaceSeen(photo=True))["tints"]
+    rated = reported(desk(), "surface", surface=SurfaceSeen(photo=True))["tints"]
     assert not any(tint["off"] for tint in rated)
 
 
@@ -281,7 +281,7 @@ def test_a_fit_that_was_stopped_goes_on_first() -> None:
     state = fitted(desk(), Verdict.check("not_fitted", (8, 18)), missing=11)
     assert suggested(state) == ("track", None, "Continue fitting: Frames 8–18 not fitted yet")
     assert state.results.wanted(state.doc)
-    assert told(state, "segments")[0]["unfinished"]
+    assert reported(state, "segments")[0]["unfinished"]
     lost = fitted(desk(), Verdict.not_followed(3), missing=11)
     assert suggested(lost)[:2] == ("key", 3)
 
@@ -290,7 +290,7 @@ def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_els
     state = fitted(desk(), Verdict.check("body_off_surface", (0, 0)), missing=11)
     reason = "Check keyframe 0: The body is off its surface there"
     assert suggested(state) == ("look", 0, reason)
-    assert told(state, "segments")[0]["words"] == "Check: at key 0 the body is off its surface"
+    assert reported(state, "segments")[0]["words"] == "Check: at key 0 the body is off its surface"
 
 
 def test_what_is_good_needs_nothing() -> None:

@@ -360,7 +360,7 @@ def test_an_animated_file_can_be_dropped(tmp_path: Path) -> None:
     assert library.find("upload", "man.glb").read_bytes() == b"glTF"
 
 
-def test_steps_that_cannot_be_used_are_told_once_before_they_are_met(
+def test_steps_that_cannot_be_used_are_reported_once_before_they_are_met(
     piece: OpenSession, edit: EditorState
 ) -> None:
     async def work(surfaces: Surfaces, views: Views) -> None:

@@ -182,10 +182,10 @@ def test_a_client_is_known_by_the_view_it_came_for(portless: Portless, role: Rol
 
 
 def test_what_a_browser_sends_never_reaches_viser(portless: Portless) -> None:
-    heard: list[Any] = []
+    received: list[Any] = []
     wire = portless.server._websock_server
-    wire.register_handler(viser._messages.ScenePointerMessage, lambda *said: heard.append(said))
-    wire.register_handler(viser._messages.ShareUrlRequest, lambda *said: heard.append(said))
+    wire.register_handler(viser._messages.ScenePointerMessage, lambda *sent: received.append(sent))
+    wire.register_handler(viser._messages.ShareUrlRequest, lambda *sent: received.append(sent))
     browser = Browser(portless, "main")
     browser.next()
     browser.say({"type": "websocket.receive", "text": "not even bytes"})
@@ -194,7 +194,7 @@ def test_what_a_browser_sends_never_reaches_viser(portless: Portless) -> None:
     portless.server.scene.add_frame("/still-here", show_axes=False)
     browser.until("FrameMessage", name="/still-here")
     browser.leave()
-    assert heard == []
+    assert received == []
 
 
 def test_a_hidden_node_is_replaced_for_that_client_alone(portless: Portless) -> None:

@@ -107,7 +107,7 @@ def test_pictures_are_those_of_the_command_line(desk: Desk, tmp_path: Path) -> N
     assert last == desk.commanded("shot", str(desk.session), *options, out=tmp_path / "a.png")
 
 
-def test_a_long_export_tells_how_far_it_is_is_cancelled_and_leaves_the_page_quick(
+def test_a_long_export_shows_how_far_it_is_is_cancelled_and_leaves_the_page_quick(
     desk: Desk,
 ) -> None:
     long = {"what": "film", "view": "all", "size": [1280, 720]}
@@ -143,7 +143,7 @@ def test_what_cannot_be_exported_is_refused_in_words(desk: Desk, order: Any, wor
     assert words in desk.refused(order)
 
 
-def test_what_is_not_installed_is_told_with_what_mends_it(
+def test_what_is_not_installed_is_reported_with_what_mends_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert exports.missing_here() == {}

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from keypose.app.server.browsers import Browsers
-from keypose.app.server.guard import Guard, headers_for
+from keypose.app.server.guard import Guard
+from keypose.app.server.headers import headers_for
 from keypose.app.server.outputs import Motion
 
 PORT = 8123
@@ -82,16 +83,16 @@ def ask(
     }
     if not socket:
         scope["method"] = method
-    said: list[Any] = []
+    refusal: list[Any] = []
 
     async def receive() -> Any:
         return {"type": "websocket.connect" if socket else "http.request"}
 
     async def send(message: Any) -> None:
-        said.append(message)
+        refusal.append(message)
 
     asyncio.run((guard or door())(scope, receive, send))  # type: ignore[arg-type]
-    return Answer(said)
+    return Answer(refusal)
 
 
 def door(**settings: Any) -> Guard:

@@ -189,6 +189,6 @@ def test_what_cannot_be_read_is_refused_in_a_sentence_and_changes_nothing(
     assert desk.session.read_bytes() == before
 
 
-def test_an_import_that_is_over_is_told_so(desk: Desk) -> None:
+def test_an_import_that_is_over_is_reported_so(desk: Desk) -> None:
     assert desk.ask("/imports/0", "POST", b"{}")[0] == 404
     assert desk.ask("/imports/0")[0] == 404

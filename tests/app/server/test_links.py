@@ -98,19 +98,21 @@ def test_where_the_usual_port_is_taken_the_next_one_is_it_each_time() -> None:
 @pytest.fixture
 def browser(tmp_path: Path) -> tuple[str, Path]:
     """A command that stands for a browser, and where it writes its arguments."""
-    told = tmp_path / "arguments"
+    reported = tmp_path / "arguments"
     script = tmp_path / "browser"
-    script.write_text(f'#!/bin/sh\nprintf "%s" "$*" > {told}.part\nmv {told}.part {told}\n')
+    script.write_text(
+        f'#!/bin/sh\nprintf "%s" "$*" > {reported}.part\nmv {reported}.part {reported}\n'
+    )
     script.chmod(0o700)
-    return f"{script} %s &", told
+    return f"{script} %s &", reported
 
 
-def started_with(told: Path) -> str:
+def started_with(reported: Path) -> str:
     end = time.monotonic() + LONGEST_S
-    while not told.exists():
+    while not reported.exists():
         assert time.monotonic() < end, "no browser was started"
         time.sleep(0.02)
-    return told.read_text()
+    return reported.read_text()
 
 
 def test_the_browser_is_started_with_a_file_that_only_its_owner_reads(

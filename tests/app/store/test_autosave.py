@@ -33,8 +33,8 @@ def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
     assert len(written) <= 2
 
 
-def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> None:
-    told: list[Saved] = []
+def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() -> None:
+    reported: list[Saved] = []
     full = True
 
     def write() -> None:
@@ -43,7 +43,7 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
 
     async def twice() -> None:
         nonlocal full
-        saver = Saver(told.append)
+        saver = Saver(reported.append)
         saver.save(write)
         await saver.wait()
         full = False
@@ -51,7 +51,7 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
         await saver.wait()
 
     asyncio.run(twice())
-    assert [(saved.state, saved.words) for saved in told] == [
+    assert [(saved.state, saved.words) for saved in reported] == [
         ("saving", ""),
         ("failed", "The disk is full."),
         ("saving", ""),
@@ -59,11 +59,11 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
     ]
 
 
-def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_itself(
+def test_what_is_unsaved_is_reported_so_until_it_is_written_and_is_tried_again_by_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
-    told: list[Saved] = []
+    reported: list[Saved] = []
     tries: list[int] = []
 
     def write(number: int) -> None:
@@ -72,32 +72,32 @@ def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_it
             raise SessionError("The disk is full.")
 
     async def both() -> None:
-        saver = Saver(told.append)
+        saver = Saver(reported.append)
         saver.save(lambda: write(1))
         await saver.wait()
         saver.save(lambda: write(2))
-        while told[-1].state != "saved":
+        while reported[-1].state != "saved":
             await asyncio.sleep(0.005)
         assert saver.problem is None
 
     asyncio.run(both())
-    assert [saved.state for saved in told] == ["saving", *4 * ["failed"], "saved"]
+    assert [saved.state for saved in reported] == ["saving", *4 * ["failed"], "saved"]
     assert tries == [1, 2, 2, 2, 2]
 
 
 def test_the_time_of_the_last_save_survives_a_failure() -> None:
-    told: list[Saved] = []
+    reported: list[Saved] = []
 
     def fail() -> None:
         raise SessionError("The disk is full.")
 
     async def both() -> None:
-        saver = Saver(told.append)
+        saver = Saver(reported.append)
         saver.save(lambda: None)
         await saver.wait()
         saver.save(fail)
         await saver.wait()
 
     asyncio.run(both())
-    assert told[-1].state == "failed"
-    assert told[-1].at_s == told[1].at_s > 0
+    assert reported[-1].state == "failed"
+    assert reported[-1].at_s == reported[1].at_s > 0

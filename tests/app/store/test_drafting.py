@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import shutil
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -11,11 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
 from keypose.app.store import runner, store
 from keypose.app.store.sections import Sections
-from keypose.app.store.store import Store
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -25,6 +22,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import load_keypoints
 from tests.app.serving import ROOT
+from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
 
 BOX = [100.0, 100.0, 300.0, 400.0]
@@ -47,15 +45,8 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-class Desk:
+class Desk(StoreDesk):
     """A store with a tab and the worker's side of its jobs."""
-
-    def __init__(self, store: Store) -> None:
-        self.store, self.tab = store, store.join()
-
-    def do(self, *messages: dict[str, Any]) -> None:
-        for message in messages:
-            self.store.receive(self.tab, message)
 
     @property
     def doc(self) -> Session:
@@ -84,15 +75,7 @@ class Desk:
 
 
 def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
-    async def run() -> None:
-        store = Store(asyncio.get_running_loop(), lambda *_: None, Library(path.parent.parent))
-        await store.open(path)
-        try:
-            await act(Desk(store))
-        finally:
-            await store.stop()
-
-    asyncio.run(run())
+    at_store(path, Desk, act)
 
 
 def test_a_draft_is_one_step_and_undo_is_exact(path: Path) -> None:

@@ -222,7 +222,7 @@ def test_only_what_tracking_has_finished_is_evidence(path: Path) -> None:
     at_a_desk(path, work)
 
 
-def test_what_the_fit_did_is_told_until_the_next_edit(path: Path) -> None:
+def test_what_the_fit_did_is_reported_until_the_next_edit(path: Path) -> None:
     async def work(desk: Desk) -> None:
         desk.do(FIT)
         assert desk.section("fit") is None
@@ -356,7 +356,7 @@ def test_a_fit_that_is_cancelled_does_nothing_and_can_be_asked_for_again(path: P
     at_a_desk(path, work)
 
 
-def test_where_the_picture_tells_nothing_it_is_said_and_nothing_is_to_undo(path: Path) -> None:
+def test_where_the_picture_shows_nothing_it_is_said_and_nothing_is_to_undo(path: Path) -> None:
     async def work(desk: Desk) -> None:
         doc = desk.edit.doc
         desk.do(FIT)
@@ -368,7 +368,7 @@ def test_where_the_picture_tells_nothing_it_is_said_and_nothing_is_to_undo(path:
     at_a_desk(path, work)
 
 
-def test_a_failed_fit_is_told_and_the_next_one_works(path: Path) -> None:
+def test_a_failed_fit_is_reported_and_the_next_one_works(path: Path) -> None:
     async def work(desk: Desk) -> None:
         desk.do(FIT)
         desk.worker.report(JobFailed(desk.worker.fits[-1].job, "The video is gone."))
@@ -460,13 +460,13 @@ def test_new_sizes_are_only_shown_until_they_are_applied(path: Path) -> None:
         desk.worker.find()
         assert desk.edit.doc is before
         assert desk.section("body")["height_cm"] == pytest.approx(190)
-        told = desk.section("sizes_preview")
-        assert told["error"] == {"before": 6.2, "after": 5.0}
-        assert told["changes"] == [
+        reported = desk.section("sizes_preview")
+        assert reported["error"] == {"before": 6.2, "after": 5.0}
+        assert reported["changes"] == [
             {"part": "Shin", "what": "length", "pair": True, "before": 40.0, "after": 42.0}
         ]
-        assert told["height"] == {"before": pytest.approx(tall), "after": pytest.approx(190)}
-        assert told["unseen"] == ["Neck"]
+        assert reported["height"] == {"before": pytest.approx(tall), "after": pytest.approx(190)}
+        assert reported["unseen"] == ["Neck"]
         desk.do({"do": "look_before", "on": True})
         assert desk.section("body")["height_cm"] == pytest.approx(tall)
         desk.do({"do": "look_before", "on": False}, {"do": "apply_sizes"})
@@ -489,9 +489,9 @@ def test_poses_change_with_the_sizes_only_where_that_is_accepted(path: Path) -> 
         before = desk.edit.doc
         desk.do(SIZES)
         desk.worker.find()
-        told = desk.section("sizes_preview")
-        assert (told["poses"], told["choice"]) == (False, True)
-        assert told["turns"] == [{"frame": 24, "parts": [{"part": "Left shin", "deg": 3.0}]}]
+        reported = desk.section("sizes_preview")
+        assert (reported["poses"], reported["choice"]) == (False, True)
+        assert reported["turns"] == [{"frame": 24, "parts": [{"part": "Left shin", "deg": 3.0}]}]
         desk.do({"do": "preview_poses", "on": True})
         assert desk.section("sizes_preview")["error"]["after"] == 4.1
         desk.do({"do": "apply_sizes"})

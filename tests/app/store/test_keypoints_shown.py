@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.store import keypoint_finder, runner
 from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
@@ -20,6 +19,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import save_keypoints
 from tests.app.serving import ROOT
+from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
 
 NAMES = (*JOINTS, "nose", "left_pinky")
@@ -54,13 +54,10 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-class Desk:
+class Desk(StoreDesk):
     def __init__(self, store: Store) -> None:
-        self.store, self.tab, self.sections = store, store.join(), Sections()
-
-    def do(self, *messages: dict[str, Any]) -> None:
-        for message in messages:
-            self.store.receive(self.tab, message)
+        super().__init__(store)
+        self.sections = Sections()
 
     async def shown(self, frame: int) -> Any:
         """The section of a frame, once all that is read for it has been."""
@@ -73,22 +70,16 @@ class Desk:
 
 
 def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
-    async def run() -> None:
-        store = Store(asyncio.get_running_loop(), lambda *_: None, Library(path.parent.parent))
-        await store.open(path)
-        try:
-            await act(Desk(store))
-        finally:
-            await store.stop()
-
-    asyncio.run(run())
+    at_store(path, Desk, act)
 
 
 def point(section: Any, joint: str = "left_wrist") -> Any:
     return next(each for each in section["points"] if each["joint"] == joint)
 
 
-def test_those_of_a_draft_are_told_frame_by_frame_as_far_as_the_body_has_them(path: Path) -> None:
+def test_those_of_a_draft_are_reported_frame_by_frame_as_far_as_the_body_has_them(
+    path: Path,
+) -> None:
     async def act(desk: Desk) -> None:
         shown = await desk.shown(7)
         assert shown["frame"] == 7
@@ -125,7 +116,9 @@ def test_what_tracking_found_in_a_segment_goes_first(
     try_at(path, act)
 
 
-def test_what_a_person_said_is_told_at_once_and_where_it_was_found_is_not_lost(path: Path) -> None:
+def test_what_a_person_said_is_reported_at_once_and_where_it_was_found_is_not_lost(
+    path: Path,
+) -> None:
     async def act(desk: Desk) -> None:
         await desk.shown(7)
         wrist = {"frame": 7, "joint": "left_wrist"}
@@ -153,17 +146,17 @@ def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> Non
 
 def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> None:
     async def act(desk: Desk) -> None:
-        def told(name: str) -> Any:
+        def reported(name: str) -> Any:
             return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
 
-        assert told("cues")["brightness"]["weight"] is None
+        assert reported("cues")["brightness"]["weight"] is None
         desk.do({"do": "settings", "cue_weights": {"keypoints": 0.7}, "network": "heavy"})
-        cue = told("cues")["keypoints"]
+        cue = reported("cues")["keypoints"]
         assert (cue["on"], cue["off"], cue["weight"]) == (True, "", 0.7)
-        full, heavy = told("networks").values()
+        full, heavy = reported("networks").values()
         assert (full["chosen"], full["remedy"]) == (False, "")
         assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
         desk.do({"do": "settings", "method": "paper"})
-        assert told("cues")["keypoints"]["off"] == "Not in the published method"
+        assert reported("cues")["keypoints"]["off"] == "Not in the published method"
 
     try_at(path, act)

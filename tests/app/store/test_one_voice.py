@@ -97,17 +97,17 @@ def some_state(seed: int) -> AppState:
 
 
 def answered(edit: EditorState, place: Any, rng: np.random.Generator) -> Any:
-    said = Reviewed(
+    message = Reviewed(
         part=place["part"] or edit.doc.body.names[0], frame=place["frame"],
         first_frame=min(place["first"], place["frame"]),
         last_frame=max(place["last"], place["frame"]),
         answer="accepted" if rng.random() < 0.7 else "unclear", seen_m=place["end"],
     )  # fmt: skip
-    return edit.doc.model_copy(update={"reviewed": (*edit.doc.reviewed, said)})
+    return edit.doc.model_copy(update={"reviewed": (*edit.doc.reviewed, message)})
 
 
-def named(told: Any) -> tuple[Any, ...]:
-    return told["frame"], told["part"], told["cause"]
+def named(reported: Any) -> tuple[Any, ...]:
+    return reported["frame"], reported["part"], reported["cause"]
 
 
 def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
@@ -122,14 +122,14 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     problems = suggested = 0
     for seed in range(STATES):
         state = some_state(seed)
-        told = Told(state, seed)
-        for segment in told.segments:
+        reported = Told(state, seed)
+        for segment in reported.segments:
             if segment["go"] is not None:
                 problems += 1
-                told.require_card(segment)
-                told.require_review(segment)
-        suggested += told.suggest["cause"] is not None
-        told.require_suggestion()
+                reported.require_card(segment)
+                reported.require_review(segment)
+        suggested += reported.suggest["cause"] is not None
+        reported.require_suggestion()
     assert problems > STATES
     assert suggested > STATES / 2
 

@@ -23,13 +23,13 @@ from tests.app.editor.test_pins import stepping
 FOOT = {"do": "set_pin", "part": "left_foot", "frame": 24, "first": 20, "last": 28}
 
 
-def told(edit: EditorState) -> dict[str, Any]:
+def reported(edit: EditorState) -> dict[str, Any]:
     return Sections().changed(AppState(edit=edit))
 
 
-def test_a_pinned_foot_is_told_with_its_frames_and_the_print_of_its_sole() -> None:
+def test_a_pinned_foot_is_reported_with_its_frames_and_the_print_of_its_sole() -> None:
     edit = after(desk(), FOOT)
-    (pin,) = told(edit)["pins"]
+    (pin,) = reported(edit)["pins"]
     assert (pin["label"], pin["side"], pin["first"], pin["last"]) == ("Left foot", "L", 20, 28)
     keyframe = next(k for k in edit.doc.keyframes if k.frame == 24)
     Ts = pose_transforms(edit.skeleton, keyframe.pose(edit.skeleton))
@@ -52,7 +52,7 @@ def test_a_pinned_foot_is_told_with_its_frames_and_the_print_of_its_sole() -> No
     ],
 )
 def test_a_pin_is_called_by_what_it_holds(more: dict[str, Any], label: str) -> None:
-    (pin,) = told(after(desk(), {**FOOT, **more}))["pins"]
+    (pin,) = reported(after(desk(), {**FOOT, **more}))["pins"]
     assert pin["label"] == label
     assert (pin["sole"] != []) == (pin["part"] == "left_foot")
 
@@ -73,45 +73,45 @@ def pinned(off_m: float, keyframe: int | None) -> EditorState:
     return solved(edit, found, (Pin(part="right_foot", first_frame=2, last_frame=9),))
 
 
-def test_what_the_solve_found_of_a_pin_is_told_until_the_pin_is_changed() -> None:
+def test_what_the_solve_found_of_a_pin_is_reported_until_the_pin_is_changed() -> None:
     known = pinned(0.031, 24)
-    (pin,) = told(known)["pins"]
+    (pin,) = reported(known)["pins"]
     assert pin["problem"] == "Keyframe 24 is 3 cm off the pin."
     assert (pin["keyframe"], pin["slides_cm"]) == (24, 3.1)
-    (trimmed,) = told(after(known, {"do": "change_pin", "index": 0, "last": 22}))["pins"]
+    (trimmed,) = reported(after(known, {"do": "change_pin", "index": 0, "last": 22}))["pins"]
     assert (trimmed["problem"], trimmed["keyframe"], trimmed["slides_cm"]) == ("", None, None)
 
 
 def test_a_foot_that_slides_a_little_is_no_problem() -> None:
-    (pin,) = told(pinned(0.004, None))["pins"]
+    (pin,) = reported(pinned(0.004, None))["pins"]
     assert (pin["problem"], pin["keyframe"], pin["slides_cm"]) == ("", None, 0.4)
 
 
 def test_what_the_solve_proposed_stays_while_another_pin_waits_to_be_solved_for() -> None:
     known = pinned(0.004, None)
-    assert [pin["part"] for pin in told(known)["proposed_pins"]] == ["right_foot"]
+    assert [pin["part"] for pin in reported(known)["proposed_pins"]] == ["right_foot"]
     trimmed = after(known, {"do": "change_pin", "index": 0, "last": 22})
-    assert [pin["part"] for pin in told(trimmed)["proposed_pins"]] == ["right_foot"]
+    assert [pin["part"] for pin in reported(trimmed)["proposed_pins"]] == ["right_foot"]
 
 
-def test_proposals_are_told_until_they_are_answered() -> None:
+def test_proposals_are_reported_until_they_are_answered() -> None:
     proposed = Pin(part="right_hand", first_frame=3, last_frame=9)
     edit = replace(desk(), proposed_pins=(proposed,))
-    (pin,) = told(edit)["proposed_pins"]
+    (pin,) = reported(edit)["proposed_pins"]
     assert (pin["label"], pin["side"], pin["first"], pin["last"]) == ("Right hand", "R", 3, 9)
     for answer in ("accept_pins", "dismiss_pins"):
-        assert told(after(edit, {"do": answer}))["proposed_pins"] == []
+        assert reported(after(edit, {"do": answer}))["proposed_pins"] == []
 
 
-def test_the_floor_is_told_with_whether_pinned_feet_could_say_where_it_is() -> None:
-    assert told(desk())["floor"] == {"height_m": None, "has_feet": False}
+def test_the_floor_is_reported_with_whether_pinned_feet_could_say_where_it_is() -> None:
+    assert reported(desk())["floor"] == {"height_m": None, "has_feet": False}
     edit = after(desk(), FOOT, {"do": "floor", "height_m": -1.25})
-    assert told(edit)["floor"] == {"height_m": -1.25, "has_feet": True}
+    assert reported(edit)["floor"] == {"height_m": -1.25, "has_feet": True}
 
 
-def test_soft_keyframes_and_smoothness_are_told() -> None:
+def test_soft_keyframes_and_smoothness_are_reported() -> None:
     soft = {"do": "soften_key", "frame": 24}
-    values = told(after(desk(), soft, {"do": "settings", "smooth": True}))
+    values = reported(after(desk(), soft, {"do": "settings", "smooth": True}))
     assert values["keys"]["soft"] == [24]
     assert values["settings"]["smooth"] is True
-    assert told(desk())["settings"]["smooth"] is False
+    assert reported(desk())["settings"]["smooth"] is False

@@ -94,9 +94,9 @@ def test_another_program_of_the_workspace_reads_what_was_kept(tmp_path: Path) ->
     assert [pose.name for pose in shown[-1]] == ["One"]
 
 
-def test_the_page_is_told_of_each_pose_its_picture_and_whether_it_fits(tmp_path: Path) -> None:
+def test_the_page_receives_each_pose_its_picture_and_whether_it_fits(tmp_path: Path) -> None:
     _, shown = kept_in(tmp_path, "One")
-    (told,) = Sections().changed(AppState(edit=desk(), poses=shown[-1]))["poses"]
-    assert (told["name"], told["fits"]) == ("One", True)
-    assert len(told["strokes"]) == desk().skeleton.part_count
-    assert told["strokes"][0][0] in "LRC"
+    (reported,) = Sections().changed(AppState(edit=desk(), poses=shown[-1]))["poses"]
+    assert (reported["name"], reported["fits"]) == ("One", True)
+    assert len(reported["strokes"]) == desk().skeleton.part_count
+    assert reported["strokes"][0][0] in "LRC"

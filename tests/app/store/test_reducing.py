@@ -66,20 +66,22 @@ def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> N
     async def work(desk: Desk) -> None:
         before = desk.edit.doc
         desk.do(REDUCE)
-        told = desk.section("reduction")
-        assert (told["busy"], told["frames"], told["source"]) == (True, [], "drafts")
+        reported = desk.section("reduction")
+        assert (reported["busy"], reported["frames"], reported["source"]) == (True, [], "drafts")
         desk.do({"do": "apply_reduction"})
         assert await desk.words() == ["The keyframes are not known yet. Wait a moment."]
-        told = answered(desk)
-        assert told["frames"][0] == 0
-        assert told["kept"] == 4
-        assert 0 < told["off_cm"] <= 6
-        assert list(differences(told, "Reduction", declared(), "reduction")) == []
+        reported = answered(desk)
+        assert reported["frames"][0] == 0
+        assert reported["kept"] == 4
+        assert 0 < reported["off_cm"] <= 6
+        assert list(differences(reported, "Reduction", declared(), "reduction")) == []
         assert desk.edit.doc is before
         desk.do({**REDUCE, "cm": 30.0, "stroke": "a"})
-        assert desk.section("reduction")["frames"] == told["frames"]  # until the others are known
+        assert (
+            desk.section("reduction")["frames"] == reported["frames"]
+        )  # until the others are known
         coarse = answered(desk)
-        assert len(coarse["frames"]) < len(told["frames"])
+        assert len(coarse["frames"]) < len(reported["frames"])
         desk.do({"do": "apply_reduction"})
         assert desk.section("reduction") is None
         assert desk.section("keys")["frames"] == coarse["frames"]
@@ -139,10 +141,10 @@ def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(path: Path) 
         assert "The video has frames 0 to 72" in words[1]
         assert desk.section("reduction") is None
         desk.do(REDUCE)
-        told = answered(desk)
+        reported = answered(desk)
         desk.do({**REDUCE, "limbs": ["waist"]})
         assert "Press K to key all of it" in (await desk.words())[0]
-        assert desk.section("reduction") == told
+        assert desk.section("reduction") == reported
 
     at_a_desk(path, work)
 

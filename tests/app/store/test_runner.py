@@ -134,7 +134,7 @@ def few(count: int) -> EditorState:
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        (few(0), "Add a second keyframe first."),
+        (few(0), "Add two keyframes first."),
         (few(1), "Add a second keyframe first."),
         (surfaces(1, (0,)), "Nothing to fit: there is only one mesh."),
         (
@@ -252,7 +252,7 @@ def passed(runner: Runner, number: int, of: int = 4, score: float = 2.0) -> Pass
     return PassFinished(1, number, of, SegmentResult.on_the_way(step, found.key))
 
 
-def test_a_job_tells_its_passes_and_then_what_was_found(runner: Runner) -> None:
+def test_a_job_reports_its_passes_and_then_what_was_found(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
     say = orders(runner).say
     say(Warming("compiling", 1))
@@ -310,17 +310,17 @@ def test_a_job_that_was_replaced_says_nothing_any_more_but_what_it_found_counts(
     assert runner.results.states(desk().doc)[0, 24] == "good"
 
 
-def test_what_a_job_tells_after_its_session_was_closed_is_not_heard(runner: Runner) -> None:
+def test_what_a_job_reports_after_its_session_was_closed_is_not_received(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
     report = finished(runner, 0)
     runner.closed()
     assert orders(runner).calls == ["cancel"]
     runner.opened(desk())
-    heard = len(runner.news)  # type: ignore[attr-defined]
+    received = len(runner.news)  # type: ignore[attr-defined]
     orders(runner).say(report)
     assert runner.results is not None
     assert runner.results.states(desk().doc)[0, 24] == "none"
-    assert len(runner.news) == heard  # type: ignore[attr-defined]
+    assert len(runner.news) == received  # type: ignore[attr-defined]
     assert (runner.job.state, runner.running) == ("idle", {})
 
 
@@ -358,12 +358,12 @@ def fitted(job: int) -> PoseFitted:
 
 
 def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runner) -> None:
-    heard: list[Any] = []
+    received: list[Any] = []
     runner.track(PIECE, desk(), "all")
     orders(runner).say(started(runner))
     orders(runner).say(passed(runner, 0))
     runner.news.clear()  # type: ignore[attr-defined]
-    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    runner.fit(ORDER, "Fitting frame 3", received.append)
     assert runner.news == [False]  # type: ignore[attr-defined]
     assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
     assert runner.job.words == "tracking continues after it"
@@ -372,7 +372,7 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     orders(runner).say(JobFinished(1, cancelled=True))
     assert runner.job.state == "running"
     orders(runner).say(fitted(2))
-    (report,) = heard
+    (report,) = received
     assert isinstance(report, PoseFitted)
     edit = after(desk(), {"do": "delete_key", "frame": 72})
     runner.resume(PIECE, edit)
@@ -380,18 +380,18 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     assert orders(runner).stages[2] == ("full",)
     assert (runner.job.title, runner.job.kind) == ("Tracking 0–48", "track")
     orders(runner).say(fitted(2))
-    assert len(heard) == 1
+    assert len(received) == 1
 
 
 def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> None:
     runner.fit(ORDER, "Fitting frame 3", lambda _: None)
     assert (runner.job.words, runner.running) == ("", {})
     live = after(desk(), LIVE, {"do": "go", "frame": 30})
-    heard = len(runner.news)  # type: ignore[attr-defined]
+    received = len(runner.news)  # type: ignore[attr-defined]
     runner.changed(PIECE, live)
     assert len(orders(runner).wanted) == 1
     assert list(runner.running) == [(24, 48)]
-    assert len(runner.news) == heard + 1  # type: ignore[attr-defined]
+    assert len(runner.news) == received + 1  # type: ignore[attr-defined]
     runner.fit(ORDER, "Fitting frame 4", lambda _: None)  # in place of the first one
     assert list(runner.running) == [(24, 48)]
     runner.resume(PIECE, live)
@@ -409,23 +409,23 @@ def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> No
     assert runner.news == [False]  # type: ignore[attr-defined]
 
 
-def test_a_fit_that_fails_is_told_to_whoever_asked_for_it(runner: Runner) -> None:
-    heard: list[Any] = []
-    runner.fit(ORDER, "Fitting frame 3", heard.append)
+def test_a_fit_that_fails_is_reported_to_whoever_asked_for_it(runner: Runner) -> None:
+    received: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", received.append)
     orders(runner).say(Warming("compiling", 1))
     orders(runner).say(Ready(1))
     assert runner.job.words == ""
     orders(runner).say(JobFailed(1, "There is no picture."))
-    assert [report.words for report in heard] == ["There is no picture."]
+    assert [report.words for report in received] == ["There is no picture."]
 
 
-def test_a_fit_that_was_left_tells_nobody(runner: Runner) -> None:
-    heard: list[Any] = []
-    runner.fit(ORDER, "Fitting frame 3", heard.append)
+def test_a_fit_that_was_left_reports_to_nobody(runner: Runner) -> None:
+    received: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", received.append)
     runner.drop_fit()
     assert orders(runner).calls == ["cancel"]
     orders(runner).say(fitted(1))
-    assert heard == []
+    assert received == []
 
 
 def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
@@ -529,7 +529,9 @@ def test_solving_waits_for_what_is_tracked_and_for_a_hand(runner: Runner) -> Non
     assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–8")
 
 
-def test_a_solve_that_fails_is_told_once_and_the_motion_stays_as_tracked(runner: Runner) -> None:
+def test_a_solve_that_fails_is_reported_once_and_the_motion_stays_as_tracked(
+    runner: Runner,
+) -> None:
     edit = tracked(smooth())
     runner.opened(edit)
     runner.solve_space(edit)

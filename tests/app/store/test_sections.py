@@ -30,7 +30,7 @@ def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
     return AppState(edit=replace(edit, results=Results({key: found})))
 
 
-def test_what_a_keyframe_would_mend_is_told_frame_by_frame() -> None:
+def test_what_a_keyframe_would_mend_is_reported_frame_by_frame() -> None:
     need = np.sin(np.linspace(0, np.pi, 25)) * 8
     listed = Sections().changed(seen(need))["need"]
     assert len(listed) == 73
@@ -39,7 +39,7 @@ def test_what_a_keyframe_would_mend_is_told_frame_by_frame() -> None:
     assert listed[25] is None
 
 
-def test_where_it_is_not_known_nothing_is_told_of_it() -> None:
+def test_where_it_is_not_known_nothing_is_reported_of_it() -> None:
     assert set(Sections().changed(seen())["need"]) == {None}
 
 
@@ -47,7 +47,7 @@ def test_an_imported_motion_is_named_beside_the_settings() -> None:
     assert Sections().changed(seen())["settings"]["imported"] is None
 
 
-def test_what_could_not_be_done_as_wished_is_told_of_its_segment() -> None:
+def test_what_could_not_be_done_as_wished_is_reported_of_its_segment() -> None:
     note = "Left hand lost at frame 31: followed from both keyframes instead."
     first, second, _ = Sections().changed(seen(notes=(note,)))["segments"]
     assert first["notes"] == [note]
@@ -76,10 +76,10 @@ def some_errors() -> Array:
 
 
 def test_the_parts_expected_to_be_farthest_off_come_first_each_at_its_worst_frame() -> None:
-    told = Sections().changed(expecting(some_errors()))["errors"]
+    reported = Sections().changed(expecting(some_errors()))["errors"]
     names = desk().doc.body.names
-    assert [one["part"] for one in told] == [names[k] for k in (6, 5, 4, 3, 2)]
-    assert [(one["first"], one["frame"], one["px"]) for one in told[:2]] == [
+    assert [one["part"] for one in reported] == [names[k] for k in (6, 5, 4, 3, 2)]
+    assert [(one["first"], one["frame"], one["px"]) for one in reported[:2]] == [
         (0, 11, 9.0),
         (0, 10, 8.0),
     ]
@@ -97,18 +97,18 @@ def test_an_error_in_space_is_that_in_the_picture_at_the_part_s_depth() -> None:
 
 
 def test_of_a_guessed_lens_there_is_no_error_in_space() -> None:
-    told = Sections().changed(expecting(some_errors(), "guess"))["errors"]
-    assert {one["cm"] for one in told} == {None}
-    assert told[0]["px"] == 9.0
+    reported = Sections().changed(expecting(some_errors(), "guess"))["errors"]
+    assert {one["cm"] for one in reported} == {None}
+    assert reported[0]["px"] == 9.0
 
 
-def test_where_no_error_is_expected_of_any_part_none_is_told() -> None:
+def test_where_no_error_is_expected_of_any_part_none_is_reported() -> None:
     nothing = np.full_like(some_errors(), np.nan)
     assert Sections().changed(expecting(None))["errors"] == []
     assert Sections().changed(expecting(nothing))["errors"] == []
 
 
-def test_whether_keypoints_can_count_is_told_of_the_body() -> None:
+def test_whether_keypoints_can_count_is_reported_of_the_body() -> None:
     box = load_session(SAMPLE.parents[1] / "box" / "session.json").body
     edit = desk().with_doc(desk().doc.model_copy(update={"body": box, "keyframes": ()}))
     assert Sections().changed(AppState(edit=desk()))["body"]["is_persons"]

@@ -103,10 +103,10 @@ def _ends(message: dict[str, Any], stroke: str) -> bool:
     )
 
 
-async def listened(tab: Tab, heard: Callable[[int], None]) -> None:
+async def listened(tab: Tab, note: Callable[[int], None]) -> None:
     while True:
         for message in await tab.next():
-            heard(message.get("acks", {}).get(TAB, 0))
+            note(message.get("acks", {}).get(TAB, 0))
 
 
 async def worked(path: Path, work: list[dict[str, Any]], page: Page) -> Session:
@@ -118,10 +118,10 @@ async def worked(path: Path, work: list[dict[str, Any]], page: Page) -> Session:
     session_path = store.opened.session_path
     tab = store.join()
 
-    def heard(number: int) -> None:
+    def note(number: int) -> None:
         page.acked = max(page.acked, number)
 
-    listening = asyncio.ensure_future(listened(tab, heard))
+    listening = asyncio.ensure_future(listened(tab, note))
     for place, message in enumerate(work):
         store.receive(tab, message)
         # Two are under way at a time, however quick the disk is.
@@ -202,7 +202,7 @@ def test_a_revision_says_whose_edit_was_the_newest_and_what_comes_of_itself_is_n
     assert not first.startswith("one:")
 
 
-def test_tabs_that_were_not_heard_for_long_are_forgotten() -> None:
+def test_tabs_that_were_not_received_for_long_are_forgotten() -> None:
     clients = Clients()
     for number in range(MOST + 1):
         clients.begin(f"tab-{number}", 1)

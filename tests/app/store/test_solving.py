@@ -165,7 +165,7 @@ def test_what_may_not_be_saved_is_not_solved(path: Path) -> None:
     _with_store(path, second)
 
 
-def test_a_failing_solve_is_told_once_and_the_tracked_motion_is_saved(path: Path) -> None:
+def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(path: Path) -> None:
     async def work(desk: Store) -> None:
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()

@@ -38,6 +38,10 @@ def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
             found("mirrored", 0.2, "right_forearm"),
             "At keyframe 14 the right forearm may point the wrong way in depth",
         ),
+        (
+            found("twisted", -0.9, "left_upper_arm"),
+            "At keyframe 14 the left upper arm is turned 52° too far about its length",
+        ),
         (found("leans", 0.4, "waist"), "The body leans 23° out of balance, 10–20"),
         (found("shakes", 11.3, "waist"), "Waist shakes with 11 m/s², 10–20"),
     ],
@@ -62,32 +66,41 @@ def known(edit: EditorState) -> EditorState:
     return edit.with_doc(edit.doc.model_copy(update={"lens_source": "person"}))
 
 
-def test_the_worst_is_told_first_with_what_mends_it() -> None:
+def test_the_worst_is_reported_first_with_what_mends_it() -> None:
     off = PinResult(
         part="left_foot", first_frame=0, last_frame=20, off_m=0.08, usual_off_m=0.001, frame=0,
         keyframe=0,
     )  # fmt: skip
-    told = solved(
+    reported = solved(
         known(stepping((5, 12))), found("slides", 0.06), found("off_floor", 0.1), pins=(off,)
     )
-    assert [(one["kind"], one["remedy"]) for one in told] == [
+    assert [(one["kind"], one["remedy"]) for one in reported] == [
         ("off_floor", "pin"), ("pin", "soften"), ("slides", "pin"),
     ]  # fmt: skip
-    assert told[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
+    assert reported[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
 
 
 def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:
-    (told,) = solved(known(stepping((5, 12))), found("mirrored", 0.2, "right_forearm"))
-    assert (told["remedy"], told["part"], told["go"]) == ("turn", "right_forearm", 14)
+    (reported,) = solved(known(stepping((5, 12))), found("mirrored", 0.2, "right_forearm"))
+    assert (reported["remedy"], reported["part"], reported["go"]) == ("turn", "right_forearm", 14)
 
 
-def test_a_guessed_lens_is_told_last_and_only_of_a_motion_that_was_solved() -> None:
+def test_an_arm_that_is_twisted_at_a_keyframe_is_untwisted_with_one_press() -> None:
+    (reported,) = solved(known(stepping((5, 12))), found("twisted", -0.9, "left_upper_arm"))
+    assert (reported["remedy"], reported["part"], reported["go"]) == (
+        "untwist",
+        "left_upper_arm",
+        14,
+    )
+
+
+def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() -> None:
     guessed = stepping((5, 12))
     guessed = guessed.with_doc(guessed.doc.model_copy(update={"lens_source": "guess"}))
-    told = solved(guessed, found("slides", 0.06))
-    assert [one["kind"] for one in told] == ["slides", "lens"]
+    reported = solved(guessed, found("slides", 0.06))
+    assert [one["kind"] for one in reported] == ["slides", "lens"]
     share = guessed.doc.depth_share
     assert share is not None
-    assert f"may be off by {100 * share:.0f} %." in told[-1]["words"]
+    assert f"may be off by {100 * share:.0f} %." in reported[-1]["words"]
     assert Sections().changed(AppState(edit=guessed))["space"] == []
     assert [one["kind"] for one in solved(known(guessed), found("slides", 0.06))] == ["slides"]

@@ -220,7 +220,7 @@ def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
     _with_store(path, work)
 
 
-def test_what_a_job_tells_after_its_session_was_closed_does_not_reach_the_next_one(
+def test_what_a_job_reports_after_its_session_was_closed_does_not_reach_the_next_one(
     path: Path, tmp_path: Path
 ) -> None:
     box = _copy("box", tmp_path)
@@ -245,9 +245,9 @@ def test_a_tab_that_joins_takes_no_news_away_from_the_others(path: Path) -> None
         desk.receive(tab, {"do": "go", "frame": 7})
         other = desk.join()
         for one in (tab, other):
-            told = (await one.next())[-1]["set"]
-            assert told["view"]["frame"] == 7
-            assert told["tabs"] == 2
+            reported = (await one.next())[-1]["set"]
+            assert reported["view"]["frame"] == 7
+            assert reported["tabs"] == 2
 
     _with_store(path, work)
 
@@ -295,18 +295,18 @@ def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
 
 def test_trying_again_never_puts_an_older_state_over_a_newer_one() -> None:
     written: list[int] = []
-    told: list[Saved] = []
+    reported: list[Saved] = []
 
     def write(number: int) -> None:
-        if not told or told[-1].state != "failed":
+        if not reported or reported[-1].state != "failed":
             raise SessionError("The disk is full.")
         written.append(number)
 
     async def work() -> None:
-        saver = Saver(told.append)
+        saver = Saver(reported.append)
         saver.save(lambda: write(1))
         await saver.wait()
-        told.append(Saved("failed"))
+        reported.append(Saved("failed"))
         saver.save(lambda: written.append(2))
         saver.retry()
         await saver.wait()
@@ -322,8 +322,8 @@ def test_pictures_of_two_videos_have_different_names(path: Path, tmp_path: Path)
     async def work(desk: Store) -> None:
         for one in (path, box):
             await desk.open(one)
-            told = (await desk.join().next())[-1]["set"]
-            names.append(told["camera"]["image_version"])
+            reported = (await desk.join().next())[-1]["set"]
+            names.append(reported["camera"]["image_version"])
 
     _with_store(path, work)
     assert names[0] != names[1]

@@ -8,7 +8,7 @@ from keypose.app.store.tabs import Tab
 
 
 def test_of_each_section_only_the_newest_value_is_sent() -> None:
-    async def told() -> list[dict[str, object]]:
+    async def reported() -> list[dict[str, object]]:
         tab = Tab()
         for frame in range(500):
             tab.update({"view": frame})
@@ -16,26 +16,26 @@ def test_of_each_section_only_the_newest_value_is_sent() -> None:
         tab.update({"keys": [1]})
         return await tab.next()
 
-    messages = asyncio.run(told())
+    messages = asyncio.run(reported())
     (state,) = messages
     assert state["set"] == {"view": 499, "keys": [1]}
     assert (state["done"], state["ack"]) == (0, 499)
 
 
 def test_answers_keep_their_order_and_come_before_the_state() -> None:
-    async def told() -> list[dict[str, object]]:
+    async def reported() -> list[dict[str, object]]:
         tab = Tab()
         tab.update({"view": 1})
         for number in range(3):
             tab.send({"t": "reply", "id": number})
         return await tab.next()
 
-    messages = asyncio.run(told())
+    messages = asyncio.run(reported())
     assert [message.get("id") for message in messages] == [0, 1, 2, None]
 
 
 def test_a_tab_without_news_waits_and_is_woken_by_an_acknowledgement() -> None:
-    async def told() -> list[dict[str, object]]:
+    async def reported() -> list[dict[str, object]]:
         tab = Tab()
         tab.update({"view": 1})
         await tab.next()
@@ -45,11 +45,11 @@ def test_a_tab_without_news_waits_and_is_woken_by_an_acknowledgement() -> None:
         tab.acknowledge(7)
         return await waiting
 
-    assert asyncio.run(told())[0]["ack"] == 7
+    assert asyncio.run(reported())[0]["ack"] == 7
 
 
 def test_whose_messages_are_acknowledged_is_said_once() -> None:
-    async def told() -> list[dict[str, object]]:
+    async def reported() -> list[dict[str, object]]:
         tab = Tab()
         tab.acknowledge(3, "one")
         tab.acknowledge(5, "one")
@@ -58,6 +58,6 @@ def test_whose_messages_are_acknowledged_is_said_once() -> None:
         tab.update({"view": 1})
         return [*first, *await tab.next()]
 
-    messages = asyncio.run(told())
+    messages = asyncio.run(reported())
     assert messages[0]["acks"] == {"one": 5, "two": 2}
     assert messages[1]["acks"] == {}

@@ -24,7 +24,7 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import save_session
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.desk import Desk, Did
-from tests.browser.hands import Spot, at_rest, section, spot, until_told
+from tests.browser.interaction import Spot, answered, section, spot, until_state
 
 LISTEN = """
 () => {
@@ -76,15 +76,15 @@ def _again(page: Page, desk: Desk, did: Did) -> None:
     match did.messages:
         case (do.Go() as go,) if did.kind == "click":
             page.mouse.click(*_on_timeline(page, go.frame, desk.state.frame_count - 1))
-            until_told(page, "view.frame", lambda frame: frame == go.frame)
+            until_state(page, "view.frame", lambda frame: frame == go.frame)
         case (do.AddKey() as add,):
             page.keyboard.press("k")
-            until_told(page, "keys.frames", lambda frames: add.frame in frames)
+            until_state(page, "keys.frames", lambda frames: add.frame in frames)
         case (do.Drag() as drag,):
             _drag(page, desk, drag)
         case _:
             raise NotImplementedError(did.why)
-    at_rest(page, "pose")
+    answered(page)
 
 
 def _drag(page: Page, desk: Desk, drag: do.Drag) -> None:
@@ -102,7 +102,7 @@ def _drag(page: Page, desk: Desk, drag: do.Drag) -> None:
     _carry(page, start, (start[0] + way[0], start[1] + way[1]))
     for key in held:
         page.keyboard.up(key)
-    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    until_state(page, "pose.stroke", lambda stroke: stroke is None)
 
 
 def _carry(page: Page, start: Spot, end: Spot) -> None:

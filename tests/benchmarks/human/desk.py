@@ -44,7 +44,8 @@ from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import EDGE_ON, EDGE_RADIUS_M
 from keypose.app.posing.vectors import across, any_across, cross, unit
-from keypose.app.store.fitter import FitRequest, apply_draft, apply_fit
+from keypose.app.store.fit_request import FitRequest
+from keypose.app.store.fitter import apply_draft, apply_fit
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array

@@ -66,7 +66,10 @@ def opensim(report: Report) -> None:
             except FileNotFoundError:
                 raise Absent("the recorded motions beside the checkout") from None
             _row(table, name, followed(skeleton, motion, fps, marker_set, model))
-    report.note("halpe26 has its three markers of the pelvis in one line: its tilt is the trunk's")
+    report.note(
+        "halpe26 has its three markers of the pelvis in one line: how the trunk is bent against it "
+        "is told by motion.mot, softly"
+    )
 
 
 def followed(

@@ -231,6 +231,11 @@ BAD_BODIES = {
     "a motion twice": (edit(1, tracked=["rx", "rx"]), "part 'chest' lists a tracked motion twice"),
     "limits that fall": (edit(1, limits_deg={"x": [5, -5]}), "limits_deg.x must not fall, low"),
     "limits of no axis": (edit(1, limits_deg={"w": [0, 5]}), "parts.1.limits_deg.w"),
+    "a twist that falls": (edit(1, twist={"range_deg": [5, -5]}), "range_deg must not fall, low"),
+    "a twist from nowhere": (
+        edit(1, twist={"range_deg": [-5, 5], "toward": [0, 0, 0]}),
+        "parts.1.twist: twist.toward must be a direction",
+    ),
     "an unknown motion": (edit(1, tracked=["roll"]), "parts.1.tracked.0"),
     "a size of zero": (reshape(1, start_radii_m=[0, 1]), "parts.1.shape.frustum.start_radii_m.0"),
     "a size below zero": (reshape(2, radius_m=-1), "parts.2.shape.cylinder.radius_m"),

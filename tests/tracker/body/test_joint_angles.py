@@ -163,6 +163,22 @@ def test_somebody_who_turns_twice_round_has_no_jump_of_a_whole_turn() -> None:
     np.testing.assert_allclose(found["rotation"], sweep, atol=1e-6)
 
 
+def shoulder_turned(sweep: Array) -> Array:
+    """Internal rotation of a left arm that hangs and is turned about its length by so much."""
+    found = angles_of(*({"left_upper_arm": turned("y", a)} for a in sweep))["left_shoulder"]
+    return np.asarray(found["internal_rotation"])
+
+
+def test_an_angle_runs_on_past_half_a_turn_but_does_not_wind_up() -> None:
+    there_and_back = np.concatenate([np.arange(20.0, 220.0, 10.0), np.arange(220.0, 0.0, -10.0)])
+    np.testing.assert_allclose(shoulder_turned(there_and_back), there_and_back, atol=1e-6)
+    once_round = np.arange(20.0, 370.0, 10.0)
+    shown = shoulder_turned(once_round)
+    assert np.abs(shown).max() <= 180.0 + 1e-6
+    assert shown[0] == pytest.approx(20.0)
+    assert shown[-1] == pytest.approx(0.0, abs=1e-6)
+
+
 def test_frames_that_are_not_known_have_no_angle_and_change_no_other() -> None:
     known = {"left_shin": turned("x", 30)}
     found = angles_of(known, {"left_shin": np.full((3, 3), np.nan)}, known)

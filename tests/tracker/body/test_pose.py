@@ -97,8 +97,8 @@ def test_every_twist_is_the_velocity_that_a_small_motion_gives(skeleton: Skeleto
         back = apply_transform(pose_transforms(skeleton, moved(skeleton, pose, -motion)), local)
         measured = (ahead - back) / (2 * step)
         below = skeleton.below[:, skeleton.dof_part[d]]
-        told = (S[d, :3] + np.cross(S[d, 3:], at)) * below[:, None, None]
-        np.testing.assert_allclose(measured, told, atol=1e-7, err_msg=skeleton.dof_names[d])
+        reported = (S[d, :3] + np.cross(S[d, 3:], at)) * below[:, None, None]
+        np.testing.assert_allclose(measured, reported, atol=1e-7, err_msg=skeleton.dof_names[d])
 
 
 def test_a_part_moves_with_its_ancestors_and_itself_only() -> None:

@@ -46,7 +46,7 @@ def test_the_equations_lead_back_to_the_pose(seed: int, fine: bool, name: str) -
     assert likeness.score(moved(scene.skeleton, there, step)) < 0.5 * likeness.score(there)
 
 
-def test_parts_that_are_left_out_tell_nothing() -> None:
+def test_parts_that_are_left_out_give_nothing() -> None:
     scene, pose, likeness = textured_case(1)
     left_out = np.zeros(scene.skeleton.part_count, bool)
     left_out[scene.skeleton.below[:, 1]] = True

@@ -83,12 +83,12 @@ class Detector:
 
 
 def test_a_pose_that_is_clearly_wrong_goes_where_its_joints_are_seen(person: Case) -> None:
-    pose, told = rough(person, HERE, 1, 3.0), []
-    found = fitted(person, pose, {}, source=Detector(person, 0.5), report=told.append)
+    pose, reported = rough(person, HERE, 1, 3.0), []
+    found = fitted(person, pose, {}, source=Detector(person, 0.5), report=reported.append)
     assert found.way == "joints"
     assert off_px(person, found.pose) < 0.4 * off_px(person, pose)
-    assert len(told) == 1  # shown on the way
-    assert off_px(person, told[0]) < off_px(person, pose)
+    assert len(reported) == 1  # shown on the way
+    assert off_px(person, reported[0]) < off_px(person, pose)
 
 
 def test_a_right_pose_stays_though_a_detector_sees_its_joints_a_little_elsewhere(
@@ -178,7 +178,7 @@ def test_what_is_not_tracked_stays_as_it_was_posed(person: Case) -> None:
         assert found.decided[i] == 0
 
 
-def test_what_moved_is_told_in_pixels_of_the_video(person: Case) -> None:
+def test_what_moved_is_reported_in_pixels_of_the_video(person: Case) -> None:
     pose = rough(person, HERE, 1)
     found = fitted(person, pose)
     assert found.moved_px.shape == found.decided.shape == (person.skeleton.part_count,)
@@ -312,7 +312,7 @@ def test_a_body_without_tracked_motions_stays(box: Case) -> None:
     assert "unchanged" in found.message
 
 
-def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
+def test_a_part_that_is_hidden_is_not_reported_to_have_moved() -> None:
     names = ("chest", "left_forearm", "right_shin")
     hidden = np.array([False, True, False])
     moves = Moves(

@@ -216,7 +216,7 @@ def test_right_sizes_stay_and_so_do_the_poses() -> None:
     assert found.message.startswith("No better sizes found. Unchanged.")
 
 
-def test_what_was_found_is_told_in_words_and_centimetres() -> None:
+def test_what_was_found_is_reported_in_words_and_centimetres() -> None:
     found = _fitted("thick")
     assert _found("thick").message.startswith("2 sizes fit better.")
     changes = {(part, what): (before, after) for part, what, before, after in found.changes}

@@ -36,19 +36,19 @@ def rows(text: str) -> np.ndarray:  # type: ignore[type-arg]
     return np.array([[float(n) for n in line.split("\t")] for line in text.splitlines()])
 
 
-def test_json_tells_where_everything_is_seen() -> None:
+def test_json_gives_where_everything_is_seen() -> None:
     made = tilted(timecode=Timecode.read("01:00:00:00", 25))
-    said = json.loads(camera_json(made))
-    T = np.linalg.inv(np.array(said["T_world_camera"]))
+    message = json.loads(camera_json(made))
+    T = np.linalg.inv(np.array(message["T_world_camera"]))
     player = Player.of(written(made))
     hand = player.places(player.times_s)["left_hand"]
     p = made.trajectory.transforms(made.skeleton)[:, made.skeleton.body.index("left_hand"), :3, 3]
     np.testing.assert_allclose(apply_transform(T, hand), p, atol=1e-5)
-    assert said["cx"] == 300
-    assert said["distortion_k1_k2_p1_p2_k3"][1] == -0.02
-    assert said["timecode_of_frame_0"] == "01:00:00:00"
-    assert (said["first_frame"], said["last_frame"]) == (0, 72)
-    assert said["horizontal_fov_deg"] == pytest.approx(2 * np.degrees(np.arctan(320 / 700)))
+    assert message["cx"] == 300
+    assert message["distortion_k1_k2_p1_p2_k3"][1] == -0.02
+    assert message["timecode_of_frame_0"] == "01:00:00:00"
+    assert (message["first_frame"], message["last_frame"]) == (0, 72)
+    assert message["horizontal_fov_deg"] == pytest.approx(2 * np.degrees(np.arctan(320 / 700)))
 
 
 def test_a_chan_file_has_the_camera_of_the_glb_in_every_frame() -> None:
@@ -69,13 +69,16 @@ def test_frames_of_numbered_images_have_the_numbers_of_their_files() -> None:
     code = Timecode.of_numbers(range(1001, 1101), 30)
     made = tilted(timecode=code)
     assert rows(chan(made))[[0, -1], 0].tolist() == [1001, 1073]
-    said = json.loads(camera_json(made))
-    assert (said["file_number_of_frame_0"], said["timecode_of_frame_0"]) == (1001, "00:00:33:11")
+    message = json.loads(camera_json(made))
+    assert (message["file_number_of_frame_0"], message["timecode_of_frame_0"]) == (
+        1001,
+        "00:00:33:11",
+    )
     at_half = at_rate(made, 15.0)
     assert rows(chan(at_half))[0, 0] == at_half.frames[0]  # which are those of no file
 
 
-def test_the_world_of_a_camera_straight_above_is_told_as_well() -> None:
+def test_the_world_of_a_camera_straight_above_is_reported_as_well() -> None:
     made = replace(tilted(), up_camera=np.array([0.0, 0.0, -1.0]))
     line = rows(chan(made))[0]
     R = Rotation.from_euler("zxy", line[[6, 4, 5]], degrees=True).as_matrix()
@@ -83,12 +86,12 @@ def test_the_world_of_a_camera_straight_above_is_told_as_well() -> None:
     np.testing.assert_allclose(R @ [0, 1, 0], [0, 0, -1], atol=1e-9)
 
 
-def test_a_telephoto_lens_is_told_in_json_and_not_in_chan() -> None:
+def test_a_telephoto_lens_is_reported_in_json_and_not_in_chan() -> None:
     lens = WIDE.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 9.0})
     made = replace(tilted(), camera=lens)
-    said = json.loads(camera_json(made))
-    assert said["telephoto_distance_m"] == 9.0
-    assert "vertical_fov_deg" not in said
+    message = json.loads(camera_json(made))
+    assert message["telephoto_distance_m"] == 9.0
+    assert "vertical_fov_deg" not in message
     with pytest.raises(FormatError, match="a telephoto lens has none"):
         chan(made)
 

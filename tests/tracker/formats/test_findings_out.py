@@ -41,7 +41,7 @@ def test_every_frame_has_the_verdict_of_its_segment() -> None:
     assert {row["pose"] for row in table} == {"keyframe", "tracked"}
 
 
-def test_a_frame_at_which_limbs_alone_were_keyed_is_told() -> None:
+def test_a_frame_at_which_limbs_alone_were_keyed_is_reported() -> None:
     made = replace(recordings.recording("person"), part_frames=(30,))
     poses = [row["pose"] for row in rows(frames_csv(made))]
     assert [i for i, pose in enumerate(poses) if pose == "part_keyframe"] == [30]
@@ -154,8 +154,8 @@ def test_a_note_stands_in_the_row_of_its_frame_and_is_no_formula() -> None:
         Note(frame=9, text='=HYPERLINK("http://x")'),
     )
     made = replace(recordings.recording("person"), notes=notes)
-    said = {int(row["frame"]): row["note"] for row in rows(frames_csv(made)) if row["note"]}
-    assert said == {
+    message = {int(row["frame"]): row["note"] for row in rows(frames_csv(made)) if row["note"]}
+    assert message == {
         3: "left elbow hidden, “here”",
         7: "flag",
         9: '\'=HYPERLINK("http://x")',
@@ -166,8 +166,8 @@ def test_at_a_rate_of_its_own_a_note_stands_in_the_nearest_row() -> None:
     made = recordings.recording("person")
     notes = (Note(frame=30, text="a"), Note(frame=31, text="b"), Note(frame=500, text="beyond"))
     coarse = replace(made, sampled_at=np.linspace(0.0, 300.0, len(made)), notes=notes)
-    said = [row["note"] for row in rows(frames_csv(coarse)) if row["note"]]
-    assert said == ["a · b"]
+    message = [row["note"] for row in rows(frames_csv(coarse)) if row["note"]]
+    assert message == ["a · b"]
 
 
 def test_the_films_timecode_stands_in_every_row_and_in_the_archive() -> None:

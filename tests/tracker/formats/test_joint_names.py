@@ -73,7 +73,7 @@ def test_left_stays_left_however_the_name_is_written() -> None:
     assert found["R-Hip"] == "right_thigh"
 
 
-def test_what_has_no_place_is_left_out_and_told() -> None:
+def test_what_has_no_place_is_left_out_and_reported() -> None:
     result = matched(SKELETON, MIXAMO, "a.bvh")
     assert set(result.left_out) >= {"mixamorig:Spine", "mixamorig:LeftShoulder"}
     assert result.convention == "Mixamo, MotionBuilder"

@@ -142,9 +142,9 @@ def test_frames_keep_their_numbers_where_the_first_keyframe_is_late(tmp_path: Pa
 
 def test_c3d_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ezc3d", None)
-    with pytest.raises(FormatError) as told:
+    with pytest.raises(FormatError) as reported:
         c3d(recordings.recording("box"))
-    assert str(told.value) == "C3D files need ezc3d: pip install 'keypose[c3d]'."
+    assert str(reported.value) == "C3D files need ezc3d: pip install 'keypose[c3d]'."
 
 
 def test_c3d_says_where_its_room_ends() -> None:

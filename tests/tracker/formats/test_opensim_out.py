@@ -268,7 +268,7 @@ def test_a_file_that_is_no_full_body_model_is_refused_in_one_sentence(
     content: bytes, words: str, tmp_path: Path
 ) -> None:
     (tmp_path / "small.osim").write_bytes(content)
-    with pytest.raises(FormatError) as told:
+    with pytest.raises(FormatError) as reported:
         scaled(read_model(tmp_path / "small.osim"), preset("adult_male"), ())
-    assert words in str(told.value)
-    assert "\n" not in str(told.value)
+    assert words in str(reported.value)
+    assert "\n" not in str(reported.value)

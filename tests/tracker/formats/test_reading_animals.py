@@ -95,7 +95,7 @@ def _sentence(path: Path) -> str:
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_file_cut_short_or_overwritten_anywhere_is_told_or_read(
+def test_a_file_cut_short_or_overwritten_anywhere_is_reported_or_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
     monkeypatch.setitem(keypoint_files._TABLES, ".h5", hdf5_child.read_here)
@@ -123,7 +123,7 @@ def _read_or_told(path: Path) -> None:
         ("print('{}')", "is damaged"),
     ],
 )
-def test_a_file_that_crashes_the_library_or_never_ends_is_told(
+def test_a_file_that_crashes_the_library_or_never_ends_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, words: str
 ) -> None:
     path = WRITERS["DLC fixed"](tmp_path)
@@ -199,7 +199,7 @@ def test_no_code_within_a_file_is_run(tmp_path: Path, monkeypatch: pytest.Monkey
         ("track,frame_idx,a.x,a.y\n", "holds no frame"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_with_a_table_is_told_in_one_sentence(
+def test_what_is_wrong_with_a_table_is_reported_in_one_sentence(
     tmp_path: Path, text: str, words: str
 ) -> None:
     path = tmp_path / "a.csv"
@@ -207,7 +207,7 @@ def test_what_is_wrong_with_a_table_is_told_in_one_sentence(
     assert words in _sentence(path)
 
 
-def test_other_files_of_these_programs_are_told_what_to_export(tmp_path: Path) -> None:
+def test_other_files_of_these_programs_are_reported_what_to_export(tmp_path: Path) -> None:
     path = tmp_path / "a.slp"
     path.write_bytes(b"")
     assert "export it as analysis HDF5 or CSV" in _sentence(path)

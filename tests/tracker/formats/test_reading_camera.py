@@ -51,7 +51,7 @@ def test_a_telephoto_lens_comes_back_from_json(tmp_path: Path) -> None:
     assert found.camera == lens
 
 
-def test_our_own_glb_tells_the_exact_lens_and_the_floor(tmp_path: Path) -> None:
+def test_our_own_glb_gives_the_exact_lens_and_the_floor(tmp_path: Path) -> None:
     found = read(tmp_path, "motion.glb", written(tilted()))
     assert found.camera == WIDE
     np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-6)
@@ -68,7 +68,7 @@ def test_a_lens_changed_on_the_way_counts_and_not_the_old_numbers(tmp_path: Path
     assert not found.camera.is_distorted
 
 
-def test_a_chan_file_tells_the_lens_and_what_is_up(tmp_path: Path) -> None:
+def test_a_chan_file_gives_the_lens_and_what_is_up(tmp_path: Path) -> None:
     found = read(tmp_path, "shot.chan", chan(tilted()))
     assert found.camera.fx == pytest.approx(700)
     assert (found.camera.cx, found.camera.cy) == (319.5, 179.5)
@@ -76,7 +76,7 @@ def test_a_chan_file_tells_the_lens_and_what_is_up(tmp_path: Path) -> None:
     assert found.floor_m is None
 
 
-def test_a_gltf_camera_tells_its_angle_and_what_is_up(tmp_path: Path) -> None:
+def test_a_gltf_camera_gives_its_angle_and_what_is_up(tmp_path: Path) -> None:
     s = math.sin(math.radians(-15))
     pitched = gltf(rotation=[s, 0, 0, math.sqrt(1 - s * s)], translation=[1, 2, 3])
     found = read(tmp_path, "shot.gltf", json.dumps(pitched))
@@ -145,7 +145,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_no_standing_camera_is_told_in_one_sentence(case: str, tmp_path: Path) -> None:
+def test_what_is_no_standing_camera_is_reported_in_one_sentence(case: str, tmp_path: Path) -> None:
     name, content, words = REFUSED[case]
     with pytest.raises(FormatError) as refusal:
         read(tmp_path, name, content)

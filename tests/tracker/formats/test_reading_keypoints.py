@@ -109,9 +109,9 @@ def test_openpose_files_in_one_list_are_those_of_the_folder(tmp_path: Path) -> N
     folder.mkdir()
     for frame in (3, 5):
         name = f"walk_{frame:012}_keypoints.json"
-        said = {"people": [{"pose_keypoints_2d": _person(18, 10.0 * frame, 0.5)}]}
-        _write(folder / name, said)
-        listed.append({**said, "file_name": name})
+        message = {"people": [{"pose_keypoints_2d": _person(18, 10.0 * frame, 0.5)}]}
+        _write(folder / name, message)
+        listed.append({**message, "file_name": name})
     ours = load_keypoints(_write(tmp_path / "seen.json", listed))
     theirs = load_keypoints(folder)
     assert _frames(ours) == _frames(theirs) == [3, 5]
@@ -328,7 +328,7 @@ def test_keypoints_of_another_video_are_refused(
         load_keypoints(_write(tmp_path / "a.json", data), video=VIDEO)
 
 
-def test_the_same_video_is_told_by_its_size_and_rate(tmp_path: Path) -> None:
+def test_the_same_video_is_reported_by_its_size_and_rate(tmp_path: Path) -> None:
     data = {
         "info": {"fps": 29.97},
         "images": [{"id": 5, "width": 640, "height": 360}, {"id": 6, "width": 1, "height": 1}],

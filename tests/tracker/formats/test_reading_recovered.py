@@ -156,7 +156,7 @@ def test_what_pytorch_wrote_is_read_without_it(
     assert np.allclose(found.ps_world_joint, same.ps_world_joint, atol=1e-5)
 
 
-def test_wham_tells_which_frames_its_poses_are_of(tmp_path: Path) -> None:
+def test_wham_shows_which_frames_its_poses_are_of(tmp_path: Path) -> None:
     pose = np.concatenate(
         [PARAMS["global_orient"], PARAMS["body_pose"], np.zeros((len(TRUTH), 6))], 1
     )
@@ -247,7 +247,7 @@ def test_a_tensor_that_claims_more_than_its_numbers_is_refused(
         load_motion(path)
 
 
-def test_a_file_cut_short_or_overwritten_is_told_or_read(
+def test_a_file_cut_short_or_overwritten_is_reported_or_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     short = {key: values[:4] for key, values in PARAMS.items()}
@@ -264,5 +264,5 @@ def test_a_file_cut_short_or_overwritten_is_told_or_read(
                 try:
                     load_motion(path)
                 except FormatError as error:
-                    told = str(error)
-                    assert "\n" not in told
+                    reported = str(error)
+                    assert "\n" not in reported

@@ -133,8 +133,8 @@ def test_a_time_code_is_a_frame_of_the_video_in_metres_with_y_up(tmp_path: Path)
 
 def test_the_layer_says_the_rig_and_the_filter(tmp_path: Path) -> None:
     stage = opened(replace(recorded("person"), filter_hz=6.0), tmp_path, "vrm")
-    said = stage.GetRootLayer().customLayerData
-    assert said == {"generator": "Keypose", "rig": "vrm", "low_pass_filter_hz": 6.0}
+    message = stage.GetRootLayer().customLayerData
+    assert message == {"generator": "Keypose", "rig": "vrm", "low_pass_filter_hz": 6.0}
 
 
 def test_every_face_has_the_material_of_its_side(tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def far_away(camera: Camera, R_camera_world: Array, aside_deg: float) -> Array:
 
 @steady
 @given(degrees, degrees)
-def test_a_horizon_tells_tilt_and_roll_exactly(tilt: float, roll: float) -> None:
+def test_a_horizon_gives_tilt_and_roll_exactly(tilt: float, roll: float) -> None:
     R = held(tilt, roll)
     a, b = far_away(LENS, R, -20.0), far_away(LENS, R, 15.0)
     up = up_from_horizon(LENS, a, b, CAMERA_UP)
@@ -60,7 +60,7 @@ def test_a_horizon_tells_tilt_and_roll_exactly(tilt: float, roll: float) -> None
         pytest.param(LENS, 40.0, 5.0, 20.0, id="above the picture"),
     ],
 )
-def test_a_horizon_tells_what_is_up_for(
+def test_a_horizon_shows_what_is_up_for(
     camera: Camera, tilt: float, roll: float, aside: float
 ) -> None:
     R = held(tilt, roll)
@@ -82,7 +82,7 @@ def test_a_horizon_drawn_two_pixels_off_turns_up_by_less_than_half_a_degree() ->
     assert math.degrees(math.acos(float(up @ (R @ CAMERA_UP)))) < 0.5
 
 
-def test_what_is_known_of_up_tells_the_sky_from_the_ground() -> None:
+def test_what_is_known_of_up_gives_the_sky_from_the_ground() -> None:
     ends = (500.0, 20.0), (480.0, 500.0)
     leaning = up_from_horizon(LENS, *ends, (-1.0, -0.2, 0.0))
     assert leaning[0] < 0

@@ -152,7 +152,7 @@ def test_every_pair_of_a_pass_is_solved_from_the_trajectory_alone() -> None:
 
 
 @every_camera
-def test_what_a_trajectory_tells_is_that_of_the_dense_rows(camera: Camera) -> None:
+def test_what_a_trajectory_gives_is_that_of_the_dense_rows(camera: Camera) -> None:
     skeleton = random_body(4)
     scene, path = scene_of(skeleton, camera), random_trajectory(skeleton, 4, 3)
     shown = pictures(3, seed=4)

@@ -115,11 +115,11 @@ def test_every_look_is_reported_and_what_is_raised_ends_the_work_at_once() -> No
 
 
 def test_progress_grows_to_what_was_expected() -> None:
-    told: list[Progress] = []
-    detect(numbered, (0, 50), seeds(20), Walker(), report=told.append)
-    assert [p.done for p in told] == list(range(51))
-    assert {p.expected for p in told} == {51}
-    assert {p.frame for p in told} == set(range(51))
+    reported: list[Progress] = []
+    detect(numbered, (0, 50), seeds(20), Walker(), report=reported.append)
+    assert [p.done for p in reported] == list(range(51))
+    assert {p.expected for p in reported} == {51}
+    assert {p.frame for p in reported} == set(range(51))
 
 
 def test_work_that_was_cancelled_is_taken_up_where_it_was_left() -> None:

@@ -88,7 +88,7 @@ def test_a_body_of_other_parts_has_none() -> None:
         assert on.point.shape == (0, 3)
 
 
-def test_a_forearm_without_a_hand_tells_its_wrist_by_a_landmark() -> None:
+def test_a_forearm_without_a_hand_gives_its_wrist_by_a_landmark() -> None:
     body = preset("adult_male")
     wrist = body.parts[body.index("left_hand")].joint_m
     body = Body(

@@ -179,16 +179,16 @@ def test_a_motion_needs_two_poses_and_a_range_lies_within_it() -> None:
 
 def test_work_can_be_cancelled_from_its_progress() -> None:
     skeleton, motion = random_body(1), wandering(random_body(1), 30, 1)
-    told = []
+    reported = []
 
     def stop(done: int, expected: int) -> None:
-        told.append((done, expected))
+        reported.append((done, expected))
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         reduce_motion(skeleton, CAMERA, motion, Tolerance(0.02), progress=stop)
-    assert told[0][1] == 30
-    assert told[0][0] <= 30
+    assert reported[0][1] == 30
+    assert reported[0][0] <= 30
 
 
 @needs_mocap

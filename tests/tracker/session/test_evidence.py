@@ -71,7 +71,7 @@ def test_the_name_of_that_keyframe_follows_it_to_another_frame() -> None:
     assert evidence.with_key_moved(1, 2) == FILM.evidence.with_key_moved(4, 5) == {}
 
 
-def test_a_film_s_file_tells_its_times_and_of_surfaces_the_session_does() -> None:
+def test_a_film_s_file_gives_its_times_and_of_surfaces_the_session_does() -> None:
     assert FILM.evidence.times_s() is None
     times_s = SURFACES.evidence.times_s()
     assert times_s is not None

@@ -18,8 +18,8 @@ ROOT = cases.SKELETON.body.names[0]
 
 def opened(*parts: dict[str, Any], **changes: Any) -> Session:
     """A session with these part keyframes, read as from its file."""
-    told = cases.session().model_dump(mode="json")
-    return Session.model_validate({**told, "part_keyframes": list(parts), **changes})
+    reported = cases.session().model_dump(mode="json")
+    return Session.model_validate({**reported, "part_keyframes": list(parts), **changes})
 
 
 def refusal(*parts: dict[str, Any], **changes: Any) -> str:
@@ -62,9 +62,9 @@ def test_a_session_without_part_keyframes_does_not_name_them() -> None:
 def test_what_cannot_be_keyed_alone_is_refused_in_one_sentence(
     parts: list[dict[str, Any]], words: str
 ) -> None:
-    said = refusal(*parts)
-    assert words in said
-    assert "\n" not in said
+    message = refusal(*parts)
+    assert words in message
+    assert "\n" not in message
 
 
 def test_a_body_is_fitted_to_surfaces_as_a_whole() -> None:

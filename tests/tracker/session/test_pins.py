@@ -17,8 +17,8 @@ TIP = {"part": "left_hand", "landmarks": ["tip"], "first_frame": 1, "last_frame"
 
 def opened(*pins: dict[str, Any]) -> Session:
     """A session with these pins, read as from its file."""
-    told = cases.session().model_dump(mode="json")
-    return Session.model_validate({**told, "pins": list(pins)})
+    reported = cases.session().model_dump(mode="json")
+    return Session.model_validate({**reported, "pins": list(pins)})
 
 
 def refusal(*pins: dict[str, Any]) -> str:
@@ -40,9 +40,9 @@ def test_pins_of_joints_landmarks_and_points_are_kept_as_they_were_written() -> 
 
 
 def test_a_session_without_pins_does_not_name_them() -> None:
-    told = cases.session().model_dump_json()
-    assert '"pins"' not in told
-    assert '"floor_m"' not in told
+    reported = cases.session().model_dump_json()
+    assert '"pins"' not in reported
+    assert '"floor_m"' not in reported
     assert '"point_m"' not in opened(TIP).model_dump_json()
 
 
@@ -66,9 +66,9 @@ def test_a_session_without_pins_does_not_name_them() -> None:
 def test_what_cannot_be_pinned_is_refused_in_one_sentence(
     pins: list[dict[str, Any]], words: str
 ) -> None:
-    said = refusal(*pins)
-    assert any(word in said for word in words.split("|"))
-    assert "\n" not in said
+    message = refusal(*pins)
+    assert any(word in message for word in words.split("|"))
+    assert "\n" not in message
 
 
 def test_heel_and_toe_may_be_held_over_different_ranges() -> None:

@@ -14,6 +14,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.twist import TwistLimits
 from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
 from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.texture import texture_of
@@ -84,8 +85,11 @@ def _from_root(kernel: Kernel) -> Callable[[BodyPoints], Term]:
 
 
 def _limits(allowed: Floats | None) -> Callable[[BodyPoints], Term]:
-    width = np.tile(1e-4, (PARTS, 3))
-    return lambda points: JointLimits(Limits(-width, width), 0.03, allowed)
+    """Narrow ones of every angle and twist, swings counted from all kinds of directions."""
+    width, R_rest = np.full((PARTS, 3), 1e-4), _random(9, 0.4).Rs_parent_part
+    twists = TwistLimits(-width[:, 0], width[:, 0], R_rest)
+    limits = Limits(-width, width, np.arange(PARTS), twists)
+    return lambda points: JointLimits(limits, 0.03, allowed)
 
 
 def _in_sizes(points: BodyPoints) -> Term:
@@ -146,7 +150,7 @@ TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "depth from the root": _from_root(Huber(1e9)),
     "depth from the root, far ones pulling no harder": _from_root(Huber()),
     "joint limits": _limits(None),
-    "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 3), 2e-4)),
+    "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 4), 2e-4)),
     "prior": lambda points: PosePrior.of(
         _random(7, 0.1), np.where(SKELETON.dof_turns == 1, 9.0, 400.0)
     ),

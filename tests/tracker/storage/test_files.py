@@ -303,7 +303,7 @@ def test_a_video_whose_fingerprint_is_not_yet_known_opens(tmp_path: Path) -> Non
         assert video.info.frame_count == cases.FRAMES
 
 
-def test_another_video_of_the_same_size_is_told_by_its_fingerprint(tmp_path: Path) -> None:
+def test_another_video_of_the_same_size_is_reported_by_its_fingerprint(tmp_path: Path) -> None:
     path = cases.write_session(tmp_path)
     (tmp_path / "frames").rename(tmp_path / "old")
     cases.write_frames(tmp_path / "frames", brightness=30)

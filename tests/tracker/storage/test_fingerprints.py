@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import preset
+from keypose.tracker.body.body import Twist, preset
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from keypose.tracker.session.corrections import KeypointCorrection
-from keypose.tracker.session.schema import KeypointFile
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
 from keypose.tracker.storage.results import (
     Results,
@@ -85,6 +85,7 @@ OUTDATES_NONE: dict[str, Change] = {
     "the body's name": lambda of: {"body": of.body.model_copy(update={"name": "other"})},
     "where sizes come from": lambda of: {"body": of.body.model_copy(update={"source": "a book"})},
     "a limit of posing": lambda of: part(of, "left_arm", limits_deg={"x": (-10.0, 90.0)}),
+    "a limit of twist": lambda of: part(of, "left_arm", twist=Twist(range_deg=(-90.0, 90.0))),
     "the camera's origin": lambda of: {"camera": of.camera.model_copy(update={"origin": "guess"})},
     "a keyframe's time": lambda of: posed(of, 1, time_s=0.2),
     "signs of quaternions": turned_over,
@@ -296,7 +297,7 @@ def test_the_tracked_pose_is_known_within_what_fits() -> None:
     assert pose_at(fitting, 9) is None
 
 
-def test_what_the_picture_tells_is_known_by_frame_and_part() -> None:
+def test_what_the_picture_gives_is_known_by_frame_and_part() -> None:
     of = session()
     seen = observability(both(of).fitting(of), 12, PARTS)
     assert seen.shape == (12, PARTS)

@@ -141,27 +141,27 @@ NUMBERS = st.integers(0, len(VERSIONS) - 1)
 @given(one=NUMBERS, other=NUMBERS)
 def test_changes_make_one_session_of_any_other(one: int, other: int) -> None:
     before, after = VERSIONS[one], VERSIONS[other]
-    told = changes(before, after)
-    assert apply_changes(before, told) == after
-    assert (told == {}) == (one == other)
+    reported = changes(before, after)
+    assert apply_changes(before, reported) == after
+    assert (reported == {}) == (one == other)
 
 
-def test_an_edit_of_one_keyframe_tells_one_keyframe() -> None:
+def test_an_edit_of_one_keyframe_gives_one_keyframe() -> None:
     frames = tuple((frame, frame / 10) for frame in range(9))
     start = cases.session().model_copy(update={"keyframes": _poses(*frames)})
     edited = (*start.keyframes[:5], *_poses((5, 0.9)), *start.keyframes[6:])
-    told = changes(start, start.model_copy(update={"keyframes": edited}))
-    assert [keyframe["frame"] for keyframe in told["keyframes"]["set"]] == [5]
-    assert told["keyframes"]["drop"] == []
+    reported = changes(start, start.model_copy(update={"keyframes": edited}))
+    assert [keyframe["frame"] for keyframe in reported["keyframes"]["set"]] == [5]
+    assert reported["keyframes"]["drop"] == []
 
 
 @pytest.mark.parametrize(
-    "told",
+    "reported",
     [{"colour": 1}, {"keyframes": 1}, {"keyframes": {"set": [{}]}}, {"camera": {"width": -1}}],
 )
-def test_what_is_no_change_is_refused(told: dict[str, Any]) -> None:
+def test_what_is_no_change_is_refused(reported: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r".+"):
-        apply_changes(VERSIONS[0], told)
+        apply_changes(VERSIONS[0], reported)
 
 
 # --- what journal and file say together
@@ -211,13 +211,13 @@ def _agree(one: Moment, other: Moment) -> None:
 def _received() -> list[Moment]:
     """Edits of two clients, and one of none."""
     moments = _moments([0, 1, 2])
-    told = (
+    reported = (
         Received(),
         Received({"one": 3}, "one:3"),
         Received({"one": 3, "two": 1}, "two:1"),
         Received({"two": 1, "one": 7}, "of nobody"),
     )
-    return [replace(m, received=r) for m, r in zip(moments, told, strict=True)]
+    return [replace(m, received=r) for m, r in zip(moments, reported, strict=True)]
 
 
 def test_whose_edits_a_document_holds_comes_back_also_when_the_journal_is_begun_anew() -> None:
@@ -383,7 +383,7 @@ def test_every_session_file_has_a_journal_of_its_own(tmp_path: Path) -> None:
     assert journal_path(tmp_path / "take2.json").name == "take2.journal.jsonl"
 
 
-def test_the_mark_tells_documents_apart_and_nothing_else() -> None:
+def test_the_mark_gives_documents_apart_and_nothing_else() -> None:
     marks = {mark_of(session) for session in VERSIONS}
     assert len(marks) == len(VERSIONS)
     there = VERSIONS[0].video.model_copy(update={"path": "x"})

@@ -69,7 +69,7 @@ def test_a_session_without_keypoints_is_saved_as_before_there_were_any(path: Pat
     assert of_session(load_session(path), path.parent) is None
 
 
-def test_missing_or_damaged_keypoints_are_told_in_one_sentence(path: Path) -> None:
+def test_missing_or_damaged_keypoints_are_reported_in_one_sentence(path: Path) -> None:
     session = saved(path, keypoints())
     assert session.keypoints is not None
     place = path.parent / session.keypoints.file
@@ -81,7 +81,7 @@ def test_missing_or_damaged_keypoints_are_told_in_one_sentence(path: Path) -> No
         of_session(session, path.parent)
 
 
-def test_keypoints_of_a_longer_film_are_told(path: Path) -> None:
+def test_keypoints_of_a_longer_film_are_reported(path: Path) -> None:
     count = load_session(path).video.frame_count
     session = saved(path, keypoints(first_frame=count - 2))
     with pytest.raises(KeypointError, match=f"the video ends at {count - 1}"):

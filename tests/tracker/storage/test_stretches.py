@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from keypose.tracker.body.body import Twist
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.verdict import GOOD
@@ -104,6 +105,9 @@ def test_joint_limits_and_the_frame_rate_make_another_key() -> None:
     parts = list(of.body.parts)
     parts[1] = parts[1].model_copy(update={"limits_deg": {"x": (-10.0, 20.0)}})
     limited = of.model_copy(update={"body": of.body.replaced(parts)})
+    parts = list(of.body.parts)
+    parts[1] = parts[1].model_copy(update={"twist": Twist(range_deg=(-90.0, 90.0))})
+    twisted = of.model_copy(update={"body": of.body.replaced(parts)})
     faster = of.model_copy(
         update={
             "keyframes": tuple(
@@ -112,7 +116,8 @@ def test_joint_limits_and_the_frame_rate_make_another_key() -> None:
         }
     )
     assert both(of).wanted(limited) == both(of).wanted(faster) == []  # tracked as they were
-    assert len({*keys(of), *keys(limited), *keys(faster)}) == 3
+    assert both(of).wanted(twisted) == []
+    assert len({*keys(of), *keys(limited), *keys(twisted), *keys(faster)}) == 4
 
 
 def test_a_segment_tracked_otherwise_makes_another_key() -> None:

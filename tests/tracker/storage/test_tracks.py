@@ -12,7 +12,7 @@ import pytest
 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import IgnoreMask, Keyframe, Session
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.files import load_session, save_session
@@ -52,7 +52,7 @@ def test_a_result_is_read_back_as_it_was(tmp_path: Path) -> None:
     assert not tracks.diagnostics.residual.flags.writeable
 
 
-def test_the_session_tells_what_was_found(tmp_path: Path) -> None:
+def test_the_session_shows_what_was_found(tmp_path: Path) -> None:
     session, _ = saved(tmp_path)
     assert session.results is not None
     assert session.results.quality == "full"
@@ -143,7 +143,7 @@ def test_a_motion_of_another_body_is_refused(tmp_path: Path) -> None:
         load_trajectory(other, path)
 
 
-def test_keyframes_changed_after_tracking_are_told(tmp_path: Path) -> None:
+def test_keyframes_changed_after_tracking_are_reported(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
     trajectory = load_trajectory(session, path)
     assert outdated_keyframes(session, trajectory) == ()
@@ -154,7 +154,7 @@ def test_keyframes_changed_after_tracking_are_told(tmp_path: Path) -> None:
     )
 
 
-def test_keyframes_added_or_taken_away_after_tracking_are_told(tmp_path: Path) -> None:
+def test_keyframes_added_or_taken_away_after_tracking_are_reported(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
     trajectory = load_trajectory(session, path)
     first, middle, last = session.keyframes
@@ -167,7 +167,7 @@ def test_keyframes_added_or_taken_away_after_tracking_are_told(tmp_path: Path) -
     assert tracked_keyframes(added) == (0, 4, 8)
 
 
-def test_a_changed_body_camera_or_mask_is_told(tmp_path: Path) -> None:
+def test_a_changed_body_camera_or_mask_is_reported(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
     trajectory = load_trajectory(session, path)
     assert outdated_words(session, trajectory) is None
@@ -294,7 +294,7 @@ def test_what_a_keyframe_would_mend_is_kept_where_it_is_known(tmp_path: Path) ->
     np.testing.assert_array_equal(kept, [*gains, *[np.nan] * 4])
 
 
-def test_a_file_that_does_not_tell_it_is_the_file_of_an_older_keypose() -> None:
+def test_a_file_that_does_not_show_it_is_the_file_of_an_older_keypose() -> None:
     content = Tracks.of(cases.result().segments, cases.SKELETON).to_bytes()
     assert "need" not in archive_arrays(content)
     assert Tracks.from_bytes(content).diagnostics.expected_gain is None

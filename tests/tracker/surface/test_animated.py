@@ -312,7 +312,7 @@ def accessor(number: int, **facts: Any) -> Callable[[GlbFile], object]:
         lambda glb: glb.document.update(accessors={}),
     ],
 )
-def test_parts_that_do_not_fit_together_are_told(how: Callable[[GlbFile], object]) -> None:
+def test_parts_that_do_not_fit_together_are_reported(how: Callable[[GlbFile], object]) -> None:
     assert "do not fit together" in refusal(damaged(how))
 
 
@@ -348,7 +348,7 @@ def out_of_range(glb: GlbFile) -> None:
          "not known"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_shown_is_told(how: Callable[[GlbFile], object], words: str) -> None:
+def test_what_cannot_be_shown_is_reported(how: Callable[[GlbFile], object], words: str) -> None:
     assert words in refusal(damaged(how))
 
 

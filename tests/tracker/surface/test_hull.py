@@ -101,7 +101,7 @@ def test_two_things_are_two_pieces_and_a_speck_is_none() -> None:
     assert mesh.vertices[:, 1].min() > P_BALL[1] - RADIUS_M - 0.05
 
 
-def test_silhouettes_that_have_nothing_in_common_are_told_in_a_sentence() -> None:
+def test_silhouettes_that_have_nothing_in_common_are_reported_in_a_sentence() -> None:
     views, shots = studio(5)
     shapes = silhouettes(shots)
     shapes[2] = Silhouette(np.zeros_like(shapes[2].inside))

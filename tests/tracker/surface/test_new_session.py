@@ -62,8 +62,8 @@ def box(size: Sequence[float] = PERSON, at: Sequence[float] = (0, 0, 0)) -> Surf
     return SurfaceMesh(corners * np.asarray(size, float) + np.asarray(at, float), BOX)
 
 
-def opened(*steps: SurfaceMesh | None, reading: Reading = AS_IT_IS, **said: Any) -> SurfaceSetup:
-    return choose_reading(Meshes(steps, **said), reading)  # type: ignore[arg-type]
+def opened(*steps: SurfaceMesh | None, reading: Reading = AS_IT_IS, **message: Any) -> SurfaceSetup:
+    return choose_reading(Meshes(steps, **message), reading)  # type: ignore[arg-type]
 
 
 def seen(how: SurfaceSetup, mesh: SurfaceMesh) -> tuple[Array, Array]:
@@ -163,7 +163,9 @@ def test_steps_that_cannot_be_used_are_passed_over() -> None:
     assert is_whole(how, steps[3])
 
 
-def test_the_first_mesh_is_looked_for_among_the_first_steps_and_the_first_fault_is_told() -> None:
+def test_the_first_mesh_is_looked_for_among_the_first_steps_and_the_first_fault_is_reported() -> (
+    None
+):
     none: list[SurfaceMesh | None] = [None] * (MOST_UNUSABLE - 1)
     frame, _ = first_mesh(Meshes([*none, box()]))  # type: ignore[arg-type]
     assert frame == MOST_UNUSABLE - 1
@@ -174,19 +176,19 @@ def test_the_first_mesh_is_looked_for_among_the_first_steps_and_the_first_fault_
 
 
 @pytest.mark.parametrize(
-    ("reading", "told", "untold"),
+    ("reading", "reported", "unreported"),
     [
         (Reading(), ("units", "read in m, 1.70 m large", "+y up"), ()),
         (Reading(up="-y"), ("units", "read in m, 1.70 m large"), ("up",)),
         (Reading("m"), ("+y up",), ("units", "1.70 m")),
     ],
 )
-def test_what_is_guessed_is_told_and_nothing_else(
-    reading: Reading, told: tuple[str, ...], untold: tuple[str, ...]
+def test_what_is_guessed_is_reported_and_nothing_else(
+    reading: Reading, reported: tuple[str, ...], unreported: tuple[str, ...]
 ) -> None:
     (words,) = opened(box(), reading=reading).guesses
-    assert [piece for piece in told if piece not in words] == []
-    assert [piece for piece in untold if piece in words] == []
+    assert [piece for piece in reported if piece not in words] == []
+    assert [piece for piece in unreported if piece in words] == []
 
 
 def test_what_a_person_or_the_files_say_is_not_guessed_and_a_person_comes_first() -> None:
@@ -194,11 +196,11 @@ def test_what_a_person_or_the_files_say_is_not_guessed_and_a_person_comes_first(
     stated = opened(box(), reading=Reading(), stated_units="cm", stated_up="-z", fps=50.0)
     assert (stated.surface.units, stated.surface.up, stated.surface.fps) == ("cm", "-z", 50.0)
     assert stated.guesses == ()
-    said = opened(box(), stated_units="cm", stated_up="-z")
-    assert (said.surface.units, said.surface.up, said.surface.fps) == ("m", "-y", FPS)
+    message = opened(box(), stated_units="cm", stated_up="-z")
+    assert (message.surface.units, message.surface.up, message.surface.fps) == ("m", "-y", FPS)
 
 
-def test_the_size_is_told_in_metres_whatever_the_units() -> None:
+def test_the_size_is_reported_in_metres_whatever_the_units() -> None:
     (words,) = opened(box((50, 170, 40)), reading=Reading(up="-y")).guesses
     assert "read in cm, 1.70 m large" in words
 

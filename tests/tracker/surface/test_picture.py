@@ -14,7 +14,7 @@ from keypose.tracker.errors import SurfaceError, VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.kernels.painting import colour
 from keypose.tracker.kernels.raster import PERSPECTIVE, fill
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.painting import CLAY, GROUND, paint
 from keypose.tracker.surface.picture import SurfaceVideo, surface_video

@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.session.schema import Surface
+from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.source import SurfaceSteps
 from tests.tracker.surface.test_picture import Meshes
@@ -41,8 +41,8 @@ def rig(folder: Path, *shown: str | None) -> str:
         }
         for number, name in enumerate(shown)
     ]  # fmt: skip
-    told: dict[str, Any] = {"units": "cm", "up": "+z", "cameras": cameras}
-    (folder / "rig.json").write_text(json.dumps(told), encoding="utf-8")
+    reported: dict[str, Any] = {"units": "cm", "up": "+z", "cameras": cameras}
+    (folder / "rig.json").write_text(json.dumps(reported), encoding="utf-8")
     return "rig.json"
 
 
@@ -93,7 +93,7 @@ def test_an_image_is_wanted_for_every_mesh(tmp_path: Path) -> None:
         of.mesh(0)
 
 
-def test_images_that_are_gone_are_told_in_a_sentence(tmp_path: Path) -> None:
+def test_images_that_are_gone_are_reported_in_a_sentence(tmp_path: Path) -> None:
     with (
         steps(tmp_path, rig(tmp_path, "one", "other")) as of,
         pytest.raises(SurfaceError, match=r"\.$"),
@@ -104,8 +104,8 @@ def test_images_that_are_gone_are_told_in_a_sentence(tmp_path: Path) -> None:
 def test_cameras_that_do_not_hold_all_of_a_surface_are_named(tmp_path: Path) -> None:
     name = rig(tmp_path, None, None)
     assert steps(tmp_path, name).cut_by(0) == ()
-    told = json.loads((tmp_path / name).read_text("utf-8"))
-    told["cameras"][1] |= {"fx": 480.0, "fy": 480.0}  # too near to see all of the ball
-    (tmp_path / name).write_text(json.dumps(told), encoding="utf-8")
+    reported = json.loads((tmp_path / name).read_text("utf-8"))
+    reported["cameras"][1] |= {"fx": 480.0, "fy": 480.0}  # too near to see all of the ball
+    (tmp_path / name).write_text(json.dumps(reported), encoding="utf-8")
     assert steps(tmp_path, name).cut_by(0) == ("camera 1",)
     assert steps(tmp_path, None).cut_by(0) == ()

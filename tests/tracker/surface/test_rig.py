@@ -97,7 +97,7 @@ SENTENCES: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("data", "words"), SENTENCES)
-def test_a_file_that_is_wrong_is_told_in_one_sentence(
+def test_a_file_that_is_wrong_is_reported_in_one_sentence(
     tmp_path: Path, data: Any, words: str
 ) -> None:
     with pytest.raises(SurfaceError) as caught:
@@ -108,7 +108,7 @@ def test_a_file_that_is_wrong_is_told_in_one_sentence(
     assert "\n" not in text
 
 
-def test_what_is_no_file_is_told_in_one_sentence(tmp_path: Path) -> None:
+def test_what_is_no_file_is_reported_in_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "big.json").write_bytes(b" " * (5 * 2**20))
     (tmp_path / "text.json").write_bytes(b"\xff\xfe\x00")
     for place, words in (

@@ -174,7 +174,7 @@ def test_a_folder_of_glb_files_is_one_step_each(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("frame", [-1, 3, 10**9])
-def test_a_step_beyond_the_ends_is_told_in_a_sentence(tmp_path: Path, frame: int) -> None:
+def test_a_step_beyond_the_ends_is_reported_in_a_sentence(tmp_path: Path, frame: int) -> None:
     with (
         MeshSequence.open(folder_of(tmp_path / "scan", 3)) as meshes,
         pytest.raises(SurfaceError, match=f"no step {frame}: the meshes end at step 2"),
@@ -185,7 +185,7 @@ def test_a_step_beyond_the_ends_is_told_in_a_sentence(tmp_path: Path, frame: int
 # --- steps that cannot be used ------------------------------------------------------------------
 
 
-def test_a_bad_step_is_told_with_its_file_and_the_others_are_kept(tmp_path: Path) -> None:
+def test_a_bad_step_is_reported_with_its_file_and_the_others_are_kept(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "scan", 8)
     (folder / "mesh_003.ply").write_bytes(b"")
     (folder / "mesh_004.ply").write_bytes(ply()[:-3])
@@ -199,7 +199,7 @@ def test_a_bad_step_is_told_with_its_file_and_the_others_are_kept(tmp_path: Path
         assert [*meshes.missing] == [3, 4, 5]
 
 
-def test_a_file_taken_away_after_opening_is_told(tmp_path: Path) -> None:
+def test_a_file_taken_away_after_opening_is_reported(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "scan", 7)
     with MeshSequence.open(folder) as meshes:
         meshes.mesh(0)
@@ -208,7 +208,7 @@ def test_a_file_taken_away_after_opening_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("scale", [100.0, 0.001, 1 / 0.0254])
-def test_a_step_in_other_units_is_told(tmp_path: Path, scale: float) -> None:
+def test_a_step_in_other_units_is_reported(tmp_path: Path, scale: float) -> None:
     folder = folder_of(tmp_path / "scan", 8)
     (folder / "mesh_006.ply").write_bytes(ply(CORNERS * scale))
     with MeshSequence.open(folder) as meshes:
@@ -251,7 +251,7 @@ def test_when_the_first_steps_are_all_bad_the_others_are_still_read(tmp_path: Pa
 
 
 @pytest.mark.parametrize("name", [b"mesh_\xff003.ply", b"mesh_\n003.ply"])
-def test_a_name_of_any_bytes_can_be_told(tmp_path: Path, name: bytes) -> None:
+def test_a_name_of_any_bytes_can_be_reported(tmp_path: Path, name: bytes) -> None:
     folder = folder_of(tmp_path / "scan", 5)
     (folder / "mesh_003.ply").rename(os.fsdecode(os.fsencode(folder) + b"/" + name))
     with MeshSequence.open(folder) as meshes:
@@ -265,7 +265,7 @@ def test_a_name_of_any_bytes_can_be_told(tmp_path: Path, name: bytes) -> None:
 # --- what cannot be opened ----------------------------------------------------------------------
 
 
-def test_what_holds_no_meshes_is_told_in_a_sentence(tmp_path: Path) -> None:
+def test_what_holds_no_meshes_is_reported_in_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "film.mp4").write_bytes(b"film")
     (tmp_path / "one.ply").write_bytes(ply())
@@ -349,7 +349,7 @@ def test_threads_may_share_a_sequence(tmp_path: Path) -> None:
         (1e5, None),
     ],
 )
-def test_a_person_tells_the_units_and_a_house_does_not(longest: float, units: str | None) -> None:
+def test_a_person_gives_the_units_and_a_house_does_not(longest: float, units: str | None) -> None:
     assert guess_units(longest) == units
 
 
@@ -367,7 +367,7 @@ def test_up_is_where_a_surface_is_longest(extent: list[float], up: str) -> None:
     assert guess_up(SurfaceMesh(box, BOX)) == up
 
 
-def test_many_missing_steps_are_told_at_once() -> None:
+def test_many_missing_steps_are_reported_at_once() -> None:
     """Every step is looked at once, however many are missing in a row."""
 
     class Counted(tuple[Path | None, ...]):
@@ -422,7 +422,7 @@ def spoilt(suffix: str) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".glb"])
-def test_a_glance_tells_which_steps_cannot_be_used_in_the_words_of_reading_them(
+def test_a_glance_shows_which_steps_cannot_be_used_in_the_words_of_reading_them(
     tmp_path: Path, suffix: str
 ) -> None:
     bad = list(spoilt(suffix).values())

@@ -202,7 +202,7 @@ def test_solids_of_other_sizes_come_near_as_well() -> None:
     assert _error_m(found.pose, START) < 0.025 < 0.04 < _error_m(rough, START)
 
 
-def test_colours_tell_distance_and_agreement_of_every_vertex() -> None:
+def test_colours_give_distance_and_agreement_of_every_vertex() -> None:
     mesh = _with_phantom(surface_of(BODY, START))
     distance = vertex_scalars(MODEL, mesh, START, "distance")
     ghost = np.arange(len(mesh.vertices)) >= len(mesh.vertices) * 3 // 4

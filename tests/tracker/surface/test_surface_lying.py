@@ -87,7 +87,7 @@ def test_a_surface_that_shows_one_limb_only_or_something_more_is_no_reason_to_do
     assert not _is_off(SurfaceMesh(np.concatenate([mesh.vertices, thing]), faces), body, POSE)
 
 
-def test_how_far_a_body_lies_off_does_not_depend_on_the_units_it_is_told_in() -> None:
+def test_how_far_a_body_lies_off_does_not_depend_on_the_units_it_is_reported_in() -> None:
     body, pose = two_bars(), _aside(POSE, 0.1)
     mesh = surface_of(body, POSE)
     large = SurfaceMesh(100.0 * mesh.vertices, mesh.faces)

@@ -95,7 +95,7 @@ def test_a_chain_that_is_lost_gives_way_to_the_one_from_the_other_keyframe() -> 
     assert alone[1] > 0.03
 
 
-def test_a_step_that_cannot_be_used_is_led_over_and_told() -> None:
+def test_a_step_that_cannot_be_used_is_led_over_and_reported() -> None:
     meshes: list[SurfaceMesh | str] = list(MESHES)
     meshes[3] = "Step 3 holds no faces: export it again."
     meshes[4] = "Step 4 is missing."
@@ -114,7 +114,7 @@ def test_when_the_last_steps_cannot_be_used_the_last_pose_stays() -> None:
     assert result.notes[0] == "Gone."
 
 
-def test_many_unusable_steps_are_told_in_a_few_words() -> None:
+def test_many_unusable_steps_are_reported_in_a_few_words() -> None:
     meshes: list[SurfaceMesh | str] = [MESHES[0], *[f"Step {k} is bad." for k in range(1, 9)]]
     notes = _run(_tracker({0: TRUE[0]}, meshes)).notes
     assert notes[5] == "3 more steps could not be used either."
@@ -239,7 +239,7 @@ def test_a_part_whose_surface_is_missing_is_named() -> None:
     assert verdict.part == "lower"
 
 
-def test_joints_are_kept_near_their_limits_and_where_surfaces_want_more_it_is_told() -> None:
+def test_joints_are_kept_near_their_limits_and_where_surfaces_want_more_it_is_reported() -> None:
     upper, lower = BODY.parts
     low, high = -5.0, 20.0
     stiff = lower.model_copy(update={"limits_deg": {"x": (low, high), "y": (-5, 5), "z": (-5, 5)}})
@@ -309,17 +309,17 @@ def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> N
     assert done == [1, 2, 3]
 
 
-def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_reported_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("keypose.tracker.surface.fit.segment.REPORT_S", 0.0)
-    told: list[tuple[Pass, int]] = []
+    reported: list[tuple[Pass, int]] = []
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
-    tracker.run_segment((0, 8), lambda step, number: told.append((step, number)))
-    assert [number for _, number in told] == list(range(1, tracker.expected_steps((0, 8)) + 1))
-    for step, _ in told:
+    tracker.run_segment((0, 8), lambda step, number: reported.append((step, number)))
+    assert [number for _, number in reported] == list(range(1, tracker.expected_steps((0, 8)) + 1))
+    for step, _ in reported:
         assert len(step.trajectory) == COUNT
         assert step.trajectory.first_frame == 0
-    assert _is_pose(told[2][0].trajectory.pose(8), told[2][0].trajectory.pose(3))
-    assert _is_pose(told[9][0].trajectory.pose(0), told[9][0].trajectory.pose(6))
+    assert _is_pose(reported[2][0].trajectory.pose(8), reported[2][0].trajectory.pose(3))
+    assert _is_pose(reported[9][0].trajectory.pose(0), reported[9][0].trajectory.pose(6))
 
 
 def test_a_rough_pose_is_laid_onto_its_step() -> None:

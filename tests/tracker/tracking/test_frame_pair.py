@@ -369,8 +369,8 @@ def test_the_way_from_one_chain_to_the_other_is_made_where_a_part_is_hidden(pers
 
     chains = lost(after=True), lost(after=False)
     alike = tuple(Chain.even(chain) for chain in chains)
-    told, untold = blend_chains(scene, *chains), blend_chains(scene, *alike)
-    assert person.error_cm(told) < 0.5 * person.error_cm(untold)
+    reported, unreported = blend_chains(scene, *chains), blend_chains(scene, *alike)
+    assert person.error_cm(reported) < 0.5 * person.error_cm(unreported)
 
 
 def test_a_limb_is_a_chain_without_branches(person: Case) -> None:

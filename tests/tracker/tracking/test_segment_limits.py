@@ -64,7 +64,7 @@ def wild(place: float) -> object:
 
 @pytest.mark.parametrize("place", [np.nan, np.inf, 400.0, -400.0])
 @pytest.mark.parametrize("method", ["keypose", "paper"])
-def test_a_pass_that_leaves_the_scene_is_told_and_not_returned(
+def test_a_pass_that_leaves_the_scene_is_reported_and_not_returned(
     cases: dict[str, Case], monkeypatch: pytest.MonkeyPatch, place: float, method: str
 ) -> None:
     shown = cases["person"]

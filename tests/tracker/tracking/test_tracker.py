@@ -52,8 +52,8 @@ def same(a: SegmentResult, b: SegmentResult) -> bool:
         for r in (a, b)
     ]  # fmt: skip
     equal = all(x.tobytes() == y.tobytes() for x, y in zip(*arrays, strict=True))
-    told = [(r.verdict, r.steps, r.best_pass) for r in (a, b)]
-    return equal and told[0] == told[1]
+    reported = [(r.verdict, r.steps, r.best_pass) for r in (a, b)]
+    return equal and reported[0] == reported[1]
 
 
 def nudged(pose: Pose, x: float = 0.01) -> Pose:
@@ -61,7 +61,7 @@ def nudged(pose: Pose, x: float = 0.01) -> Pose:
     return Pose(pose.Rs_parent_part @ turn, pose.p_camera_root + np.array([x, 0.0, 0.0]))
 
 
-def test_events_tell_the_work_of_every_segment_in_its_order(person: Case) -> None:
+def test_events_give_the_work_of_every_segment_in_its_order(person: Case) -> None:
     events = list(run(person.tracker(*KEYS), TrackSettings()))
     assert isinstance(events[-1], TrackFinished)
     assert not events[-1].cancelled
@@ -78,10 +78,10 @@ def test_events_tell_the_work_of_every_segment_in_its_order(person: Case) -> Non
         assert started.count == finished.count == 3
         assert [p.number for p in passes if isinstance(p, PassFinished)] == [*range(len(passes))]
         result = finished.result
-        told = [p for p in passes if isinstance(p, PassFinished)]
-        assert tuple(p.score for p in told) == result.scores
-        assert all(len(passes) <= p.of for p in told)
-        assert told[result.best_pass].trajectory is result.trajectory
+        reported = [p for p in passes if isinstance(p, PassFinished)]
+        assert tuple(p.score for p in reported) == result.scores
+        assert all(len(passes) <= p.of for p in reported)
+        assert reported[result.best_pass].trajectory is result.trajectory
         assert events[-1].result.segments[index] is result
 
 
@@ -114,7 +114,7 @@ def test_results_have_the_shapes_that_are_promised(person: Case) -> None:
 
 
 @pytest.mark.parametrize("method", ["keypose", "paper"])
-def test_every_segment_tells_what_a_keyframe_more_would_mend(person: Case, method: str) -> None:
+def test_every_segment_shows_what_a_keyframe_more_would_mend(person: Case, method: str) -> None:
     for segment in tracked(person.tracker(0, 18), method=method):
         assert segment.diagnostics.expected_gain is not None
         assert segment.diagnostics.expected_gain.shape == (19,)

@@ -118,7 +118,7 @@ def test_sizes_that_cannot_be_coded_are_refused(tmp_path: Path, size: tuple[int,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_the_encoder_it_is_told_what_to_install(
+def test_without_the_encoder_it_is_reported_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(av, "codecs_available", {"h264"})
@@ -126,7 +126,7 @@ def test_without_the_encoder_it_is_told_what_to_install(
         FilmWriter(tmp_path / "film.mp4", SIZE, Fraction(1, 25), Fraction(25))
 
 
-def test_a_folder_that_is_not_there_is_told_in_a_sentence(tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_reported_in_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(VideoError, match=r"film\.mp4' cannot be written: .*\.$"):
         write(tmp_path / "absent" / "film.mp4", [0], Fraction(1, 25))
 

@@ -47,7 +47,7 @@ def test_what_no_lens_has_is_as_if_it_were_not_there(text: str) -> None:
     assert lens_in([{FOCAL: text, "make": "Apple"}]) is None
 
 
-def test_a_device_alone_tells_no_lens() -> None:
+def test_a_device_alone_gives_no_lens() -> None:
     assert lens_in([{"com.android.manufacturer": "Google", "com.android.model": "Pixel 7"}]) is None
 
 
@@ -74,7 +74,7 @@ def exif(focal_mm: int) -> bytes:
     return b"Exif\0\0II*\0" + struct.pack("<I", 8) + directory + make + own
 
 
-def test_films_and_images_tell_their_lens(tmp_path: Path) -> None:
+def test_films_and_images_give_their_lens(tmp_path: Path) -> None:
     film = write_film(tmp_path / "film.mov", {FOCAL: "26", f"{QUICKTIME}model": "iPhone 14"})
     with Video.open(film) as video:
         assert video.info.lens == FileLens(26.0, "iPhone 14")

@@ -49,7 +49,7 @@ def test_the_gradient_is_that_of_the_blurred_brightness() -> None:
 
 
 @pytest.mark.parametrize("size", [(96, 64), (97, 63), (5, 5), (320, 180)])
-def test_every_level_has_the_size_that_is_told(size: tuple[int, int]) -> None:
+def test_every_level_has_the_size_that_is_reported(size: tuple[int, int]) -> None:
     pictures = prepare(ramp(1.0, 0.0, *size), None, LEVELS)
     assert [p.shape for p in pictures] == [(*s, 4) for s in level_sizes(*size, LEVELS)]
     assert all(p.dtype == np.float32 and (p[..., 3] == USABLE).all() for p in pictures)

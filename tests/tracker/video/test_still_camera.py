@@ -108,7 +108,7 @@ REAL = {"walk": True, "person": True, "arms": True, "cube": False}
 
 
 @pytest.mark.parametrize("name", REAL)
-def test_of_a_real_film_the_camera_is_told(name: str) -> None:
+def test_of_a_real_film_the_camera_is_reported(name: str) -> None:
     films = sorted((DATA / name).glob("*.mp4"))
     if not films:
         pytest.skip(f"the film of {name!r} is not beside this checkout")
@@ -122,7 +122,7 @@ def noisy(picture: NDArray[Any], seed: int) -> Grey:
     return np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
 
 
-def test_an_empty_wall_tells_nothing_and_is_not_called_still() -> None:
+def test_an_empty_wall_shows_nothing_and_is_not_called_still() -> None:
     found = still_pictures([noisy(np.full((240, 320), 120.0), k) for k in range(SAMPLES)])
     assert not found.still
 

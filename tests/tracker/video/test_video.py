@@ -197,7 +197,7 @@ def test_the_cache_stays_within_its_bytes_and_forgets_the_oldest() -> None:
 # --- what is told of a video ------------------------------------------------------------------
 
 
-def test_a_video_tells_its_facts(tmp_path: Path) -> None:
+def test_a_video_gives_its_facts(tmp_path: Path) -> None:
     path = write_numbered(tmp_path / "clip.mp4", 30, rate=25)
     with Video.open(path) as video:
         info = video.info

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from keypose.tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point
+from keypose.tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point, Twist
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -92,6 +92,17 @@ RANGES: dict[str, Limits] = {
     "thigh": {"x": (-120, 30), "y": (-45, 45), "z": (-30, 45)},
     "shin": {"x": (0, 135), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
     "foot": {"x": (-20, 50), "y": (-GIVE, GIVE), "z": (-35, 15)},
+}
+
+# How far upper arm and thigh turn about their own length, right side, outward positive. Textbooks
+# give about 70° inward and 90° outward at the shoulder, 45° each way at the hip. From where that is
+# counted changes with where the limb points, by up to 30°, and a hand behind the back turns the arm
+# inward in the chest by more than the joint does: the ranges have room for both, and for elbows of
+# recordings that are set 20° aside. Swings are counted from an arm held forward and out, a thigh
+# forward and down: what is not determined is an arm through the ribs, a thigh up behind.
+TWISTS: dict[str, Twist] = {
+    "upper_arm": Twist(range_deg=(-125, 125), toward=(-3, 2, -3)),
+    "thigh": Twist(range_deg=(-70, 70), toward=(-1, 3, -3)),
 }
 
 
@@ -269,6 +280,7 @@ def _part(
         tracked=tracked,
         landmarks=landmarks or {},
         limits_deg=_limits(name),
+        twist=_twist(name),
     )
 
 
@@ -278,6 +290,15 @@ def _limits(name: str) -> Limits:
     if not name.startswith("left_"):
         return ranges
     return {a: r if a == "x" else (-r[1], -r[0]) for a, r in ranges.items()}
+
+
+def _twist(name: str) -> Twist | None:
+    """Of the right side, mirrored on the left."""
+    twist = TWISTS.get(name.removeprefix("left_").removeprefix("right_"))
+    if twist is None or not name.startswith("left_"):
+        return twist
+    (low, high), (x, y, z) = twist.range_deg, twist.toward
+    return Twist(range_deg=(-high, -low), toward=(-x, y, z))
 
 
 def _rounded(value: object) -> object:

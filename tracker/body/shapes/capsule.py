@@ -8,8 +8,8 @@ import numpy as np
 
 from keypose.tracker.body.shapes.mesh import Mesh
 from keypose.tracker.body.shapes.numbers import Point, Size
-from keypose.tracker.body.shapes.round import UprightSolid
-from keypose.tracker.body.shapes.solid import ShapeSize, Solid
+from keypose.tracker.body.shapes.round import OneRadius
+from keypose.tracker.body.shapes.solid import Solid
 from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
 from keypose.tracker.geometry.rotations import Array, frozen
 
@@ -17,7 +17,7 @@ _RISE = np.deg2rad([89, 75, 60, 45, 30, 15, 0])
 """Angles above an end's widest ring at which the end has rings, from the tip on."""
 
 
-class Capsule(UprightSolid):
+class Capsule(OneRadius):
     """A round cylinder with a hemisphere at each end, from tip to tip along y.
 
     Where it is wider than long, its ends are flattened to half the length: every length and every
@@ -77,27 +77,6 @@ class Capsule(UprightSolid):
             y, r = self.centre[1], self.radius_m
             marks += [(r, y, 0.0), (-r, y, 0.0), (0.0, y, r), (0.0, y, -r)]
         return frozen(marks)
-
-    @property
-    def width_m(self) -> float:
-        return 2 * self.radius_m
-
-    def half_widths(self, y: float) -> tuple[float, float]:
-        return self.radius_m, self.radius_m
-
-    def sizes(self) -> tuple[ShapeSize, ...]:
-        return (
-            ShapeSize("length", self.length_m, (0.0, self.end_m, 0.0)),
-            ShapeSize("radius", self.radius_m, self.centre),
-        )
-
-    def with_size(self, key: str, metres: float) -> Self:
-        if key == "length":
-            return self.longer(metres / self.length_m)
-        return self.model_copy(update={"radius_m": metres})
-
-    def scaled(self, along: float, across: float) -> Self:
-        return self.longer(along).model_copy(update={"radius_m": self.radius_m * across})
 
     def face_points(self) -> dict[str, Point]:
         return self._face(self.radius_m, self.radius_m)

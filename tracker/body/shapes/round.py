@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Self, TypeAlias
+from typing import TYPE_CHECKING, Self, TypeAlias
 
 import numpy as np
 from pydantic import model_validator
 
 from keypose.tracker.body.shapes.mesh import Mesh
 from keypose.tracker.body.shapes.numbers import Length, Point
-from keypose.tracker.body.shapes.solid import Solid, distance_from_excess
+from keypose.tracker.body.shapes.solid import ShapeSize, Solid, distance_from_excess
 from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
 from keypose.tracker.geometry.rotations import Array, frozen
 
@@ -62,6 +62,35 @@ class UprightSolid(Solid):
             face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
             face[f"{side}_ear"] = at(0.5, sign, 0.0)
         return face
+
+
+class OneRadius(UprightSolid):
+    """A length and a radius, equally thick all along. A subclass declares the radius itself: that
+    keeps the order of its fields in files."""
+
+    if TYPE_CHECKING:
+        radius_m: float
+
+    @property
+    def width_m(self) -> float:
+        return 2 * self.radius_m
+
+    def half_widths(self, y: float) -> tuple[float, float]:
+        return self.radius_m, self.radius_m
+
+    def sizes(self) -> tuple[ShapeSize, ...]:
+        return (
+            ShapeSize("length", self.length_m, (0.0, self.end_m, 0.0)),
+            ShapeSize("radius", self.radius_m, self.centre),
+        )
+
+    def with_size(self, key: str, metres: float) -> Self:
+        if key == "length":
+            return self.longer(metres / self.length_m)
+        return self.model_copy(update={"radius_m": metres})
+
+    def scaled(self, along: float, across: float) -> Self:
+        return self.longer(along).model_copy(update={"radius_m": self.radius_m * across})
 
 
 class RoundSolid(UprightSolid):

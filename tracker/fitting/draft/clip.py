@@ -184,8 +184,13 @@ class _Work:
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(with_free_joints(self.skeleton))
         first = self._first(joints, seen)
-        problem = Whole.of_joints(self._scene(joints.skeleton, first), joints, seen, first)
-        return _Solved(seen, problem, problem.solve(self._tell))
+        scene, calm = self._scene(joints.skeleton, first), self._calm(seen, first)
+        motion = Whole.of_joints(scene, joints, calm, first).solve(self._tell)
+        return _Solved(seen, Whole.of_joints(scene, joints, seen, first), motion)
+
+    def _calm(self, seen: Observed, motion: Trajectory) -> Observed:
+        """What poses are found from: without keypoints that jump."""
+        return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
     def _with_ends(self, found: _Solved) -> Trajectory:
         """With head and feet turned; where limbs are, their keypoints do not say."""
@@ -194,7 +199,8 @@ class _Work:
         if not len(joints.ends[0]):
             return found.motion
         scene = self._scene(skeleton, found.motion)
-        problem = Whole.of_ends(scene, joints, found.seen, found.motion)
+        seen = self._calm(found.seen, found.motion)
+        problem = Whole.of_ends(scene, joints, seen, found.motion)
         return problem.solve(lambda done: self._tell(int(found.seen.usable.sum())))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
@@ -217,7 +223,10 @@ class _Work:
 
 @dataclass(frozen=True, eq=False)
 class _Solved:
-    """A stretch with its poses."""
+    """A stretch with its poses.
+
+    problem: everything that is seen there, also what jumps and no pose was found from.
+    """
 
     seen: Observed
     problem: Whole

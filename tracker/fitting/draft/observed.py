@@ -12,6 +12,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft.limbs import POINTS
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 
 SEEN = 0.3
@@ -76,6 +77,11 @@ class Observed:
             visibility=self.visibility[rows], p_hips=self.p_hips[rows], usable=self.usable[rows],
             jumped=self.jumped[rows],
         )  # fmt: skip
+
+    def without_jumps(self, height_px: float) -> Observed:
+        """With those unknown that are for a few frames elsewhere. height_px: of the body."""
+        known = self.known & ~jumped_away(self.uv, self.known, height_px)
+        return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
 
     def bridged(self, rest: Array) -> Array:
         """(N, 12, 3) the joints' p_hips: where a joint is not known, linear between the frames

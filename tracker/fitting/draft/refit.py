@@ -111,22 +111,23 @@ class _Stretch:
         ends = {0: frames.start - 1, len(frames) - 1: frames.stop}
         stay = {*told, *(row for row, beyond in ends.items() if beyond in self.known)}
         joints = Joints.of(self.skeleton)
-        seen = self._with_sides(joints, first)
+        seen = self._calm(joints, first)
         motion = self._limbs(joints, seen, first, told, stay).solve(_unheard)
         turning = Joints.of(turning_ends(joints))
         if not len(turning.ends[0]):
             return motion
         return self._ends(turning, seen, first, motion, told, stay).solve(_unheard)
 
-    def _with_sides(self, joints: Joints, first: Trajectory) -> Observed:
-        """Left and right as the poses have them."""
+    def _calm(self, joints: Joints, first: Trajectory) -> Observed:
+        """Left and right as the poses have them, without keypoints that jump."""
         pixels = height_px(self.skeleton, self.camera, middle(first))
+        ways = [self.seen]
         other = consistent_sides(self.seen, pixels, height(self.skeleton.body))
-        if other is None:
-            return self.seen
+        if other is not None:
+            ways.append(other)
         scene = self._scene(self.skeleton, first)
-        ways = (self.seen, other)
-        return min(ways, key=lambda seen: Whole.of_joints(scene, joints, seen, first).cost(first))
+        costs = [Whole.of_joints(scene, joints, seen, first).cost(first) for seen in ways]
+        return ways[int(np.argmin(costs))].without_jumps(pixels)
 
     def _limbs(
         self, joints: Joints, seen: Observed, first: Trajectory, told: list[int], stay: set[int]

@@ -1,17 +1,19 @@
 """Left and right over a whole stretch, without a keyframe that says which is which.
 
-Arms and legs stand in each frame as told or exchanged: four states. What their joints jump from
-frame to frame, in the picture and in depth, is least along one way through the states, found by
-dynamic programming. The left shoulder and the left hip are on one side of a body, and most of what
-is told is right. Where both legs coincide the way may still be wrong: so it stands beside what was
-told, and all terms of the poses decide between the two.
+Arms and legs stand in each frame in one of three ways: as told; exchanged; or with their outer
+joints exchanged in the picture alone. That last a network does where one leg passes before the
+other: hips, depths and visibility stay with their side, knees and feet are seen on the other one's.
+What joints jump from frame to frame, in the picture and in depth, is least along one way through
+these states, found by dynamic programming. The left shoulder and the left hip are on one side of a
+body, and most of what is told is right. Where both legs coincide the way may still be wrong: so it
+stands beside what was told, and all terms of the poses decide between the two.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import Any, Final
+from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +24,20 @@ from keypose.tracker.geometry.rotations import Array
 
 CHANGE: Final = 0.05
 """What an exchange costs on the way, as a share of the body's height."""
-AGAINST: Final = 0.01
-"""What a frame costs that is exchanged."""
+AGAINST: Final = np.array([0.0, 0.01, 0.02])
+"""What a frame costs in each way: outer joints alone are never exchanged for long."""
 CROSSED: Final = 0.1
 """What a frame costs whose hips are turned against its shoulders."""
 _ARMS, _LEGS = ([place_of(side, joint) for joint in limb for side in SIDES] for limb in LIMBS)
 _LEGS += [POINTS.index(f"{side}_{end}") for end in ("heel", "foot_index") for side in SIDES]
-_STATES = np.array(list(product((False, True), repeat=2)))
-"""(4, 2) whether arms and legs are exchanged."""
+"""From the trunk outward, left and right beside each other."""
+
+Way: TypeAlias = Literal[0, 1, 2]
+"""As told, exchanged, or the outer joints exchanged in the picture alone."""
+WAYS: Final[tuple[Way, ...]] = get_args(Way)
+EXCHANGED, OUTER = WAYS[1:]
+_STATES = np.array(list(product(WAYS, repeat=2)))
+"""(9, 2) the ways of arms and legs."""
 
 
 def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Observed | None:
@@ -39,17 +47,17 @@ def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Obser
     """
     where = np.concatenate([seen.uv / height_px, seen.p_hips[..., 2:] / height_m], axis=-1)
     where[~seen.known] = np.nan
-    own = AGAINST * _STATES.sum(1) + _crossed(seen)
-    changes = (_STATES[:, None] != _STATES[None]).astype(np.int64)  # (4 before, 4, 2)
-    steps = CHANGE * changes.sum(-1) + np.zeros((len(seen) - 1, 1, 1))
+    own = AGAINST[_STATES].sum(axis=1) + _crossed(seen)
+    steps = np.zeros((len(seen) - 1, len(_STATES), len(_STATES)))
     for k, group in enumerate((_ARMS, _LEGS)):
-        steps += _group_jumps(where, group)[:, changes[..., k]]
+        before, now = _STATES[:, None, k], _STATES[None, :, k]
+        steps += CHANGE * (before != now) + _group_jumps(where, group)[:, before, now]
     states = _STATES[_least_way(own, steps)]
     return _exchanged(seen, states) if states.any() else None
 
 
 def _crossed(seen: Observed) -> Array:
-    """(N, 4) by frame and state."""
+    """(N, 9) by frame and state."""
     p = seen.p_hips
     across = [
         p[:, place_of("left", joint)] - p[:, place_of("right", joint)]
@@ -59,15 +67,33 @@ def _crossed(seen: Observed) -> Array:
     cosine = np.nan_to_num(
         (across[0] * across[1]).sum(1) / np.maximum(lengths[0] * lengths[1], 1e-9)
     )
-    sign = np.where(_STATES[:, 0] == _STATES[:, 1], 1.0, -1.0)
+    turned = _STATES == EXCHANGED
+    sign = np.where(turned[:, 0] == turned[:, 1], 1.0, -1.0)
     return np.asarray(CROSSED * np.maximum(-cosine[:, None] * sign, 0.0))
 
 
 def _group_jumps(where: Array, group: list[int]) -> Array:
-    """(N − 1, 2) mean distance from each frame's joints to those of the frame before, as they are
-    and with left and right of one of both exchanged; 0 where nothing is known in both."""
-    here, before = where[1:, group], where[:-1, group]
-    return np.stack([_mean_distance(here, before), _mean_distance(here, _other(before))], axis=1)
+    """(N − 1, 3 before, 3) mean distance from a group's joints to those of the frame before, each
+    in one of the ways; 0 where nothing is known in both."""
+    ways = np.stack([_in_way(where[:, group], way) for way in WAYS])
+    return np.stack(
+        [
+            np.stack([_mean_distance(now[1:], before[:-1]) for now in ways], axis=-1)
+            for before in ways
+        ],
+        axis=1,
+    )
+
+
+def _in_way(where: Array, way: Way) -> Array:
+    """Joints (N, J, 3), pixels and depth, of one group in one of the ways."""
+    if way == EXCHANGED:
+        return _other(where)
+    if way != OUTER:
+        return where
+    out = where.copy()
+    out[:, len(SIDES) :, :2] = _other(where)[:, len(SIDES) :, :2]
+    return out
 
 
 def _mean_distance(a: Array, b: Array) -> Array:
@@ -96,14 +122,22 @@ def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
     return states
 
 
-def _exchanged(seen: Observed, states: NDArray[np.bool_]) -> Observed:
-    """With arms and legs exchanged in the frames where states (N, 2) say so."""
-    order = np.tile(np.arange(len(POINTS)), (len(seen), 1))
-    for group, rows in zip((_ARMS, _LEGS), states.T, strict=True):
-        here = np.ix_(rows, group)
-        order[here] = _other(order[here])
+def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
+    """With arms and legs in the ways that states (N, 2) say."""
+    places = np.tile(np.arange(len(POINTS)), (len(seen), 1))
+    labels = places.copy()
+    for group, ways in zip((_ARMS, _LEGS), states.T, strict=True):
+        for order, joints, rows in (
+            (places, group, ways == EXCHANGED),
+            (labels, group, ways == EXCHANGED),
+            (places, group[len(SIDES) :], ways == OUTER),
+        ):
+            here = np.ix_(rows, joints)
+            order[here] = _other(order[here])
     every = np.arange(len(seen))[:, None]
+    known = seen.known[every, places] & seen.known[every, labels]
     return replace(
-        seen, uv=seen.uv[every, order], known=seen.known[every, order],
-        visibility=seen.visibility[every, order], p_hips=seen.p_hips[every, order],
+        seen, uv=seen.uv[every, places], known=known,
+        visibility=np.where(known, seen.visibility[every, labels], 0.0),
+        p_hips=seen.p_hips[every, labels],
     )  # fmt: skip

@@ -41,7 +41,7 @@ class Joints:
     ) -> Joints | None:
         """None where there is no detector, or it sees somebody else.
 
-        near: keyframes beside it, which tell where on a part the detector puts a joint.
+        near: keyframes beside it, which show where on a part the detector puts a joint.
         """
         if source is None:
             return None

@@ -94,8 +94,8 @@ def fit_pose_to_picture(
     """The pose of `frame` fitted to what the picture shows.
 
     keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none; source: of
-    keypoints, where the body is a person's; report: told poses on the way. The pose is unchanged,
-    and the message says why, where nothing decides it or where it is cancelled.
+    keypoints, where the body is a person's; report: receives poses on the way. The pose is
+    unchanged, and the message says why, where nothing decides it or where it is cancelled.
     """
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:

@@ -78,7 +78,7 @@ def size_changes(found: SizesFound) -> tuple[tuple[str, str, float, float], ...]
 
 
 def unseen_parts(found: SizesFound) -> tuple[str, ...]:
-    """Parts whose length the pictures do not tell."""
+    """Parts whose length the pictures do not determine."""
     unseen = np.flatnonzero(_unobservable(found)[:-2:2])
     return tuple(found.proportions.names[g] for g in unseen)
 

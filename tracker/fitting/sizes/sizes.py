@@ -63,7 +63,7 @@ class SizesFitted:
     message: for a person.  error_px: of the body's outline as it is, pixels of the video.
     alone: other sizes, every pose as it was set; None where these fit no better.
     with_poses: other sizes, limbs posed anew for them; None where these fit no better either.
-    unseen: parts whose sizes the pictures do not tell.
+    unseen: parts whose sizes the pictures do not determine.
     """
 
     message: str

@@ -96,6 +96,13 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
     return found if model is None else _of_model(found, model.coordinates)
 
 
+def trunk_flexion(model: OpenSimModel) -> str | None:
+    """The model's own name of how far the trunk is bent against the pelvis; None if it is rigid."""
+    name = "L5_S1_Flex_Ext"
+    names = (name, _ALSO_CALLED[name])
+    return next((each for each in names if each in model.coordinates), None)
+
+
 def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
     """Those that a model has, under its names."""
     called = {name: name if name in names else _ALSO_CALLED.get(name, name) for name in found}

@@ -30,6 +30,9 @@ from keypose.tracker.geometry.rotations import Array
 BALL_SHARE: Final = 0.73
 """Of a foot's length, from the heel to where the toes bend (Gordon et al. 2014, ball of foot)."""
 
+IN_LINE_M: Final = 0.01
+"""Markers no farther beside a line do not tell how they are turned about it."""
+
 _SIDE: Final = {"r": "right", "l": "left"}
 _LIMBS: Final = {
     "thigh": ("femur", "tibia", "shin"),
@@ -50,6 +53,15 @@ class Scaled:
 
     factors: Mapping[str, Array]
     placed: Mapping[str, tuple[str, Array]]
+
+    @property
+    def tells_tilt(self) -> bool:
+        """Whether the markers tell how the pelvis is turned: not all of its own lie in one line."""
+        places = np.array([place for body, place in self.placed.values() if body == "pelvis"])
+        if len(places) < 3:
+            return False
+        beside_line_m = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)[1]
+        return bool(beside_line_m > IN_LINE_M)
 
 
 def scaled(model: OpenSimModel, body: Body, markers: tuple[Marker, ...]) -> Scaled:
@@ -122,7 +134,7 @@ def _elbow_to_wrist(model: OpenSimModel, s: str) -> Array:
 
 
 def _foot_factor(model: OpenSimModel, body: Body, s: str) -> Array:
-    """By the foot's length; 1 where model or body does not tell it."""
+    """By the foot's length; 1 where model or body does not give it."""
     marks = body.parts[body.index(f"{_SIDE[s]}_foot")].landmarks
     heel, toe = (marks.get(f"{_SIDE[s]}_{end}") for end in ("heel", "toe"))
     toes = model.joints.get(f"toes_{s}")

@@ -1,4 +1,4 @@
-"""What OpenSim's tools are told: how to scale a model to our body, and to follow our markers.
+"""The setups of OpenSim's tools: how to scale a model to our body, and to follow our markers.
 
 markers.xml   our markers on the model as it is, before it is scaled
 scale.xml     for the Scale Tool: factors of every body, nothing measured
@@ -7,6 +7,7 @@ ik.xml        for the Inverse Kinematics Tool: the scaled model follows motion.t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -16,6 +17,10 @@ from keypose.tracker.geometry.rotations import Array
 
 VERSION = "40000"
 MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"
+MOTION_FILE = "motion.mot"
+
+BESIDE_WEIGHT = (0.01 / math.radians(10)) ** 2
+"""Ten degrees count like one marker a centimetre off: little beside markers that tell the angle."""
 
 
 def markers_xml(sizes: Scaled) -> str:
@@ -30,7 +35,7 @@ def markers_xml(sizes: Scaled) -> str:
 
 
 def scale_xml(sizes: Scaled, model_path: str, scaled_path: str) -> str:
-    """The setup of the Scale Tool, which makes scaled_path; paths are told from the setup's own."""
+    """The setup of the Scale Tool, which makes scaled_path; paths are relative to its own."""
     root = _document()
     tool = SubElement(root, "ScaleTool", name="keypose")
     _text(tool, "mass", "-1")
@@ -51,13 +56,24 @@ def scale_xml(sizes: Scaled, model_path: str, scaled_path: str) -> str:
     return _written(root)
 
 
-def ik_xml(markers: Iterable[str], model_path: str, times_s: tuple[float, float]) -> str:
-    """The setup of the Inverse Kinematics Tool, all markers with the same weight."""
+def ik_xml(
+    markers: Iterable[str],
+    model_path: str,
+    times_s: tuple[float, float],
+    beside: Iterable[str] = (),
+) -> str:
+    """The setup of the Inverse Kinematics Tool, all markers with the same weight.
+
+    beside: coordinates that stay near motion.mot, as far as the markers let them.
+    """
     root = _document()
     tool = SubElement(root, "InverseKinematicsTool", name="keypose")
     _text(tool, "model_file", model_path)
     _text(tool, "marker_file", "motion.trc")
     _text(tool, "time_range", _numbers(times_s))
+    kept = tuple(beside)
+    if kept:
+        _text(tool, "coordinate_file", MOTION_FILE)
     _text(tool, "output_motion_file", "ik.mot")
     _text(tool, "report_errors", "true")
     objects = SubElement(SubElement(tool, "IKTaskSet"), "objects")
@@ -65,6 +81,11 @@ def ik_xml(markers: Iterable[str], model_path: str, times_s: tuple[float, float]
         task = SubElement(objects, "IKMarkerTask", name=name)
         _text(task, "apply", "true")
         _text(task, "weight", "1")
+    for name in kept:
+        task = SubElement(objects, "IKCoordinateTask", name=name)
+        _text(task, "apply", "true")
+        _text(task, "weight", f"{BESIDE_WEIGHT:.6f}")
+        _text(task, "value_type", "from_file")
     return _written(root)
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from keypose.tracker.errors import SessionError, SurfaceError
 from keypose.tracker.files import read_head
 from keypose.tracker.session.evidence import surface_of
-from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.evidence.files import identity
 
 if TYPE_CHECKING:

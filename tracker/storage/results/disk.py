@@ -51,8 +51,8 @@ def load_results(session: Session, session_path: Path) -> Results:
     for stretch in session.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:
-            said = (stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m)
-            solved = SpaceResult(stretch.key, path, *said)
+            facts = (stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m)
+            solved = SpaceResult(stretch.key, path, *facts)
             results = results.with_space(solved)
     return results
 
@@ -140,12 +140,12 @@ def _result(
 ) -> SegmentResult:
     """A segment from its summary, whose fields have the names of the result's, and its frames."""
     first, last = (frame - tracks.first_frame for frame in (path.first_frame, path.last_frame))
-    said = {
+    facts = {
         field.name: _numbers(getattr(summary, field.name), str(field.type))
         for field in fields(SegmentResult)
         if field.name in SegmentSummary.model_fields
     }
-    given = {**said, "key": key, "quality": summary.quality or saved.quality}
+    given = {**facts, "key": key, "quality": summary.quality or saved.quality}
     found = tracks.diagnostics.between(first, last).complete()
     return SegmentResult(trajectory=path, diagnostics=found, **given)
 

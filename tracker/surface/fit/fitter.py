@@ -11,7 +11,8 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.errors import SessionError, listed
-from keypose.tracker.session.schema import Session, Surface
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
 from keypose.tracker.surface.fit.judging import lies_off, off_its_surface
 from keypose.tracker.surface.fit.options import Options

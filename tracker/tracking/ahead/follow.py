@@ -17,7 +17,7 @@ from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of
 from keypose.tracker.tracking.method import FULL, Keypose, method_of
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.tracking.tracker import LOOKS_UNTOLD, NO_KEYPOINTS, Tracker
+from keypose.tracker.tracking.tracker import LOOKS_BETWEEN_REPORTS, NO_KEYPOINTS, Tracker
 
 if TYPE_CHECKING:
     from keypose.tracker.body.pose import Pose
@@ -179,7 +179,7 @@ class _Work:
         followed = by_brightness(scene, segment, method) if brightness else None
         if followed is not None:
             self._keep_if_cancelled(followed, scene, count)
-            self._tell(followed.motion)
+            self._report(followed.motion)
         if source is None:
             assert followed is not None
             return [followed], scene
@@ -188,8 +188,8 @@ class _Work:
         if not anchors:
             self.notes = (NO_KEYPOINTS,)
             return [followed or by_brightness(scene, segment, method)], scene
-        heard = self._heard(by_keypoints(free, segment, method, anchors, followed))
-        return [heard] if followed is None else [heard, followed], scene
+        by_joints = self._reported(by_keypoints(free, segment, method, anchors, followed))
+        return [by_joints] if followed is None else [by_joints, followed], scene
 
     def _keep_if_cancelled(self, followed: Followed, scene: Scene, count: int) -> None:
         """What brightness alone has found of a block is kept where that is cancelled."""
@@ -204,8 +204,8 @@ class _Work:
         count, looks = segment.last_frame, itertools.count()
 
         def report() -> None:
-            if next(looks) % LOOKS_UNTOLD == 0:
-                self._tell(self.meanwhile or self._so_far())
+            if next(looks) % LOOKS_BETWEEN_REPORTS == 0:
+                self._report(self.meanwhile or self._so_far())
 
         keypoints: Keypoints | None = source.beyond(
             self.line.frame, self.line.frame_at(count), self.tracker.skeleton, segment.start, report
@@ -216,18 +216,18 @@ class _Work:
         weight = self.settings.weight("keypoints")
         return anchors_of(free, segment, camera, by_step, weight, open_end=True)
 
-    def _heard(self, work: Generator[Pass, None, Followed]) -> Followed:
+    def _reported(self, work: Generator[Pass, None, Followed]) -> Followed:
         """What the work comes to; every motion on the way is emitted."""
         while True:
             try:
                 step = next(work)
             except StopIteration as done:
                 found: Followed = done.value
-                self._tell(found.motion)
+                self._report(found.motion)
                 return found
-            self._tell(step.trajectory)
+            self._report(step.trajectory)
 
-    def _tell(self, motion: Trajectory) -> None:
+    def _report(self, motion: Trajectory) -> None:
         self.emit(self.line.motion(motion))
 
     def _so_far(self) -> Trajectory:

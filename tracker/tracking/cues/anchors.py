@@ -19,6 +19,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
 from keypose.tracker.solver.body_points import BodyPoints
@@ -38,7 +39,7 @@ OFFSET_M = 0.02
 """Standard deviation of where on its part a detector puts a joint."""
 FACE = ("nose", "left_ear", "right_ear")
 EYE_OFFSET_M = 0.012
-"""The same, where keyframes that were posed by eye tell it: their own error is in it."""
+"""The same, where keyframes that were posed by eye give it: their own error is in it."""
 LOOSE_OFFSET_M = 0.05
 """The same of these, which a head without a face does not have."""
 FAR_SIGMA = 4.0
@@ -54,7 +55,7 @@ ELSEWHERE = 0.10
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Where the joints of the N frames of a segment are, as far as a detector tells.
+    """Where the joints of the N frames of a segment are, as far as a detector saw them.
 
     points: K on the body, carried by parts (K,).
     uv (N, K, 2): pixels of the undistorted pictures worked on.
@@ -103,6 +104,19 @@ class Anchors:
         if weight == 1.0:
             return self
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
+
+    def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
+        """With those of others in some frames (N,)."""
+        if not rows.any():
+            return self
+        return replace(
+            self, uv=np.where(rows[:, None, None], other.uv, self.uv),
+            scale=np.where(rows[:, None], other.scale, self.scale),
+            depth=np.where(rows[:, None], other.depth, self.depth),
+            depth_scale=np.where(rows[:, None], other.depth_scale, self.depth_scale),
+            visibility=np.where(rows[:, None], other.visibility, self.visibility),
+            by_hand=np.where(rows[:, None], other.by_hand, self.by_hand),
+        )  # fmt: skip
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -167,8 +181,8 @@ def frame_anchors(
 ) -> PointsInPicture | None:  # fmt: skip
     """What the keypoints of one frame say of its pose; None where they lie on another body.
 
-    keyed: other frames' poses and keypoints, which tell where on its part a detector puts a joint.
-    The poses also tell which side is which.
+    keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
+    The poses also show which side is which.
     """
     index, parts, points = points_on_body(scene.skeleton.body, seen.names)
     if len(index) < FEWEST:
@@ -229,16 +243,18 @@ def _anchors(
     scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
     points: Array, keyed: dict[int, Pose], height: float,
 ) -> Anchors | None:  # fmt: skip
-    """None where they lie on another body than the one posed, or where no keyframe tells."""
-    uv, visibility = seen.uv[:, index], seen.visibility[:, index]
+    """None where they lie on another body than the one posed, or where no keyframe shows it."""
+    uv = seen.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
+    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
+    known &= by_hand | ~jumped_away(uv, known, height)
+    visibility = np.where(known, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
     ]
     if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
-    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
     scale = np.where(known & ~by_hand, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)

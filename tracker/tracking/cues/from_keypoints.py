@@ -20,7 +20,7 @@ ONE_FRAME = Criteria(
 
 
 def from_keypoints(correction: Correction, from_afar: bool = True) -> Trajectory:
-    """The motion that the anchors tell, smooth, within the limits, its ends the keyframes.
+    """The motion that the anchors give, smooth, within the limits, its ends the keyframes.
 
     Twice: from interpolation, and, `from_afar`, from following the keypoints frame by frame, which
     reaches what interpolation is too far from. With Huber's kernel first, which comes from afar,

@@ -1,8 +1,8 @@
-"""What keypoints tell of a tracked motion: how likely each joint is wrong, and by how much.
+"""What keypoints show of a tracked motion: how likely each joint is wrong, and by how much.
 
 Three things go together with the error of a joint: how far its keypoint lies from it at the worst
 frame near by, how well the keypoint is seen, and how far the motions apart lie that two different
-starts led to. Errors last longer than a frame and keypoints shake, so a few frames tell more than
+starts led to. Errors last longer than a frame and keypoints shake, so a few frames show more than
 one. Within filmed clips whose joints were marked by hand, each judged by the others, the area under
 the curve of joints more than 15 px off on a person 400 px tall is 0.82 in the mean, of single
 frames 0.73. Of those more than 10 px off it is 0.73 (0.64): on the smallest person that is 5 px,
@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
-from scipy.special import expit
 
 from keypose.tracker.geometry.rotations import Array
 
@@ -26,7 +24,7 @@ WRONG = 0.0375
 LEAST = 0.003
 """Below it differences say nothing."""
 NEAR = 5
-"""Frames on either side that tell of a joint as well."""
+"""Frames on either side that count for a joint as well."""
 BASE, BY_DISTANCE, BY_HIDDEN, BY_APART = 7.0, 1.18, 0.08, 1.03
 """Logistic regression of wrong joints on the logarithms of the three; slopes common to errors of 7
 to 20 px on a person 400 px tall (proportional odds), the base that of 15."""
@@ -60,6 +58,9 @@ class JointEvidence:
     @property
     def wrong(self) -> Array:
         """(N, K) probability that a joint is off by more than WRONG; 0 at keyframes."""
+        from scipy.ndimage import maximum_filter1d  # scipy: loads longer than a page needs to start
+        from scipy.special import expit
+
         farthest = np.where(np.isfinite(self.distance), self.distance, -1.0)
         farthest = maximum_filter1d(farthest, 2 * NEAR + 1, axis=0, mode="nearest")
         distance = np.log(np.where(farthest < 0, UNKNOWN, farthest) + LEAST)
@@ -97,6 +98,8 @@ class JointEvidence:
 
 def _mean_near(values: Array) -> Array:
     """(N, K) the mean over the frames near each that there are."""
+    from scipy.ndimage import uniform_filter1d
+
     size = 2 * NEAR + 1
     there = uniform_filter1d(np.ones(len(values)), size, mode="constant")
     mean = uniform_filter1d(values, size, axis=0, mode="constant") / there[:, None]

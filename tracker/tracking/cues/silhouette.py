@@ -46,7 +46,7 @@ TONES = (5.0, 95.0)
 """Percentiles of a part's brightness at the keyframes: a still pixel between them may be the part
 itself before a background that is as bright."""
 FEWEST_PIXELS = 12
-"""A part that shows fewer at the keyframes tells no tones."""
+"""A part that shows fewer at the keyframes gives no tones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class SilhouetteMismatch:
         """
         total, share = self.total, np.linspace(0.0, 1.0, len(self.total))
         ends = total[[0, -1]]
-        ends = np.where(np.isfinite(ends), ends, ends[::-1])  # one keyframe may not tell
+        ends = np.where(np.isfinite(ends), ends, ends[::-1])  # one keyframe may lack it
         return np.asarray(np.nan_to_num(total - (1 - share) * ends[0] - share * ends[1]))
 
     def cost(self) -> float:

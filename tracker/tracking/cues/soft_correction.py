@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.segment import Segment
 
 STEP_TURN_RAD, STEP_SHIFT_PX = np.radians(2.0), 1.4
-"""Standard deviations of one step's motion about what the picture tells, where it tells nothing."""
+"""Standard deviations of one step's motion about what the picture shows, where it shows nothing."""
 BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
 """Standard deviations of the motion's change from frame to frame."""
 LIMIT_RAD = np.radians(3.0)
@@ -83,7 +83,7 @@ class Correction:
 
     def cost(self, motion: Trajectory, measured: Increments) -> float:
         """What motions from different starts are compared by: the anchors, the limits, and how far
-        each step is from what the picture tells there."""
+        each step is from what the picture shows there."""
         return float(self.problem(measured, Cauchy(), bends=False).at(motion, 0).cost)
 
 

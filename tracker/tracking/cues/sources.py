@@ -42,14 +42,14 @@ def _network(model: Model) -> Network:
 
 
 class FrameSource(Protocol):
-    """What tells the keypoints of single frames."""
+    """What finds the keypoints of single frames."""
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
         """Those of a frame in which the body is posed; None where nobody is found."""
 
 
 class KeypointSource(FrameSource, Protocol):
-    """What tells keypoints. A segment's depend on nothing but its own frames and keyposes."""
+    """What gives keypoints. A segment's depend on nothing but its own frames and keyposes."""
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -115,7 +115,9 @@ class DetectedKeypoints:
         return self._detect((first, last), seeds, leave)
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        return self._detect((frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unheard)
+        return self._detect(
+            (frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unreported
+        )
 
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
@@ -217,7 +219,7 @@ def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> lis
     ]
 
 
-def _unheard(progress: Progress) -> None:
+def _unreported(progress: Progress) -> None:
     """Nobody waits for it."""
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +35,9 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import Segment
 
-Piece: TypeAlias = tuple[Outcome, slice]
+PLAINLY = 4.0
+"""By how much more a frame's keypoints are contradicted, as a loss, to be taken for those of the
+other side: as of one that lies two standard deviations off."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -149,19 +150,41 @@ def _tracked(
         free = _only(seen.free, parts)
         anchors = anchors_of(free, segment, seen.camera, seen.keypoints, seen.weight)
         if anchors:
-            told = [min(anchors, key=lambda each: _contradiction(each, segment, free))]
-            work = track_anchored(scene, free, segment, method, told, seen.brightness, begun=begun)
+            chosen = resolve_sides(anchors, segment, free)
+            work = track_anchored(
+                scene, free, segment, method, [chosen], seen.brightness, begun=begun
+            )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))
 
 
-def _contradiction(anchors: Anchors, segment: LimbSegment, scene: Scene) -> float:
-    """How far the keypoints of what carries the limb lie from where it was tracked: that decided
-    which of them are left and which right."""
+def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Scene) -> Anchors:
+    """Of anchors that take left and right differently those that the rest of the body contradicts
+    least; in frames where the limb of the other side contradicts them, the others: what is seen
+    where that one was tracked is not this one."""
+    against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
+    parts = candidates[0].parts
+    rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))
+    order: list[int] = np.argsort(rest).tolist()
+    chosen = candidates[order[0]]
+    beside = np.isin(parts, _other_side(scene.skeleton, segment.parts))
+    for k in order[1:]:
+        lacks = (against[order[0]] - against[k])[:, beside].sum(axis=-1)
+        chosen = chosen.in_rows(lacks > PLAINLY, candidates[k])
+    return chosen
+
+
+def _contradiction(anchors: Anchors, segment: LimbSegment, scene: Scene) -> Array:
+    """(N, K) how far keypoints lie from where the body was tracked."""
     seen = image_points(scene.camera, anchors.where(segment.given.transforms(scene.skeleton)))
-    away = np.linalg.norm(seen - anchors.uv, axis=-1) * anchors.scale
-    rest = ~np.isin(anchors.parts, segment.parts)
-    return float(Cauchy().loss(away[:, rest]).sum())
+    return Cauchy().loss(np.linalg.norm(seen - anchors.uv, axis=-1) * anchors.scale)
+
+
+def _other_side(skeleton: Skeleton, parts: NDArray[np.int64]) -> list[int]:
+    """The parts that mirror these."""
+    names, body = {skeleton.body.names[i] for i in parts}, skeleton.body
+    pairs = [*body.mirror_pairs, *((b, a) for a, b in body.mirror_pairs)]
+    return [body.index(other) for one, other in pairs if one in names]
 
 
 def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:

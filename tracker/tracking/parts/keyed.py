@@ -2,7 +2,7 @@
 is tracked.
 
 A limb set right is seen where its pose has it, for that is what a person looked at, and as much
-nearer or farther than the body's root, since a picture tells of depth no more. What carries it may
+nearer or farther than the body's root, since a picture shows no more of depth. What carries it may
 be tracked otherwise later; then the end of the limb stays there, and the parts between bend as
 little as they must.
 """

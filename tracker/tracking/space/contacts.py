@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
@@ -128,6 +127,8 @@ def _speed(p_camera: Array, frames_per_second: float) -> Array:
 
 def _smoothed(x: Array, sigma: float) -> Array:
     """Ends are continued as if turned about themselves, so that a slope there stays one."""
+    from scipy.ndimage import gaussian_filter1d  # scipy: loads longer than a page needs to start
+
     pad = min(len(x) - 1, int(np.ceil(4 * sigma)))
     before, after = 2 * x[:1] - x[pad:0:-1], 2 * x[-1:] - x[-2 : -pad - 2 : -1]
     whole = gaussian_filter1d(np.concatenate([before, x, after]), sigma, axis=0)
@@ -137,6 +138,8 @@ def _smoothed(x: Array, sigma: float) -> Array:
 def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> NDArray[np.bool_]:
     """(N, K) whether each point is near its own lowest place nearby in time, and no other foot
     stands still below it."""
+    from scipy.ndimage import minimum_filter1d
+
     if up_camera is None:
         return np.ones(places.shape[:2], dtype=np.bool_)
     high = places @ up_camera

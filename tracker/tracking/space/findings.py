@@ -1,5 +1,5 @@
 """What of a motion is not plausible in space: feet that slide or float, keyframes at another depth
-or with limbs the other way round, a body out of balance, shaking."""
+or with limbs the other way round or twisted, a body out of balance, shaking."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
@@ -20,6 +21,7 @@ from keypose.tracker.tracking.space.mirrored import mirrored_limbs
 SLIDES_M = 0.05
 FLOOR_M = 0.04
 DEPTH_M = 0.04
+TWISTED_RAD = np.radians(20.0)
 LEANS_RAD = np.radians(20.0)
 SLOW_M_S = 0.25
 """Balance is asked of a body whose root moves slower."""
@@ -65,6 +67,7 @@ def space_findings(judged: Judged) -> tuple[SpaceFinding, ...]:
         *_floats(judged),
         *_keyframe_depths(judged),
         *_mirrored(judged),
+        *_twisted(judged),
         *_leans(judged),
         *_shakes(judged),
     )
@@ -121,6 +124,18 @@ def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
             kind="mirrored", part=limb.part, first_frame=limb.frame, last_frame=limb.frame,
             go=limb.frame, amount=limb.nearer_m,
         )  # fmt: skip
+
+
+def _twisted(judged: Judged) -> Iterator[SpaceFinding]:
+    """Arms and legs that a keyframe turns about their own length farther than a body can."""
+    limits = Limits.of(judged.skeleton.body)
+    for frame in sorted(judged.keyframes):
+        excess, _ = limits.excess(judged.tracked.pose(frame).Rs_parent_part)
+        for part in np.flatnonzero(np.abs(excess[:, 3]) > TWISTED_RAD).tolist():
+            yield SpaceFinding(
+                kind="twisted", part=judged.skeleton.body.names[part],
+                first_frame=frame, last_frame=frame, go=frame, amount=float(excess[part, 3]),
+            )  # fmt: skip
 
 
 def _leans(judged: Judged) -> Iterator[SpaceFinding]:

@@ -18,7 +18,6 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.ground import Ground
@@ -174,6 +173,8 @@ def _stood(
 
 def _way(root: Array, times_s: Array) -> Array:
     """(N, 3) level unit vectors along the root's way, NaN where it is not known."""
+    from scipy.ndimage import gaussian_filter1d  # scipy: loads longer than a page needs to start
+
     level = root * [1.0, 0.0, 1.0]
     step_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 1.0
     known = np.isfinite(level[:, 0])

@@ -59,10 +59,10 @@ class Here:
         number, task = self._waiting.pop(0)
         news: list[News] = []
 
-        def tell(step: Step) -> None:
+        def report(step: Step) -> None:
             news.append((number, step))
 
-        end = self._befalls(number, task) or (number, run_task(task, tell, self._stop))
+        end = self._befalls(number, task) or (number, run_task(task, report, self._stop))
         return [*news, end]
 
     def stop(self) -> None:

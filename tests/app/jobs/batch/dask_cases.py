@@ -32,13 +32,13 @@ def dask(program: str, *arguments: str, ready: str) -> Iterator[tuple[int, str]]
     lines = process.stderr
     drain = Thread(target=deque, args=(lines, 0), daemon=True)
     try:
-        told = []
+        reported = []
         for line in lines:
-            told.append(line)
+            reported.append(line)
             if found := re.search(ready, line):
                 break
         else:
-            raise AssertionError("".join(told))
+            raise AssertionError("".join(reported))
         drain.start()
         yield process.pid, found[1]
     finally:

@@ -46,14 +46,14 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
     assert bytes_of(paths) == bytes_of(alone)
 
 
-def test_the_command_works_on_a_cluster_and_one_that_goes_away_is_told(
+def test_the_command_works_on_a_cluster_and_one_that_goes_away_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_sessions(tmp_path / "all", "a", "b")
     with cluster(tmp_path, 1) as (address, _):
         assert main(["batch", str(tmp_path / "all"), "--scheduler", address, "--json"]) == 0
-        told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-        assert {s["state"] for s in told[-1]["sessions"]} == {"tracked"}
+        reported = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert {s["state"] for s in reported[-1]["sessions"]} == {"tracked"}
         crew = ClusterPool(address)
     try:
         with pytest.raises(KeyposeError, match="is gone; what is finished is kept"):
@@ -70,7 +70,7 @@ def _go_on(crew: Any) -> None:
         crew.free_slots()
 
 
-def test_where_dask_is_not_installed_one_sentence_tells_what_to_install(
+def test_where_dask_is_not_installed_one_sentence_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_sessions(tmp_path, "a")

@@ -39,18 +39,18 @@ def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
 ) -> None:
     names = ("a", "b", "c", "d")
     paths, alone = (write_sessions(tmp_path / where, *names) for where in ("many", "alone"))
-    told: list[TaskEvent] = []
+    reported: list[TaskEvent] = []
     for event in run([Task(path) for path in paths], crew, Event()):
-        told.append(event)
+        reported.append(event)
         if event == TaskStarted(1, again=False):
             kill(crew, 1)
-    again = [event.number for event in told if isinstance(event, TaskStarted) and event.again]
+    again = [event.number for event in reported if isinstance(event, TaskStarted) and event.again]
     assert again == [1]
     states = {
-        event.number: event.summary.state for event in told if isinstance(event, TaskFinished)
+        event.number: event.summary.state for event in reported if isinstance(event, TaskFinished)
     }
     assert states == dict.fromkeys(range(4), "tracked")
-    assert any(isinstance(event, TaskProgressed) for event in told)
+    assert any(isinstance(event, TaskProgressed) for event in reported)
     for path in alone:
         run_task(Task(path), lambda step: None, Event())
     assert bytes_of(paths) == bytes_of(alone)

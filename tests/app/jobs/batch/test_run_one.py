@@ -41,7 +41,7 @@ def fresh(summary: Summary) -> list[bool]:
     return [stretch.fresh for stretch in summary.segments]
 
 
-def test_every_segment_is_tracked_and_told(path: Path) -> None:
+def test_every_segment_is_tracked_and_reported(path: Path) -> None:
     before = load_session(path)
     summary, steps = done(path)
     after = load_session(path)
@@ -99,7 +99,7 @@ def test_the_method_is_of_this_run_only(path: Path) -> None:
     assert (session.results.method, session.settings.method) == ("paper", "keypose")
 
 
-def test_what_a_person_edits_meanwhile_stays_and_is_told(
+def test_what_a_person_edits_meanwhile_stays_and_is_reported(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def edited(*given: Any, **more: Any) -> Iterator[Any]:

@@ -58,16 +58,19 @@ def done(number: int) -> Summary:
     return Summary(f"{number}", "tracked")
 
 
-def ended(told: list[TaskEvent]) -> dict[int, Summary]:
-    return {event.number: event.summary for event in told if isinstance(event, TaskFinished)}
+def ended(reported: list[TaskEvent]) -> dict[int, Summary]:
+    return {event.number: event.summary for event in reported if isinstance(event, TaskFinished)}
 
 
 def test_a_session_whose_worker_dies_is_tried_once_more() -> None:
     script = Script(2, {0: [Step(50), WorkerDied("Gone"), done(0)], 1: [done(1)]})
-    told = list(run(tasks("a", "b"), script, Event()))
-    assert [e.again for e in told if isinstance(e, TaskStarted) and e.number == 0] == [False, True]
-    assert [e.step.percent for e in told if isinstance(e, TaskProgressed)] == [50]
-    assert ended(told) == {0: done(0), 1: done(1)}
+    reported = list(run(tasks("a", "b"), script, Event()))
+    assert [e.again for e in reported if isinstance(e, TaskStarted) and e.number == 0] == [
+        False,
+        True,
+    ]
+    assert [e.step.percent for e in reported if isinstance(e, TaskProgressed)] == [50]
+    assert ended(reported) == {0: done(0), 1: done(1)}
 
 
 def test_a_session_that_takes_two_workers_with_it_fails_and_the_others_are_done() -> None:
@@ -79,8 +82,8 @@ def test_a_session_that_takes_two_workers_with_it_fails_and_the_others_are_done(
 
 def test_two_sessions_of_one_folder_are_never_at_work_together() -> None:
     script = Script(3, {i: [done(i)] for i in range(5)})
-    told = list(run(tasks("a", "a", "b", "a", "c"), script, Event()))
-    assert len(ended(told)) == 5
+    reported = list(run(tasks("a", "a", "b", "a", "c"), script, Event()))
+    assert len(ended(reported)) == 5
     assert max(len(together) for together in script.most_together) == 3
     assert not any(len(together & {0, 1, 3}) > 1 for together in script.most_together)
 
@@ -89,21 +92,21 @@ def test_once_stopped_nothing_is_begun_and_what_is_at_work_may_end() -> None:
     stop = Event()
     halfway = Summary("0", "interrupted")
     script = Script(1, {0: [Step(10), halfway], 1: [done(1)]})
-    told = []
+    reported = []
     for event in run(tasks("a", "b"), script, stop):
-        told.append(event)
+        reported.append(event)
         if isinstance(event, TaskProgressed):
             stop.set()
     assert script.stopped
-    assert ended(told) == {0: halfway}
+    assert ended(reported) == {0: halfway}
 
 
 def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced() -> None:
     stop = Event()
     script = Script(1, {0: [Step(10), WorkerDied("Gone")]})
-    told = []
+    reported = []
     for event in run(tasks("a"), script, stop):
-        told.append(event)
+        reported.append(event)
         if isinstance(event, TaskProgressed):
             stop.set()
-    assert ended(told)[0].state == "failed"
+    assert ended(reported)[0].state == "failed"

@@ -52,11 +52,13 @@ AROUND = (500.0, 60.0, 900.0, 680.0)
 
 def test_every_frame_that_is_asked_for_is_looked_at_and_drafted() -> None:
     network = Knowing()
-    told: list[DraftProgress] = []
-    draft = draft_clip(picture, (2, 9), 5, AROUND, CAMERA, CLIP.body, network, report=told.append)
+    reported: list[DraftProgress] = []
+    draft = draft_clip(
+        picture, (2, 9), 5, AROUND, CAMERA, CLIP.body, network, report=reported.append
+    )
     assert sorted(draft.poses) == list(range(2, 10)) == sorted(set(network.looked))
     assert (draft.keypoints.first_frame, draft.keypoints.last_frame) == (2, 9)
-    stages = [progress.stage for progress in told]
+    stages = [progress.stage for progress in reported]
     assert stages == sorted(stages)
     assert set(stages) == {"keypoints", "poses"}
 
@@ -78,7 +80,7 @@ def test_a_box_that_is_none_is_refused_before_a_look(
     assert not network.looked
 
 
-def test_a_box_without_a_person_is_told_with_its_frame() -> None:
+def test_a_box_without_a_person_is_reported_with_its_frame() -> None:
     with pytest.raises(KeypointError, match="No person was found at frame 3"):
         draft_clip(picture, (0, 11), 3, AROUND, CAMERA, CLIP.body, Knowing(presence=0.1))
 

@@ -25,8 +25,8 @@ def _noise(sigma: float) -> Array:
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("bias", [-0.4, 0.0, 0.4])
 def test_a_constant_error_of_the_network_turns_no_bone(sign: float, bias: float) -> None:
-    told = 0.8 * sign * TILT + bias + _noise(0.1)
-    signs, surer = most_probable_signs(TILT, told, NOTHING)
+    reported = 0.8 * sign * TILT + bias + _noise(0.1)
+    signs, surer = most_probable_signs(TILT, reported, NOTHING)
     assert (signs == sign).all()
     assert (surer > 0).all()
 
@@ -40,7 +40,7 @@ def test_a_bone_changes_its_side_only_through_the_pictures_plane() -> None:
     assert (signs[steep] == np.sign(true[steep])).all()
 
 
-def test_where_the_network_tells_nothing_the_likelier_pose_counts() -> None:
+def test_where_the_network_shows_nothing_the_likelier_pose_counts() -> None:
     unlikely = np.broadcast_to([2.0, 0.0], (90, 1, 2))
     signs, _ = most_probable_signs(TILT, _noise(0.05), unlikely)
     assert (signs == 1.0).all()

@@ -16,6 +16,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
 from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.geometry.rotations import log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import (
@@ -29,6 +31,8 @@ from tests.tracker.fitting.draft.clips import (
     standing,
     walk,
 )
+
+OUTER_LEG = ("knee", "ankle", "heel", "foot_index")
 
 
 def drafted(clip: Clip, keypoints: Keypoints | None = None) -> ClipDraft:
@@ -71,8 +75,8 @@ def test_a_person_is_drafted_where_they_are_with_limbs_pointing_the_right_way_in
     for near, far in LIMB_BONES:
         theirs = known[:, far, 2] - known[:, near, 2]
         ours = found[:, far, 2] - found[:, near, 2]
-        told = np.abs(theirs) > 0.05
-        assert (np.sign(theirs[told]) == np.sign(ours[told])).all()
+        reported = np.abs(theirs) > 0.05
+        assert (np.sign(theirs[reported]) == np.sign(ours[reported])).all()
 
 
 def test_a_person_at_rest_is_drafted_at_rest() -> None:
@@ -139,7 +143,7 @@ def test_a_long_clip_has_no_seams() -> None:
     assert jumps < 2 * usual
 
 
-def test_sides_that_are_told_wrong_for_a_while_are_set_right() -> None:
+def test_sides_that_are_reported_wrong_for_a_while_are_set_right() -> None:
     clip = walk(60, facing_deg=70)
     legs = ("hip", "knee", "ankle", "heel", "foot_index")
     wrong = exchanged(clip.keypoints, [10, 11, 12, 30, 45, 46], *legs)
@@ -147,8 +151,31 @@ def test_sides_that_are_told_wrong_for_a_while_are_set_right() -> None:
     assert np.linalg.norm(found - clip.joints_m, axis=-1).mean() < 0.03
 
 
+def test_knees_and_feet_that_are_seen_on_the_other_leg_are_set_right() -> None:
+    clip = walk(60, facing_deg=80)
+    uv, frames = clip.keypoints.uv.copy(), [8, 9, 10, 28, 50, 51]
+    outer = [place(f"{side}_{joint}") for side in ("left", "right") for joint in OUTER_LEG]
+    uv[np.ix_(frames, outer)] = clip.keypoints.exchanged().uv[np.ix_(frames, outer)]
+    seen = Observed.of(replace(clip.keypoints, uv=uv), CAMERA)
+    reported = Observed.of(clip.keypoints, CAMERA)
+    found = consistent_sides(seen, 440.0, height(clip.body))
+    assert found is not None
+    for name in ("uv", "known", "visibility", "p_hips"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(reported, name))
+
+
+def test_a_hidden_foot_that_is_seen_on_something_else_for_a_while_stays_on_its_way() -> None:
+    clip = walk(40, facing_deg=30)
+    uv, leg = clip.keypoints.uv.copy(), [place("right_knee"), place("right_ankle")]
+    uv[18:22, leg] += (-120.0, -40.0)
+    found = drafted_joints_m(drafted(clip, replace(clip.keypoints, uv=uv)))
+    away = np.linalg.norm(found - clip.joints_m, axis=-1)
+    assert away.mean() < 0.03
+    assert away[18:22].max() < 0.1
+
+
 @pytest.mark.parametrize("facing_deg", [0, 90, 180])
-def test_right_sides_stay_as_told_where_legs_pass_each_other(facing_deg: float) -> None:
+def test_right_sides_stay_as_reported_where_legs_pass_each_other(facing_deg: float) -> None:
     clip = walk(80, facing_deg)
     draft = drafted(clip)
     assert np.linalg.norm(drafted_joints_m(draft) - clip.joints_m, axis=-1).max() < 0.15
@@ -187,27 +214,27 @@ def test_progress_rises_and_what_the_report_raises_ends_the_work_at_once() -> No
     class Left(Exception):
         pass
 
-    told: list[DraftProgress] = []
+    reported: list[DraftProgress] = []
 
     def report(progress: DraftProgress) -> None:
-        told.append(progress)
+        reported.append(progress)
 
     clip = walk(150)
     wrong = exchanged(clip.keypoints, [70, 71], "hip", "knee", "ankle", "heel", "foot_index")
     draft_from_keypoints(wrong, CAMERA, BODY, report=report)
-    done = [progress.done for progress in told]
+    done = [progress.done for progress in reported]
     assert done == sorted(done)
-    assert all(progress.expected == 150 for progress in told)
+    assert all(progress.expected == 150 for progress in reported)
 
     def leave(progress: DraftProgress) -> None:
-        told.append(progress)
-        if len(told) == 5:
+        reported.append(progress)
+        if len(reported) == 5:
             raise Left
 
-    told.clear()
+    reported.clear()
     with pytest.raises(Left):
         draft_from_keypoints(clip.keypoints, CAMERA, BODY, report=leave)
-    assert len(told) == 5
+    assert len(reported) == 5
 
 
 def test_keypoints_that_no_body_can_have_are_no_draft() -> None:

@@ -54,18 +54,18 @@ def test_a_possible_change_of_person_is_proposed() -> None:
     assert (found["person"], found["start"], found["end"]) == ([30], [0], [29, 59])
 
 
-def test_a_limb_whose_depth_nobody_tells_is_marked_as_maybe_flipped() -> None:
+def test_a_limb_whose_depth_nobody_gives_is_marked_as_maybe_flipped() -> None:
     clip = walk(30)
     assert clip.keypoints.p_hips is not None
     p_hips = clip.keypoints.p_hips.copy()
     arm = [place(f"left_{joint}") for joint in ("shoulder", "elbow", "wrist")]
     p_hips[:, arm, 2] = p_hips[:, arm[:1], 2]
-    flat, told = (
+    flat, reported = (
         draft_from_keypoints(keypoints, CAMERA, clip.body, proportions=False).judged.flips
         for keypoints in (replace(clip.keypoints, p_hips=p_hips), clip.keypoints)
     )
-    assert flat[:, 0].mean() > told[:, 0].mean()
-    assert told.mean() < 0.3
+    assert flat[:, 0].mean() > reported[:, 0].mean()
+    assert reported.mean() < 0.3
 
 
 def test_legs_are_believed_sooner_than_arms() -> None:

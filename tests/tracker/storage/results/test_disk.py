@@ -130,7 +130,7 @@ def test_results_of_another_setup_are_kept_and_do_not_fit(tmp_path: Path, change
     assert loaded.fitting(of) == {}
 
 
-def test_a_setting_the_file_does_not_tell_is_known_by_the_key(tmp_path: Path) -> None:
+def test_a_setting_the_file_does_not_show_is_known_by_the_key(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
     assert load_results(static(again), path).fitting(static(again)) == {}
@@ -146,7 +146,7 @@ def test_only_what_fits_and_is_finished_is_written(tmp_path: Path) -> None:
     assert len(load_results(again, path)) == 1
 
 
-def test_the_lowest_quality_is_told_of_the_whole_and_each_segment_s_own_beside_it(
+def test_the_lowest_quality_is_reported_of_the_whole_and_each_segment_s_own_beside_it(
     tmp_path: Path,
 ) -> None:
     of = session()
@@ -169,7 +169,7 @@ def test_a_session_that_was_never_tracked_has_no_results(tmp_path: Path) -> None
     assert len(load_results(session(), tmp_path / "session.json")) == 0
 
 
-def test_a_damaged_tracks_file_is_told_in_one_sentence(tmp_path: Path) -> None:
+def test_a_damaged_tracks_file_is_reported_in_one_sentence(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
     assert again.results is not None

@@ -158,7 +158,7 @@ def test_a_motion_that_was_solved_for_the_session_is_up_to_date(tmp_path: Path) 
     ],
     ids=["no pin", "longer pin", "floor", "not smooth"],
 )
-def test_changed_pins_are_told(tmp_path: Path, change: object) -> None:
+def test_changed_pins_are_reported(tmp_path: Path, change: object) -> None:
     assert callable(change)
     of = smooth(pinned())
     again, path = saved(solved(of), tmp_path, of)
@@ -167,7 +167,7 @@ def test_changed_pins_are_told(tmp_path: Path, change: object) -> None:
     )
 
 
-def test_pins_set_after_tracking_are_told(tmp_path: Path) -> None:
+def test_pins_set_after_tracking_are_reported(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
     tracks = load_tracks(again, path)
@@ -193,5 +193,5 @@ def test_a_soft_keyframe_that_the_motion_only_comes_near_is_not_out_of_date(
 
 def test_a_summary_says_nothing_that_is_not_there() -> None:
     plain = SpaceSummary(first_frame=0, last_frame=4, key="0" * 64)
-    told = plain.model_dump(mode="json")
-    assert set(told) == {"first_frame", "last_frame", "key", "pins", "floor_m"}
+    reported = plain.model_dump(mode="json")
+    assert set(reported) == {"first_frame", "last_frame", "key", "pins", "floor_m"}

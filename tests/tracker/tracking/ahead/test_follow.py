@@ -172,7 +172,7 @@ def _heard(way: Direction, frame: int, keypoints: Any, **settings: Any) -> Found
 
 @pytest.mark.usefixtures("_grey")
 @pytest.mark.parametrize("way", WAYS)
-def test_where_brightness_tells_nothing_keypoints_lead_on(way: Direction) -> None:
+def test_where_brightness_shows_nothing_keypoints_lead_on(way: Direction) -> None:
     first, last = FILM.truth.first_frame, FILM.truth.last_frame
     frame, to = (first, last) if way == "forward" else (last, first)
     found = _heard(way, frame, FILM.keypoints)

@@ -86,3 +86,20 @@ def test_parts_that_carry_keypoints_may_turn_in_every_way_and_others_as_before()
     assert counts["left_upper_arm"] == counts["right_thigh"] == counts["left_shin"] == 3
     assert counts["head"] == 3
     assert counts["left_hand"] == before[SKELETON.body.index("left_hand")] == 0
+
+
+def test_a_limb_that_is_seen_elsewhere_for_some_frames_does_not_count_there() -> None:
+    film = Filmed(moving())
+    (right,) = film.anchors()
+    uv = film.keypoints.uv.copy()
+    foot = JOINTS.index("right_ankle")
+    uv[5:8, foot] += (0.0, 0.2 * right.height_px)
+    (anchors,) = film.anchors(replace(film.keypoints, uv=uv))
+    expected = right.scale > 0
+    expected[5:8, foot] = False
+    np.testing.assert_array_equal(anchors.scale > 0, expected)
+    assert (anchors.visibility[5:8, foot] == 0).all()
+    by_hand = np.zeros(film.keypoints.visibility.shape, np.bool_)
+    by_hand[5:8, foot] = True
+    (set_there,) = film.anchors(replace(film.keypoints, uv=uv, by_hand=by_hand))
+    assert set_there.known.all()

@@ -16,11 +16,11 @@ def _exchanged(keypoints: Keypoints, frames: slice) -> Keypoints:
     return replace(keypoints, uv=uv)
 
 
-def test_as_told_there_is_one_way_to_take_them() -> None:
+def test_as_reported_there_is_one_way_to_take_them() -> None:
     assert len(Filmed(moving()).anchors()) == 1
 
 
-def test_a_sudden_exchange_is_set_right_beside_what_was_told() -> None:
+def test_a_sudden_exchange_is_set_right_beside_what_was_reported() -> None:
     film = Filmed(moving())
     wrong = _exchanged(film.keypoints, slice(5, 9))
     as_told, mended = film.anchors(wrong)

@@ -51,7 +51,7 @@ def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:
 
 @pytest.mark.parametrize("cues", [ALL_CUES, ("keypoints",)])
 @pytest.mark.parametrize("quality", ["full", "fast", "preview"])
-def test_where_brightness_tells_nothing_keypoints_lead(cues: object, quality: object) -> None:
+def test_where_brightness_shows_nothing_keypoints_lead(cues: object, quality: object) -> None:
     (found,) = tracked(_tracker(FILM.keypoints), cues=cues, quality=quality)
     away = joints_apart_m(found.trajectory, FILM.truth).mean()
     assert away < 0.3 * joints_apart_m(FILM.segment.interpolated(), FILM.truth).mean()
@@ -81,7 +81,7 @@ def test_the_papers_method_never_listens_to_them() -> None:
     )
 
 
-def test_that_no_keypoints_fit_is_told() -> None:
+def test_that_no_keypoints_fit_is_reported() -> None:
     nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
     assert tracked(_tracker(nowhere), cues=ALL_CUES)[0].notes == (NO_KEYPOINTS,)
     assert tracked(_tracker(nowhere))[0].notes == ()
@@ -122,9 +122,9 @@ ASTRAY = slice(4, 9)
 
 
 def _wrist_astray() -> Keypoints:
-    """The detector is sure of something else that goes along beside the wrist for five frames."""
+    """For five frames the detector slides onto something else beside the wrist, and is sure."""
     uv = FILM.keypoints.uv.copy()
-    uv[ASTRAY, WRIST] += (22.0, 9.0)
+    uv[ASTRAY, WRIST] += np.outer([0.5, 1.0, 1.0, 1.0, 0.5], [22.0, 9.0])
     return replace(FILM.keypoints, uv=uv)
 
 

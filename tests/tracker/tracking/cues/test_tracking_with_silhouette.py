@@ -66,7 +66,8 @@ def test_of_two_motions_that_keypoints_bear_out_alike_that_counts_which_covers_w
     truth = with_arms_raised(FILM.truth)
     right, wrong = Filmed(truth).keypoints, FILM.keypoints
     uv = right.uv.copy()
-    uv[4:8, right.names.index("right_ankle")] += 60.0  # a few speak against what is right
+    slides = np.array([30.0, 60.0, 60.0, 30.0])[:, None]  # what jumps would count for nothing
+    uv[4:8, right.names.index("right_ankle")] += slides  # a few speak against what is right
     candidates = [FILM.anchors(k)[0] for k in (wrong, replace(right, uv=uv))]
     segment = replace(FILM.segment, clip=clip_that_shows(truth))
     track = partial(track_anchored, FILM.free, FILM.free, segment, FULL, candidates, False)

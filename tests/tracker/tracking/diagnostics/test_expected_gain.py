@@ -75,7 +75,7 @@ def test_where_nothing_drifted_nothing_is_to_be_mended() -> None:
     assert gain(np.zeros(N)).max() == 0
 
 
-def test_drift_alone_tells_where_nothing_was_followed_from_both_keyframes() -> None:
+def test_drift_alone_gives_where_nothing_was_followed_from_both_keyframes() -> None:
     assert gain(np.ones(N), apart_px=0.0).max() > gain(np.ones(N)).max()
 
 

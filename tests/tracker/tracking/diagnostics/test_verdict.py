@@ -131,14 +131,14 @@ def drifting(part: str, first: int = 0, last: int = N) -> NDArray[np.float64]:
         ("waist", "waist"),
     ],
 )
-def test_a_part_that_is_not_tracked_is_told_by_the_one_that_carries_it(
+def test_a_part_that_is_not_tracked_is_reported_by_the_one_that_carries_it(
     marked: str, named: str
 ) -> None:
     found = verdict(outcome(drift=drifting(marked)))
     assert found == Verdict.check("uncertain", (FIRST + 1, LAST - 1), named)
 
 
-def test_an_uncertain_part_that_was_hidden_meanwhile_is_told_as_not_seen() -> None:
+def test_an_uncertain_part_that_was_hidden_meanwhile_is_reported_as_not_seen() -> None:
     drift = drifting("right_hand", 6, 8)
     where, part = (FIRST + 7, FIRST + 8), "right_forearm"
     uncertain = Verdict.check("uncertain", where, part)
@@ -203,14 +203,14 @@ def test_chains_that_could_not_be_followed_are_lost_whatever_was_kept() -> None:
     assert verdict(outcome(followed=False, what="refinement")).kind == "lost"
 
 
-def test_neighbouring_keyframes_that_contradict_each_other_are_told_as_such() -> None:
+def test_neighbouring_keyframes_that_contradict_each_other_are_reported_as_such() -> None:
     segment = Segment(FIRST, FIRST + 1, START, END, Clip(FIRST, ()))
     wild = np.full((2, MARKS), FAR)
     path = interpolate(START, END, FIRST, FIRST + 1)
     found = Outcome((Pass("pass", path, 3.0),), 0, wild, wild[1:], False, False, 0.0)
-    told = judge(SCENE, segment, found, unobserved(SCENE, segment.clip, path))
-    assert told == Verdict.contradiction(FIRST, FIRST + 1)
-    assert told.go == FIRST
+    reported = judge(SCENE, segment, found, unobserved(SCENE, segment.clip, path))
+    assert reported == Verdict.contradiction(FIRST, FIRST + 1)
+    assert reported.go == FIRST
     uncertain = judge(
         SCENE, segment, replace(found, followed=True), unobserved(SCENE, segment.clip, path)
     )
@@ -272,7 +272,7 @@ def test_what_right_poses_have_as_well_is_good(mismatch: SilhouetteMismatch) -> 
     assert verdict(replace(outcome(), silhouette=mismatch)) == GOOD
 
 
-def test_what_names_a_part_is_told_before_what_moves_beside_the_body() -> None:
+def test_what_names_a_part_is_reported_before_what_moves_beside_the_body() -> None:
     mismatch = silhouette(slice(6, 13), 0.3)
     found = verdict(replace(outcome(), silhouette=mismatch), hidden("left_forearm", 3, 9))
     assert found.cause == "not_seen"

@@ -76,7 +76,7 @@ def test_the_quick_qualities_look_for_no_templates_unless_they_are_asked_to(pers
         assert asked.ways[0].what == "templates"
 
 
-def test_an_imported_motion_that_does_not_reach_is_told_and_another_start_taken(
+def test_an_imported_motion_that_does_not_reach_is_reported_and_another_start_taken(
     person: Case,
 ) -> None:
     segment, scene = segment_of(person), person.scene()
@@ -111,6 +111,6 @@ def test_the_settings_reach_the_method() -> None:
 
 def test_a_part_left_out_that_the_body_does_not_have_is_refused_by_name() -> None:
     session = load_session(BOX)
-    told = session.model_dump() | {"settings": {"left_out": ["left_wing"]}}
+    reported = session.model_dump() | {"settings": {"left_out": ["left_wing"]}}
     with pytest.raises(ValidationError, match=r"left_wing.*its parts are box"):
-        Session.model_validate(told)
+        Session.model_validate(reported)

@@ -53,7 +53,7 @@ def test_hands_feet_head_elbows_and_knees_are_followed_from_both_keyframes() -> 
     assert sorted(names) == sorted(2 * once)
 
 
-def test_what_is_told_is_told_to_a_pixel_or_so_and_to_a_fraction_of_one_mostly() -> None:
+def test_what_is_reported_is_reported_to_a_pixel_or_so_and_to_a_fraction_of_one_mostly() -> None:
     shown, _, _ = shelf()
     miss = errors(shown, found())
     seen = np.isfinite(miss)
@@ -158,7 +158,7 @@ def test_two_courses_known_to_be_right_that_contradict_each_other_are_neither_be
     assert np.isfinite(uv[:, :5]).all()
 
 
-def test_a_point_that_only_its_keyframe_shows_is_told_there_alone() -> None:
+def test_a_point_that_only_its_keyframe_shows_is_reported_there_alone() -> None:
     alone = Course.at_its_start(np.array([3.0, 4.0]), 12)
     gone = Course.at_its_start(np.array([9.0, 4.0]), 12).reversed()
     uv, _ = combine_courses(alone, gone, np.zeros((12, 2)))
@@ -166,7 +166,7 @@ def test_a_point_that_only_its_keyframe_shows_is_told_there_alone() -> None:
     assert np.isfinite(uv[1, :, 0]).sum() == 1
 
 
-def test_a_point_that_its_keyframe_cannot_show_is_told_nowhere() -> None:
+def test_a_point_that_its_keyframe_cannot_show_is_reported_nowhere() -> None:
     nowhere = Course(np.full((6, 2), np.nan), np.full(6, np.inf), np.zeros(6, bool))
     uv, sigma = combine_courses(nowhere, course(straight(6), [5]), np.zeros((6, 2)))
     assert np.isnan(uv[0]).all()

@@ -50,9 +50,9 @@ def found(shown: Scene, motion: Trajectory) -> dict[str, Bools]:
 def score(shown: Scene, motion: Trajectory) -> float:
     """F1 of frames, over both feet."""
     there = found(shown, motion)
-    said = np.concatenate([there[name] for name in FEET])
+    message = np.concatenate([there[name] for name in FEET])
     true = np.concatenate([_sole(shown, name)[0] for name in FEET])
-    return 2 * float((said & true).sum()) / float(said.sum() + true.sum())
+    return 2 * float((message & true).sum()) / float(message.sum() + true.sum())
 
 
 def noisy(shown: Scene, seed: int = 0) -> Trajectory:

@@ -28,13 +28,13 @@ def angle_deg(a: Array, b: Array) -> float:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_places_all_over_a_floor_tell_up(seed: int) -> None:
+def test_places_all_over_a_floor_give_up(seed: int) -> None:
     lean = Rotation.from_euler("xz", [4.0, -3.0], degrees=True).apply(CAMERA_UP)
     found = up_from_places(floor_places(lean, seed, spread_m=(2.0, 2.0)), CAMERA_UP)
     assert angle_deg(found, lean) < 0.5
 
 
-def test_places_in_one_line_tell_the_slope_along_it_alone() -> None:
+def test_places_in_one_line_give_the_slope_along_it_alone() -> None:
     lean = Rotation.from_euler("z", 3.0, degrees=True).apply(CAMERA_UP)
     found = up_from_places(floor_places(lean, 1, spread_m=(2.5, 0.0)), CAMERA_UP)
     assert angle_deg(found, lean) < 0.6

@@ -30,25 +30,25 @@ def poses(shown: Scene, *turned: tuple[int, str]) -> dict[int, Pose]:
     return known
 
 
-def told(shown: Scene, known: dict[int, Pose]) -> tuple[Mirrored, ...]:
+def reported(shown: Scene, known: dict[int, Pose]) -> tuple[Mirrored, ...]:
     return mirrored_limbs(shown.skeleton, shown.camera, known, RATE)
 
 
-def test_of_right_keyframes_nothing_is_told(thrower: Scene) -> None:
-    assert told(thrower, poses(thrower)) == ()
+def test_of_right_keyframes_nothing_is_reported(thrower: Scene) -> None:
+    assert reported(thrower, poses(thrower)) == ()
 
 
 @pytest.mark.parametrize(("part", "frame"), [("left_upper_arm", 40), ("right_upper_arm", 20)])
-def test_a_mirrored_arm_is_told_and_turning_it_brings_it_back(
+def test_a_mirrored_arm_is_reported_and_turning_it_brings_it_back(
     thrower: Scene, part: str, frame: int
 ) -> None:
     wrong = poses(thrower, (frame, part))
-    (found,) = told(thrower, wrong)
+    (found,) = reported(thrower, wrong)
     assert found.frame == frame
     assert found.part in (part, part.replace("upper_arm", "forearm"))
     top = thrower.skeleton.body.index(found.part)
     back = turned_in_depth(thrower.skeleton, thrower.camera, wrong[frame], top)
-    assert told(thrower, {**wrong, frame: back}) == ()
+    assert reported(thrower, {**wrong, frame: back}) == ()
     assert off(thrower, frame, back, part) < off(thrower, frame, wrong[frame], part) / 2
 
 
@@ -63,14 +63,14 @@ def off(shown: Scene, frame: int, pose: Pose, part: str) -> float:
     return float(np.linalg.norm(ours - true, axis=-1)[arm].mean())
 
 
-def test_keyframes_far_apart_tell_nothing_of_each_other(thrower: Scene) -> None:
+def test_keyframes_far_apart_give_nothing_of_each_other(thrower: Scene) -> None:
     wrong = poses(thrower, (40, "left_upper_arm"))
     assert mirrored_limbs(thrower.skeleton, thrower.camera, wrong, RATE / 4) == ()
 
 
-def test_two_keyframes_alone_tell_nothing(thrower: Scene) -> None:
+def test_two_keyframes_alone_give_nothing(thrower: Scene) -> None:
     wrong = poses(thrower, (40, "left_upper_arm"))
-    assert told(thrower, {frame: wrong[frame] for frame in (40, 60)}) == ()
+    assert reported(thrower, {frame: wrong[frame] for frame in (40, 60)}) == ()
 
 
 def test_a_body_without_limbs_has_none() -> None:

@@ -120,7 +120,7 @@ def test_without_pins_a_foot_stays_where_it_was_tracked(person: Scene) -> None:
     assert (found.places.shape, found.off_m, found.floor_m) == ((0, 3), (), None)
 
 
-def test_feet_on_the_floor_come_to_one_height_which_is_told(person: Scene) -> None:
+def test_feet_on_the_floor_come_to_one_height_which_is_reported(person: Scene) -> None:
     """A camera that looks down: what is wrong in depth is wrong in height."""
     up = np.array([0.0, -np.cos(0.5), -np.sin(0.5)])
     ramp = np.clip(np.arange(FRAMES) - 26, 0, 8) / 8
@@ -224,7 +224,7 @@ def test_a_throw_a_stride_and_a_jump_keep_their_peak_speeds(name: str) -> None:
 # --- whatever comes
 
 
-def test_pins_that_the_pictures_contradict_leave_a_sound_motion_and_are_told(
+def test_pins_that_the_pictures_contradict_leave_a_sound_motion_and_are_reported(
     person: Scene,
 ) -> None:
     """Both feet are said to stand at one place, though the whole body goes aside by 40 cm."""

@@ -1,4 +1,4 @@
-"""In which order keypoints without names are listed, told by what the limbs would look like.
+"""In which order keypoints without names are listed, recognised by what the limbs would look like.
 
 In the right order a limb joins neighbouring joints, is about as long as the one on the other side
 and keeps its length from frame to frame; in a wrong one it leads across the body.
@@ -28,7 +28,7 @@ _LIMBS: Final = (
 """One side's."""
 
 
-def told_layout(layouts: Sequence[str], uv: Array) -> str | None:
+def recognised_layout(layouts: Sequence[str], uv: Array) -> str | None:
     """The layout whose limbs are clearly the most plausible; None where none is.
 
     layouts: names in `LAYOUTS`, all of L keypoints. uv: (N, L, 2) pixels, NaN where not seen.

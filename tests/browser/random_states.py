@@ -7,14 +7,14 @@ from typing import Any
 
 from playwright.sync_api import Page, ViewportSize
 
-from tests.browser.hands import section
+from tests.browser.interaction import section
 
 WIDTHS = (320, 1920)
 HEIGHTS = (480, 1080)
 
 
-class Weather:
-    """States of a job, of segments and messages as the server would tell them, from a seed."""
+class RandomStates:
+    """States of a job, of segments and messages as the server would send them, from a seed."""
 
     def __init__(self, page: Page, seed: int) -> None:
         self.chance = random.Random(seed)

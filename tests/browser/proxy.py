@@ -12,7 +12,7 @@ LONGEST_HEAD = 1 << 16
 Address = tuple[str, int]
 
 
-class Cable:
+class Proxy:
     """A proxy for a browser. What passes is not looked at; one request per connection."""
 
     def __init__(self) -> None:
@@ -91,9 +91,9 @@ class Cable:
 
 
 @contextmanager
-def cable() -> Iterator[Cable]:
-    """A cable, while it is needed."""
-    laid = Cable()
+def proxy() -> Iterator[Proxy]:
+    """A proxy, while it is needed."""
+    laid = Proxy()
     try:
         yield laid
     finally:

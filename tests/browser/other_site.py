@@ -10,7 +10,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 PAGE = b"<!doctype html><title>Somebody else</title>"
 
 
-class Foreigner:
+class OtherSite:
     """`visits` are the addresses it was asked for, `cookies` what it was sent with each."""
 
     def __init__(self) -> None:
@@ -40,9 +40,9 @@ class Foreigner:
 
 
 @contextmanager
-def foreigner() -> Iterator[Foreigner]:
+def other_site() -> Iterator[OtherSite]:
     """Somebody else's server, while it is needed."""
-    other = Foreigner()
+    other = OtherSite()
     thread = threading.Thread(target=other.server.serve_forever)
     thread.start()
     try:

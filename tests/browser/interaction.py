@@ -32,7 +32,7 @@ _IS_CAUGHT_UP = "async () => (await import('/static/store/edits.js')).isCaughtUp
 
 
 def section(page: Page, path: str) -> Any:
-    """What the server has told the page: "view.frame"."""
+    """A part of the state that the page has from the server, such as "view.frame"."""
     return page.evaluate(f"() => window.keypose.server.{path}")
 
 
@@ -47,7 +47,7 @@ def until(there: Callable[[], Any], what: str = "it", seconds: float = LONGEST_S
         time.sleep(0.03)
 
 
-def until_told(
+def until_state(
     page: Page, path: str, wanted: Callable[[Any], bool], seconds: float = LONGEST_S
 ) -> Any:
     """Wait until a section is as wanted; its value then."""
@@ -56,12 +56,12 @@ def until_told(
 
 
 def until_counted(page: Page, selector: str, count: int) -> None:
-    """Wait until so many of these are in the page: it draws a moment after it was told."""
+    """Wait until so many of these are in the page: it draws a moment after a message."""
     until(lambda: page.locator(selector).count() == count, f"{count} of {selector}")
 
 
 def settled(page: Page) -> None:
-    """Wait until the page has drawn what it was told."""
+    """Wait until the page has drawn what it received."""
     page.evaluate(
         "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
     )

@@ -1,0 +1,118 @@
+"""A limb turned about a line, so that its upper part is not twisted beyond its limits.
+
+About the line from shoulder to hand both stay where they are and the elbow goes round; about the
+upper arm itself the elbow stays. Either way it is the least turn that does.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.limits import FREE, SLACK, JointRange, nearest_within, range_of, twist_of
+from keypose.app.posing.vectors import length, smooth_step
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.twist import TwistLimits
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+
+EASED_M = 0.05
+"""What is bent the wrong way, or twisted too far, is brought right over a drag of this length."""
+
+SAME_M = 0.01
+"""Ends of a limb that lie no farther apart are as good: then the least twist counts."""
+
+_TRIED = 41
+_STEPS, _FINER, _ROUNDS = 73, 17, 4
+
+
+def twist_allowed(context: GestureContext, part: int, drawn_m: float) -> TwistLimits | None:
+    """The limits of a part's twist in a drag of a length; None where none count.
+
+    Where the pose before is twisted too far it stays so at first: nothing jumps.
+    """
+    limits = twist_of(context.skeleton.body.parts[part]) if context.limits_on else None
+    if limits is None:
+        return None
+    share = 1.0 - smooth_step(drawn_m / EASED_M)
+    return limits.widened(share * limits.excess(context.posed.Rs_parent_part[part]))
+
+
+def untwisted(
+    context: GestureContext, part: int, R_parent_part: Array, axis: Array, drawn_m: float
+) -> Array:
+    """A part's rotation turned about a unit axis (3,) of its parent's frame until it is allowed.
+
+    What lies just beyond a limit comes back to it, what lies farther beyond to within, and what
+    lies half round to the middle: so it does from either side, and nothing jumps.
+    """
+    limits = twist_allowed(context, part, drawn_m)
+    if limits is None:
+        return R_parent_part
+    beyond = float(limits.excess(R_parent_part))
+    if abs(beyond) <= SLACK:
+        return R_parent_part
+    middle, half = float(limits.low + limits.high) / 2, float(limits.high - limits.low) / 2
+    back = 1.0 - min(abs(beyond) / (math.pi - half), 1.0)
+    wanted = middle + math.copysign(half * back, beyond)
+    return np.asarray(exp_rotation(_turn_to(limits, R_parent_part, axis, wanted)) @ R_parent_part)
+
+
+def _turn_to(limits: TwistLimits, R: Array, axis: Array, twist: float) -> Array:
+    """(3,) the least turn about an axis, as a rotation vector, after which a twist is this one; or
+    where none leads there, that which comes nearest."""
+
+    def away(angles: Array) -> Array:
+        found = limits.twist(exp_rotation(np.outer(angles, axis)) @ R) - twist
+        return np.asarray(found - 2 * math.pi * np.round(found / (2 * math.pi)))
+
+    low, high, count = -math.pi, math.pi, _STEPS
+    for _ in range(_ROUNDS):
+        angles = np.linspace(low, high, count)
+        off = away(angles)
+        near = np.minimum(np.abs(off[1:]), np.abs(off[:-1])) < 1.0  # elsewhere it runs round
+        crosses = np.flatnonzero((off[1:] * off[:-1] <= 0) & near)
+        if not crosses.size:
+            return np.asarray(angles[int(np.argmin(np.abs(off)))] * axis)
+        first = min(crosses.tolist(), key=lambda k: abs(angles[k] + angles[k + 1]))
+        low, high, count = float(angles[first]), float(angles[first + 1]), _FINER
+    share = off[first] / (off[first] - off[first + 1]) if off[first] != off[first + 1] else 0.0
+    return np.asarray((low + share * (high - low)) * axis)
+
+
+def is_twisted(skeleton: Skeleton, pose: Pose, part: int) -> bool:
+    """Whether a part is turned about its own length farther than it may."""
+    limits = twist_of(skeleton.body.parts[part])
+    return limits is not None and abs(float(limits.excess(pose.Rs_parent_part[part]))) > SLACK
+
+
+def untwisted_limb(skeleton: Skeleton, pose: Pose, part: int) -> Pose:
+    """The pose with a part turned about its own length until it is allowed: its far joint stays,
+    what hangs on it bends anew so that the end stays as near as its limits let it.
+
+    The same pose where the part has no limit of twist.
+    """
+    parts, R = skeleton.body.parts, pose.Rs_parent_part[part]
+    limits, children = twist_of(parts[part]), np.flatnonzero(skeleton.parents == part)
+    if limits is None:
+        return pose
+    tried: list[tuple[float, float, Pose]] = []
+    for twist in np.linspace(limits.low, limits.high, _TRIED).tolist():
+        by = np.array([0.0, twist - float(limits.twist(R)), 0.0])
+        Rs, moved_m = pose.Rs_parent_part.copy(), 0.0
+        for child in children.tolist():
+            wanted = exp_rotation(-by) @ pose.Rs_parent_part[child]
+            Rs[child] = nearest_within(wanted, range_of(parts[child]))
+            moved_m += parts[child].shape.length_m * length((Rs[child] - wanted)[:, 1])
+        Rs[part] = R @ exp_rotation(by)
+        tried.append((moved_m, abs(twist), Pose(Rs, pose.p_camera_root)))
+    least = min(moved_m for moved_m, _, _ in tried)
+    return min((one for one in tried if one[0] <= least + SAME_M), key=lambda one: one[1])[2]
+
+
+def twist_range(context: GestureContext, part: int, drawn_m: float) -> JointRange | None:
+    """The same limits as those of a turn: of twist alone."""
+    limits = twist_allowed(context, part, drawn_m)
+    return None if limits is None else JointRange(FREE, limits)

@@ -1,0 +1,54 @@
+"""What a job is called, how far it is, and how it ended: from facts to words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+from keypose.app.jobs import Drafting, FollowingAhead
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
+
+Ending: TypeAlias = Literal["done", "cancelled", "failed"]
+
+NETWORK_SHARE = 0.9
+"""Of the time that a draft takes."""
+
+
+def spans_text(spans: Sequence[Span]) -> str:
+    """ "39–61" when the segments follow one another, else how many there are."""
+    if all(one[1] == other[0] for one, other in pairwise(spans)):
+        return f"{spans[0][0]}–{spans[-1][1]}"
+    return f"{len(spans)} segments"
+
+
+def drafting_progress(report: Drafting) -> tuple[str, float]:
+    """Words and percent. The network takes most of the time."""
+    share = report.done / max(report.expected, 1)
+    looking = report.stage == "keypoints"
+    percent = 100 * (
+        NETWORK_SHARE * share if looking else NETWORK_SHARE + (1 - NETWORK_SHARE) * share
+    )
+    verb = "Looking for the person" if looking else "Posing"
+    return f"{verb}: {report.done} of {report.expected} frames", percent
+
+
+def following_progress(report: FollowingAhead) -> tuple[str, float]:
+    """Words and percent."""
+    steps = len(report.motion) - 1
+    words = f"{steps} frames so far" if steps else "Looking for the person"
+    return words, 100 * steps / report.of
+
+
+def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:
+    """What is there of the segments that were to be tracked, now that it is over."""
+    tracks = [track for track in found if track is not None]
+    kinds = [track.kind for track in tracks]
+    if state == "cancelled" and any(track.missing for track in tracks):
+        return "finished frames are kept; Fit continues from there"
+    if state == "cancelled":
+        return "finished segments are kept" if any(kinds) else "no segment finished"
+    counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
+    names = {"check": "to check"}
+    return ", ".join(f"{count} {names.get(kind, kind)}" for kind, count in counts if count)

@@ -1,0 +1,91 @@
+"""What was found and waits for a person's answer: new sizes, the keyframes of a reduction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from keypose.app.document.open import OpenSession
+from keypose.app.document.write_lock import WriteLock
+from keypose.app.editor import actions
+from keypose.app.editor.refusal import Refused
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import ReduceOrder
+from keypose.app.store.fitter import Fitter
+from keypose.app.store.preview import WAITING
+from keypose.app.store.reduction import WAITING as REDUCTION_WAITING
+from keypose.app.store.reduction import ReductionPreview
+from keypose.app.store.state import AppState
+
+
+class Host(Protocol):
+    """Who owns the state."""
+
+    @property
+    def app_state(self) -> AppState: ...
+
+    @property
+    def opened(self) -> OpenSession | None: ...
+
+
+class Proposals:
+    """Answers to what is shown as a proposal; nothing is edited while one waits.
+
+    `change` sets fields of the host's state, `edit_to` goes on from an edited document.
+    """
+
+    def __init__(
+        self,
+        host: Host,
+        fitter: Fitter,
+        lock: WriteLock,
+        change: Callable[..., None],
+        edit_to: Callable[[EditorState], None],
+    ) -> None:
+        self._host, self._fitter, self._lock = host, fitter, lock
+        self._change, self._edit_to = change, edit_to
+
+    def require_none(self) -> None:
+        """Refused while one waits."""
+        if self._host.app_state.preview is not None:
+            raise Refused(WAITING)
+        if self._host.app_state.reduction is not None:
+            raise Refused(REDUCTION_WAITING)
+
+    def answer_sizes(self, action: actions.Previewing) -> None:
+        """Apply or discard new sizes, or choose whether poses change with them."""
+        preview, edit = self._host.app_state.preview, self._host.app_state.edit
+        if preview is None or edit is None:
+            raise Refused("There are no new sizes to answer.")
+        if isinstance(action, actions.PreviewPoses):
+            self._change(preview=preview.choosing(action.on))
+            return
+        if isinstance(action, actions.ApplySizes):
+            self._lock.require_writable()
+            edit = preview.applied_to(edit)
+        self._change(preview=None)
+        self._edit_to(edit)
+
+    def reduce(self, action: actions.Reduce) -> None:
+        """Find the keyframes of a motion; asked again, with another tolerance, find those."""
+        known = self._host.app_state.reduction
+        if known is None:
+            self.require_none()
+        order = self._fitter.ask(action).order
+        assert isinstance(order, ReduceOrder)
+        asked = known.asking(action, order.found) if known else None
+        self._change(reduction=asked or ReductionPreview(action, order.found), fit=None)
+
+    def answer_reduction(self, action: actions.ApplyReduction | actions.DiscardReduction) -> None:
+        """Apply or discard the keyframes that were found."""
+        known, edit = self._host.app_state.reduction, self._host.app_state.edit
+        opened = self._host.opened
+        if known is None or edit is None or opened is None:
+            raise Refused("There are no keyframes of a reduction to answer.")
+        if isinstance(action, actions.ApplyReduction):
+            self._lock.require_writable()
+            edit = known.applied_to(edit, opened.session_path)
+        elif known.busy:
+            self._fitter.cancel()
+        self._change(reduction=None)
+        self._edit_to(edit)

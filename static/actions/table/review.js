@@ -1,0 +1,27 @@
+// The review of the places that are least sure.
+
+import { count } from '../../controls/words.js';
+import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from '../review.js';
+
+/** @typedef {import('./action.js').Action} Action */
+
+/** @satisfies {Record<string, Action>} */
+export const REVIEW = {
+  review: {
+    label: 'Review', icon: 'flag', keys: ['Shift R'], on: isReviewing, off: whyNotReview, run: toggleReview,
+    title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
+  },
+  acceptPlace: {
+    label: 'Accept', title: 'The motion is right here', keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
+    run: () => answer('accepted'),
+  },
+  nextPlace: { label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(1) },
+  previousPlace: { label: 'Previous', keys: ['Shift N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(-1) },
+  cannotTell: {
+    label: 'Cannot tell', title: 'The picture does not show it: leave this place open and do not ask again', keys: ['Shift Enter'],
+    row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace, run: () => answer('unclear'),
+  },
+  continueReview: {
+    label: 'Continue', icon: 'flag', title: () => `Review: ${count(places().length, 'place')} left`, off: whyNotReview, run: toggleReview,
+  },
+};

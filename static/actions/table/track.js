@@ -1,0 +1,72 @@
+// Tracking, drafting, reducing; what is wrong; commands and keys.
+
+import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
+import { server, setUi } from '../../store/state.js';
+import { words } from '../../store/subject.js';
+import { count } from '../../controls/words.js';
+import { draftCount, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
+import { nextProblem, problems } from '../playhead.js';
+import { beginReduction, whyNotReduce } from '../reducing.js';
+import {
+  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged, whyNotTrackThis,
+} from '../tracking.js';
+
+/** @typedef {import('./action.js').Action} Action */
+
+/** @satisfies {Record<string, Action>} */
+export const TRACK = {
+  trackChanged: {
+    label: () => `${words().verb} changed segments`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
+    title: () => `${words().verb} ${namesOf(changedSegments())}`,
+    message: () => ({ do: 'track', what: 'changed' }),
+  },
+  trackThis: {
+    label: () => `${words().verb} this segment`, icon: 'mid', keys: ['Shift T'], off: whyNotTrackThis,
+    run: trackSegment,
+  },
+  trackAll: {
+    label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
+    off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+  },
+  trackAhead: {
+    label: 'Track ahead', icon: 'ahead', keys: ['A'], row: 'Track ahead, back', off: () => whyNotAhead('forward'),
+    title: 'Follow the body on from the last keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'forward' }),
+  },
+  trackBack: {
+    label: 'Track back', icon: 'back', keys: ['Shift A'], row: 'Track ahead, back', off: () => whyNotAhead('backward'),
+    title: 'Follow the body back from the first keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'backward' }),
+  },
+  drawBox: {
+    label: 'Draw a box around the person', icon: 'crop', keys: ['B'], row: 'Draft from a box', off: whyNotDrawBox,
+    title: 'Show which person to find: poses for every frame are drafted from it', run: () => setUi('tool', 'box'),
+  },
+  draft: {
+    label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
+    title: 'Find the person in every frame and pose the body there', message: draftMessage,
+  },
+  reduce: {
+    label: 'Reduce to keyframes…', icon: 'mid', off: whyNotReduce,
+    title: 'The fewest keyframes that give the motion back to a tolerance, between the in and the out point',
+    run: beginReduction,
+  },
+  cancel: {
+    label: 'Cancel', icon: 'x', keys: ['Escape'], handledBy: 'escape',
+    off: () => (server.job?.state === 'running' ? '' : 'Nothing is running'), message: () => ({ do: 'cancel' }),
+  },
+  live: {
+    label: () => `${words().verb} while posing`, keys: ['L'],
+    title: () => `${words().verb} the neighbouring segments each time a keyframe changes`,
+    on: () => Boolean(server.view?.live), message: () => ({ do: 'live', on: !server.view?.live }),
+  },
+  nextProblem: {
+    label: 'Next problem', keys: ['Shift N'],
+    title: (state) => ({ check: 'Go to the next segment to check', lost: 'Go to the next lost segment' })[state],
+    off: (state) => (problems(state).length ? '' : 'No segment needs attention'), run: nextProblem,
+  },
+  search: {
+    label: 'Search commands', icon: 'find', keys: ['Ctrl K'], always: true, run: () => toggleSearch(),
+  },
+  showKeys: { label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet },
+};
