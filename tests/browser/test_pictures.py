@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from keypose.app.cli.main import main
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
-from tests.browser.hands import section, until
+from tests.browser.interaction import section, until
 from tests.browser.shared import Desk, desk
 
 COPIED = """
@@ -165,11 +165,14 @@ def test_the_tables_are_those_of_the_command_line(at: Desk, tmp_path: Path) -> N
 
 def test_the_report_is_that_of_the_command_line(at: Desk, tmp_path: Path) -> None:
     saved = downloaded(at.page, tmp_path, item(at.page, "Report"))
+    until(
+        lambda: at.page.get_by_text("Saved as person-report.html").count(),
+        "the word on it, which goes again",
+    )
     assert saved.name == "person-report.html"
     out = tmp_path / "report.html"
     assert main(["report", str(at.session), "--out", str(out)]) == 0
     assert saved.read_bytes() == out.read_bytes()
-    until(lambda: at.page.get_by_text("Saved as person-report.html").count(), "the word on it")
 
 
 def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
@@ -180,8 +183,8 @@ def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
     assert motion.get_attribute("aria-disabled") == "true"
     assert "Track first" in (motion.get_attribute("title") or "")
     at.page.keyboard.press("Escape")
-    told = at.page.evaluate(MOTION)
-    assert told == "There is no motion yet: pose two keyframes and track.\n"
+    reported = at.page.evaluate(MOTION)
+    assert reported == "There is no motion yet: pose two keyframes and track.\n"
     for _ in range(3):
         at.visitor.do(do="undo")
     at.agreed("segments")
