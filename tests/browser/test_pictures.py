@@ -165,11 +165,14 @@ def test_the_tables_are_those_of_the_command_line(at: Desk, tmp_path: Path) -> N
 
 def test_the_report_is_that_of_the_command_line(at: Desk, tmp_path: Path) -> None:
     saved = downloaded(at.page, tmp_path, item(at.page, "Report"))
+    until(
+        lambda: at.page.get_by_text("Saved as person-report.html").count(),
+        "the word on it, which goes again",
+    )
     assert saved.name == "person-report.html"
     out = tmp_path / "report.html"
     assert main(["report", str(at.session), "--out", str(out)]) == 0
     assert saved.read_bytes() == out.read_bytes()
-    until(lambda: at.page.get_by_text("Saved as person-report.html").count(), "the word on it")
 
 
 def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
