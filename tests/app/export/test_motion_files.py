@@ -84,7 +84,7 @@ def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    with pytest.raises(FormatError, match="The rig smpl is for a person") as reported:
+    with pytest.raises(FormatError, match="those of a whole person") as reported:
         motion_archive("amass", edit)
     command = ["export", path, "--format", "amass", "--out", path.parent / "out"]
     assert refused(capsys, path.parent, command) == f"{reported.value}\n"
