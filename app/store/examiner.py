@@ -12,20 +12,22 @@ from keypose.tracker.errors import VideoError
 from keypose.tracker.video import Video, VideoInfo
 
 _NICENESS = 10
-_BEGINS_AFTER_S = 2.0
-"""The page that a person waits for comes first: a low priority does not free the interpreter."""
+_PAUSE_S = 2.0
+"""Before it begins: the page that a person waits for comes first, and a low priority does not free
+the interpreter. And before it looks again: reading may show that frames are numbered otherwise."""
 _SECONDS_TO_END = 5.0
 
 
 class Examiner:
-    """Decodes the whole video once, in a thread of its own; `found` receives what is damaged."""
+    """Decodes the whole video once, in a thread of its own, and again where reading numbers its
+    frames anew; `found` receives what is damaged."""
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, video: Video, found: Callable[[VideoInfo], None]
     ) -> None:
         """`found` is called on the loop, as often as more is known to be damaged or missing."""
         self._loop, self._video, self._found = loop, video, found
-        self._ended = threading.Event()
+        self._ended, self._reported = threading.Event(), video.info
         self._thread = threading.Thread(target=self._run, name="examining", daemon=True)
         self._thread.start()
 
@@ -36,26 +38,36 @@ class Examiner:
 
     def _run(self) -> None:
         _lower_priority()
-        if self._ended.wait(_BEGINS_AFTER_S):
-            return
-        try:
-            self._examine()
-        except VideoError:
-            return  # closed or gone meanwhile: whoever reads frames gets the error
+        while not self._ended.wait(_PAUSE_S):
+            try:
+                self._examine()
+            except VideoError:
+                return  # closed or gone meanwhile: whoever reads frames gets the error
 
     def _examine(self) -> None:
-        reported = self._video.info
-        for _ in self._video.examine(0, reported.frame_count - 1):
+        """What is not examined yet: at first everything, then nothing or what has become of it.
+
+        Until all of that is, what was found before still counts.
+        """
+        for _ in self._video.examine(0, self._video.info.frame_count - 1):
             if self._ended.is_set():
                 return
-            info = self._video.info
-            if (info.damaged, info.missing) != (reported.damaged, reported.missing):
-                reported = info
-                self._loop.call_soon_threadsafe(self._report, info)
+            if _unusable(self._video.info) > _unusable(self._reported):
+                self._pass_on(self._video.info)
+        if _unusable(self._video.info) != _unusable(self._reported):
+            self._pass_on(self._video.info)
+
+    def _pass_on(self, info: VideoInfo) -> None:
+        self._reported = info
+        self._loop.call_soon_threadsafe(self._report, info)
 
     def _report(self, info: VideoInfo) -> None:
         if not self._ended.is_set():
             self._found(info)
+
+
+def _unusable(info: VideoInfo) -> frozenset[int]:
+    return frozenset((*info.damaged, *info.missing))
 
 
 def _lower_priority() -> None:

@@ -186,8 +186,8 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
         part.get_by_text("No person found in 0–30.").wait_for()
         until_counted(page, "#insp .place", 1)  # what was to be confirmed is there after a restart
         screens(page, "keypoints-4-nobody")
-        part.get_by_role("button", name="Draw a box at 15").click()
-        until_state(page, "view.frame", lambda frame: frame == 15)
+        part.get_by_role("button", name="Draw a box at 30").click()
+        until_state(page, "view.frame", lambda frame: frame == 30)
         assert page.evaluate("() => window.keypose.ui.draftRange") == [0, 30]
         part.get_by_role("button", name="Draft 31 frames").wait_for()
         screens(page, "keypoints-5-box-there")

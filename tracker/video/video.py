@@ -44,6 +44,7 @@ class Video:
         self._closed = False
         self._examined: set[int] = set()
         self._damaged: set[int] = set()
+        self._numbering = 0  # how often the frames were numbered anew
         # what the source says, and the same with the damaged frames
         self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
 
@@ -136,22 +137,29 @@ class Video:
         """Find which of the frames first … last (both included) are damaged; `info` then says so.
 
         They are decoded once more, strictly, with what they are built on; those examined before
-        are left out. Yields each frame reached. Other threads may go on reading.
+        are left out. Yields each frame reached. Other threads may go on reading; where that shows
+        that the frames are numbered otherwise, it begins again.
         VideoError when there are no such frames, or the video is closed meanwhile.
         """
         self._check(first)
         self._check(last)
-        unknown = [number for number in range(first, last + 1) if number not in self._examined]
-        if not unknown:
-            return
-        for found in self._source.examine(unknown[0], unknown[-1]):
-            with self._lock:
-                self._check(found.reached)
-                self._examined.update(range(found.first, found.last + 1))
-                if not found.damaged <= self._damaged:
-                    self._damaged = self._damaged | found.damaged
-                    self._with_damaged = None
-            yield found.reached
+        while unknown := [n for n in self._numbers(first, last) if n not in self._examined]:
+            numbering = self._numbering
+            for found in self._source.examine(unknown[0], unknown[-1]):
+                with self._lock:
+                    if numbering != self._numbering:
+                        break
+                    self._check(found.reached)
+                    self._examined.update(range(found.first, found.last + 1))
+                    if not found.damaged <= self._damaged:
+                        self._damaged = self._damaged | found.damaged
+                        self._with_damaged = None
+                yield found.reached
+            else:
+                return
+
+    def _numbers(self, first: int, last: int) -> range:
+        return range(first, min(last + 1, self.info.frame_count))
 
     def note(self, index: int) -> str | None:
         """What is known to be wrong with a frame's own file, in a sentence."""
@@ -190,6 +198,7 @@ class Video:
             self._source.reindex()
             self._cache.clear()
             # the numbers of frames may be others now
+            self._numbering += 1
             self._examined, self._damaged, self._with_damaged = set(), set(), None
             return self._get(number, since)
         return self._cache.get(number)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import av
@@ -129,6 +130,21 @@ def test_everything_after_damage_is_damaged_up_to_the_next_key(broken: Path) -> 
     with Video.open(broken) as video:
         assert video.info.damaged == ()
         assert examined(video) == set(range(13, 20))
+
+
+def test_damage_is_known_also_where_reading_meanwhile_shows_a_frame_to_be_missing(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "person.mp4"
+    shutil.copy(next(sample for sample in SAMPLES if sample.name == path.name), path)
+    flip_bit(path, packet=32, byte=900)
+    with Video.open(path) as video:
+        for number in video.examine(0, 72):
+            if number > 50 and not video.info.missing:
+                assert set(video.info.damaged) == set(range(31, 48))
+                assert [n for n, picture in video.frames(31, 32) if picture is None] == [31]
+                assert video.info.missing == (31,)
+        assert set(video.info.damaged) | set(video.info.missing) == set(range(31, 48))
 
 
 def test_damage_before_the_frames_that_are_asked_for_counts(broken: Path) -> None:
