@@ -11,8 +11,14 @@ from playwright.sync_api import APIResponse, Browser, Page, Route
 
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
-from tests.browser.interaction import answered, section, settled, until
+from tests.browser.interaction import section, settled, until
 from tests.browser.shared import let_in, opened
+
+MARK_CHANGE = """async () => {
+  const { listen } = await import('/static/store/link.js');
+  listen('library', () => { document.documentElement.dataset.changed = 'yes'; });
+}"""
+"""The page shows that the server has reported a change of the sessions."""
 
 
 @pytest.fixture
@@ -74,12 +80,13 @@ def test_a_name_given_while_the_list_is_on_its_way_is_shown(work: tuple[Page, Pa
     on_its_way: list[tuple[Route, APIResponse]] = []
     page.route("**/library*", lambda route: on_its_way.append((route, route.fetch())), times=1)
     close(page)
+    page.evaluate(MARK_CHANGE)
     until(lambda: settled(page) or on_its_way, "the list with the old name")
     page.locator(".recrow .rec").focus()
     page.keyboard.press("F2")
     page.locator(".renamebox").fill("First try")
     page.keyboard.press("Enter")
-    answered(page)
+    page.wait_for_selector("html[data-changed]", state="attached")
     assert load_session(session).title == "First try"
     [(route, old)] = on_its_way
     route.fulfill(response=old)
