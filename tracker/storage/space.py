@@ -70,6 +70,7 @@ def solved(
         stances=[*feet, *free],
         pinned=[True] * len(feet) + [False] * len(free),
         keyframes=exact,
+        soft=problem.soft,
         up_camera=up,
         floor_m=found.floor_m if session.floor_m is None else session.floor_m,
     )

@@ -36,6 +36,7 @@ class Judged:
     camera: without distortion.  motion: in space.  tracked: the same before the last solve, which
         meets all keyframes.
     stances: ranges over which a foot stands still, pinned or not.  pinned: which of them are.
+    keyframes: frames whose pose is met exactly; soft: those met nearly.
     up_camera: unit vector; None where up is not known.  floor_m: the floor's height along it.
     """
 
@@ -49,6 +50,7 @@ class Judged:
     keyframes: Collection[int]
     up_camera: Array | None
     floor_m: float | None
+    soft: Collection[int] = ()
 
     def places(self, stance: Pin, motion: Trajectory) -> Array:
         """(n, K, 3) of a stance's points over its frames."""
@@ -129,7 +131,7 @@ def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
 def _twisted(judged: Judged) -> Iterator[SpaceFinding]:
     """Arms and legs that a keyframe turns about their own length farther than a body can."""
     limits = Limits.of(judged.skeleton.body)
-    for frame in sorted(judged.keyframes):
+    for frame in sorted((*judged.keyframes, *judged.soft)):
         excess, _ = limits.excess(judged.tracked.pose(frame).Rs_parent_part)
         for part in np.flatnonzero(np.abs(excess[:, 3]) > TWISTED_RAD).tolist():
             yield SpaceFinding(

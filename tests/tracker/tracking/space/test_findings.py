@@ -163,5 +163,7 @@ def test_an_arm_turned_half_round_at_a_keyframe_is_told_and_where(
     twisted = [one for one in found if one.kind == "twisted"]
     assert [(one.part, one.go) for one in twisted] == [("right_upper_arm", 30)] * told
     assert all(np.degrees(one.amount) == pytest.approx(-45.0, abs=8.0) for one in twisted)
+    soft = findings(person, motion, keyframes=(0, 60), soft=(30,))
+    assert [one for one in soft if one.kind == "twisted"] == twisted
     elsewhere = findings(person, motion, keyframes=(0, 29, 60))
     assert [one for one in elsewhere if one.kind == "twisted"] == []
