@@ -42,6 +42,14 @@ const SIZE = `Hold D and drag the point between the arrows until head and feet m
  * @property {boolean} [byHand]  It may be left for posing by hand.
  */
 
+/** @type {Step} */
+const KEY = {
+  name: 'key',
+  word: 'Key',
+  title: 'Press K',
+  text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
+};
+
 /** @type {Step[]} */
 const BY_HAND = [
   {
@@ -99,12 +107,7 @@ const BY_HAND = [
       the wrong way, rotate it at the waist first (red ring).`,
     choices: [{ label: 'Rotate the waist', title: 'Show the rotation rings of the waist', act: turnWaist }],
   },
-  {
-    name: 'key',
-    word: 'Key',
-    title: 'Press K',
-    text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
-  },
+  KEY,
 ];
 
 /** @type {Step[]} */
@@ -137,12 +140,7 @@ const OF_THING = [
     text: `Drag the rings. The corners of a box can also be dragged to where the picture shows them (V): four
       give its whole pose.`,
   },
-  {
-    name: 'key',
-    word: 'Key',
-    title: 'Press K',
-    text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
-  },
+  KEY,
 ];
 
 /** @type {Step[]} */
