@@ -141,7 +141,7 @@ def swap_sides(state: EditorState) -> Session:
 def untwist(state: EditorState, action: do.Untwist) -> Session:
     """A limb turned back about its own length, its joints where they are."""
     pose, part = shown_pose(state).pose, state.doc.body.index(action.part)
-    if not is_twisted(state.skeleton, pose, part):
+    if not is_twisted(state.doc.body.parts[part], pose.Rs_parent_part[part]):
         raise Refused(f"{part_label(action.part)} is not turned too far about its length.")
     return _with_pose(state, untwisted_limb(state.skeleton, pose, part))
 

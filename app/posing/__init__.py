@@ -27,6 +27,7 @@ from keypose.app.posing.gesture import (
 from keypose.app.posing.handles import BodyHandle, handle_named, handles, lanes
 from keypose.app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
 from keypose.app.posing.labels import axis_labels, part_label, short_label
+from keypose.app.posing.limits import is_twisted
 from keypose.app.posing.mirroring import mirror_pose, with_other_side
 from keypose.app.posing.picking import outline, parts_at
 from keypose.app.posing.placing import opening_pose
@@ -40,7 +41,7 @@ from keypose.app.posing.resizing import (
     with_size,
 )
 from keypose.app.posing.swapping import swap_left_right
-from keypose.app.posing.untwisting import is_twisted, untwisted_limb
+from keypose.app.posing.untwisting import untwisted_limb
 from keypose.app.posing.upright import (
     CAMERA_UP,
     eye_rotation,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from keypose.app.posing.limits import (
     FREE,
@@ -16,6 +15,7 @@ from keypose.app.posing.limits import (
     box_of,
     fitting,
     furthest_share,
+    is_twisted,
     nearest_within,
     range_of,
     triples,
@@ -47,7 +47,7 @@ def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None
     plain[0] = _more_upright(both[0])
     for i, part in enumerate(skeleton.body.parts):
         box, R = box_of(part), pose.Rs_parent_part[i]
-        if _is_twisted(part, R):
+        if is_twisted(part, R):  # no triple in the box shows it, the other one does
             plain[i] = _more_upright(both[i])
         elif box is not None and beyond(plain[i], box) > SLACK:
             plain[i] = fitting(R, box)
@@ -70,17 +70,8 @@ def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
         out = beyond(boxed, box)
         inner = np.where((out[:, 1] < out[:, 0] - SLACK)[:, None], boxed[:, 1], boxed[:, 0])
         plain = np.where((beyond(plain, box) > SLACK)[:, None], inner, plain)
-    twisted = _is_twisted(part, Rs_parent_part)
+    twisted = is_twisted(part, Rs_parent_part)
     return np.degrees(np.where(twisted[:, None], _more_upright(both), plain)) + 0.0
-
-
-def _is_twisted(part: Part, rotations: Array) -> NDArray[np.bool_]:
-    """(...) Whether rotations (..., 3, 3) are twisted beyond the limit: a triple in the box would
-    not tell it, the other one does by the angle about the length."""
-    limits = twist_of(part)
-    if limits is None:
-        return np.zeros(rotations.shape[:-2], dtype=np.bool_)
-    return np.asarray(np.abs(limits.excess(rotations)) > SLACK)
 
 
 def _more_upright(both: Array) -> Array:

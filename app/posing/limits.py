@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Part
 from keypose.tracker.body.twist import TwistLimits
@@ -71,6 +72,14 @@ def box_of(part: Part) -> Array | None:
 def twist_of(part: Part) -> TwistLimits | None:
     """The limits of a part's twist."""
     return None if part.twist is None else TwistLimits.of([part]).one(0)
+
+
+def is_twisted(part: Part, rotations: Array) -> NDArray[np.bool_]:
+    """(...) Whether rotations (..., 3, 3) turn a part about its own length farther than it may."""
+    limits = twist_of(part)
+    if limits is None:
+        return np.zeros(rotations.shape[:-2], dtype=np.bool_)
+    return np.asarray(np.abs(limits.excess(rotations)) > SLACK)
 
 
 def range_of(part: Part) -> JointRange | None:
@@ -139,7 +148,7 @@ def furthest_share(path: Callable[[Array], Array], angle: float, allowed: JointR
         shares = np.linspace(low, high, count)
         outside = allowed.beyond(path(shares)) > SLACK
         if not outside.any():
-            return high if high == 1.0 else low
+            return high
         first = int(np.argmax(outside))
         if first == 0:
             return low

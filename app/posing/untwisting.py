@@ -82,12 +82,6 @@ def _turn_to(limits: TwistLimits, R: Array, axis: Array, twist: float) -> Array:
     return np.asarray((low + share * (high - low)) * axis)
 
 
-def is_twisted(skeleton: Skeleton, pose: Pose, part: int) -> bool:
-    """Whether a part is turned about its own length farther than it may."""
-    limits = twist_of(skeleton.body.parts[part])
-    return limits is not None and abs(float(limits.excess(pose.Rs_parent_part[part]))) > SLACK
-
-
 def untwisted_limb(skeleton: Skeleton, pose: Pose, part: int) -> Pose:
     """The pose with a part turned about its own length until it is allowed: its far joint stays,
     what hangs on it bends anew so that the end stays as near as its limits let it.
@@ -113,6 +107,6 @@ def untwisted_limb(skeleton: Skeleton, pose: Pose, part: int) -> Pose:
 
 
 def twist_range(context: GestureContext, part: int, drawn_m: float) -> JointRange | None:
-    """The same limits as those of a turn: of twist alone."""
+    """The limits of `twist_allowed` as a range without a box; None where none count."""
     limits = twist_allowed(context, part, drawn_m)
     return None if limits is None else JointRange(FREE, limits)

@@ -3,7 +3,7 @@ they are marked.
 
 A bone is mirrored that points toward the camera where the rough joints of the four views have it
 point away, or the other way about, each steeper than what is taken to be in the picture's plane. A
-limb is marked where it is doubted by half or more, and proposed where a person is told to look.
+limb is marked where it is doubted by half or more, and proposed where a person is asked to look.
 """
 
 from __future__ import annotations

@@ -93,11 +93,11 @@ class Proxy:
 @contextmanager
 def proxy() -> Iterator[Proxy]:
     """A proxy, while it is needed."""
-    laid = Proxy()
+    relay = Proxy()
     try:
-        yield laid
+        yield relay
     finally:
-        laid.remove()
+        relay.remove()
 
 
 def _head(line: socket.socket) -> bytes:

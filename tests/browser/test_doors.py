@@ -175,15 +175,15 @@ def test_a_page_of_another_server_on_this_computer_is_refused(
 @pytest.fixture(scope="module")
 def far(browser: Browser, doors: Doors) -> Iterator[tuple[BrowserContext, Proxy]]:
     """A browser that was let in, too, whose names lead where they are told."""
-    with proxy() as laid, let_in(browser, drawn=False, proxy={"server": laid.address}) as context:
+    with proxy() as relay, let_in(browser, drawn=False, proxy={"server": relay.address}) as context:
         opened(context, doors.keypose).close()
-        yield context, laid
+        yield context, relay
 
 
 @pytest.mark.usefixtures("untouched")
 def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext, Proxy]) -> None:
-    context, laid = far
-    laid.lead("attacker.test", f"127.0.0.1:{doors.other_site.port}")
+    context, relay = far
+    relay.lead("attacker.test", f"127.0.0.1:{doors.other_site.port}")
     hostile = visiting(context, "http://attacker.test/")
     assert all_refused(hostile.evaluate(ATTEMPTS, [doors.keypose.origin, None]))
     assert cannot_frame(hostile, doors.keypose.origin)
@@ -194,11 +194,11 @@ def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext
 def test_a_name_that_suddenly_leads_here_is_refused(
     doors: Doors, far: tuple[BrowserContext, Proxy]
 ) -> None:
-    context, laid = far
+    context, relay = far
     host = f"attacker.test:{doors.keypose.port}"
-    laid.lead(host, f"127.0.0.1:{doors.other_site.port}")
+    relay.lead(host, f"127.0.0.1:{doors.other_site.port}")
     hostile = visiting(context, f"http://{host}/")
-    laid.lead(host, doors.keypose.host)
+    relay.lead(host, doors.keypose.host)
     words = "The request names another host than this server.\n"
     assert all_refused(hostile.evaluate(ATTEMPTS, [f"http://{host}", None]), words)
     answer = hostile.goto(f"http://{host}/?token={doors.keypose.token}")

@@ -93,28 +93,32 @@ class Held:
     def hold(self, line: WebSocketRoute) -> None:
         server = line.connect_to_server()
 
-        def say(said: str | bytes) -> None:
-            if "ask" in (message := json.loads(said)):
+        def from_page(sent: str | bytes) -> None:
+            if "ask" in (message := json.loads(sent)):
                 self.asked.add(message["id"])
-            server.send(said)
+            server.send(sent)
 
-        def tell(told: str | bytes) -> None:
-            message = json.loads(told)
+        def from_server(received: str | bytes) -> None:
+            message = json.loads(received)
             if message["t"] == "reply":
-                self.replies[message["id"]] = lambda: line.send(told)
+                self.replies[message["id"]] = lambda: line.send(received)
             else:
-                line.send(told)
+                line.send(received)
 
-        line.on_message(say)
-        server.on_message(tell)
+        line.on_message(from_page)
+        server.on_message(from_server)
 
     def let_through(self, page: Page) -> None:
-        """All replies to what was asked until now."""
+        """All replies to what was asked until now, which is something."""
         settled(page)
-        until(lambda: settled(page) or self.asked == self.replies.keys(), "the replies")
+        until(lambda: settled(page) or self._is_answered, "the replies")
         for number in sorted(self.asked):
             self.replies.pop(number)()
         self.asked.clear()
+
+    @property
+    def _is_answered(self) -> bool:
+        return bool(self.asked) and self.asked == self.replies.keys()
 
 
 def test_a_menu_whose_place_is_known_late_does_not_open_over_what_is_done_meanwhile(
@@ -129,7 +133,7 @@ def test_a_menu_whose_place_is_known_late_does_not_open_over_what_is_done_meanwh
         if acts_meanwhile:
             page.keyboard.press("ArrowRight")
         held.let_through(page)
-        if acts_meanwhile:  # what is told in answer to this comes after the replies
+        if acts_meanwhile:  # what answers this comes after the replies
             page.keyboard.press("ArrowRight")
             until_state(page, "view.frame", lambda frame: frame == 2)
         until_counted(page, "#tmenu .menu", 0 if acts_meanwhile else 1)

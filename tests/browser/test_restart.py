@@ -85,10 +85,10 @@ def work(browser: Browser, tmp_path: Path) -> Iterator[Work]:
     )
     keypose = Keypose(str(tmp_path / "person" / "session.json"), *_workspace(tmp_path))
     with (
-        proxy() as laid,
-        let_in(browser, drawn=False, proxy={"server": laid.address}) as context,
+        proxy() as relay,
+        let_in(browser, drawn=False, proxy={"server": relay.address}) as context,
     ):
-        at = Work(tmp_path, laid, keypose, context, opened(context, keypose))
+        at = Work(tmp_path, relay, keypose, context, opened(context, keypose))
         yield at
         code, words = at.keypose.end()
     assert code == 0, words

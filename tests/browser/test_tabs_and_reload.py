@@ -60,14 +60,14 @@ def wired(
 ) -> Iterator[tuple[Desk, Proxy]]:
     """A page whose line to the server can be cut, with viser's pictures."""
     with (
-        proxy() as laid,
+        proxy() as relay,
         served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
-        let_in(browser, drawn=True, proxy={"server": laid.address}) as context,
+        let_in(browser, drawn=True, proxy={"server": relay.address}) as context,
     ):
         visitor = Visitor(keypose)
         page = opened(context, keypose)
         until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
-        yield Desk(page, visitor, keypose, session), laid
+        yield Desk(page, visitor, keypose, session), relay
         visitor.leave()
 
 

@@ -26,15 +26,15 @@ test('a draft says which frames it found, and where nobody was', () => {
   assert.equal(draftedWords(found(179, 149, [[0, 30]])), 'Drafted 31–179.');
   assert.equal(draftedWords(found(179, 170, [[170, 179]])), 'Drafted 0–169.');
   assert.equal(draftedWords(found(9, 7, [[3, 4], [6, 6]])), 'Drafted 7 of 10 frames.');
-  const told = (...missing) => {
+  const reported = (...missing) => {
     server.draft = found(179, 100, missing);
     return nobodyWords();
   };
-  assert.equal(told(), '');
-  assert.equal(told([0, 30]), 'No person found in 0–30.');
-  assert.equal(told([0, 30], [96, 96]), 'No person found in 0–30 and 96.');
-  assert.equal(told([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 5–6, 8–9 and 2 more places.');
-  assert.equal(told([0, 1], [3, 9], [170, 179]), 'No person found in 170–179, 3–9 and 0–1.');
+  assert.equal(reported(), '');
+  assert.equal(reported([0, 30]), 'No person found in 0–30.');
+  assert.equal(reported([0, 30], [96, 96]), 'No person found in 0–30 and 96.');
+  assert.equal(reported([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 5–6, 8–9 and 2 more places.');
+  assert.equal(reported([0, 1], [3, 9], [170, 179]), 'No person found in 170–179, 3–9 and 0–1.');
 });
 
 test('a box is asked for in the middle of a gap, or where somebody was seen last', () => {

@@ -68,7 +68,7 @@ def opensim(report: Report) -> None:
             _row(table, name, followed(skeleton, motion, fps, marker_set, model))
     report.note(
         "halpe26 has its three markers of the pelvis in one line: how the trunk is bent against it "
-        "is told by motion.mot, softly"
+        "comes from motion.mot, softly"
     )
 
 

@@ -1,12 +1,12 @@
 """Left and right over a whole stretch, without a keyframe that says which is which.
 
-Arms and legs stand in each frame in one of three ways: as told; exchanged; or with their outer
+Arms and legs stand in each frame in one of three ways: as detected; exchanged; or with their outer
 joints exchanged in the picture alone. That last a network does where one leg passes before the
 other: hips, depths and visibility stay with their side, knees and feet are seen on the other one's.
 What joints jump from frame to frame, in the picture and in depth, is least along one way through
 these states, found by dynamic programming. The left shoulder and the left hip are on one side of a
-body, and most of what is told is right. Where both legs coincide the way may still be wrong: so it
-stands beside what was told, and all terms of the poses decide between the two.
+body, and most of what is detected is right. Where both legs coincide the way may still be wrong: so
+it stands beside what was detected, and all terms of the poses decide between the two.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _LEGS += [POINTS.index(f"{side}_{end}") for end in ("heel", "foot_index") for si
 """From the trunk outward, left and right beside each other."""
 
 Way: TypeAlias = Literal[0, 1, 2]
-"""As told, exchanged, or the outer joints exchanged in the picture alone."""
+"""As detected, exchanged, or the outer joints exchanged in the picture alone."""
 WAYS: Final[tuple[Way, ...]] = get_args(Way)
 EXCHANGED, OUTER = WAYS[1:]
 _STATES = np.array(list(product(WAYS, repeat=2)))

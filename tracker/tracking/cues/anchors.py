@@ -247,8 +247,8 @@ def _anchors(
     uv = seen.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
     by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
-    told = known & ~by_hand
-    jumped = told & jumped_away(uv, known, height)  # in the picture: depth stays with its side
+    detected = known & ~by_hand
+    jumped = detected & jumped_away(uv, known, height)  # in the picture: depth stays with its side
     visibility = np.where(known & ~jumped, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
@@ -256,7 +256,7 @@ def _anchors(
     ]
     if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
-    scale = np.where(told & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
+    scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
     loose = np.array([seen.names[k] in FACE for k in index])
@@ -268,7 +268,7 @@ def _anchors(
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND * height)
     return Anchors(
-        where, parts, uv, scale, depth, depth_scale * told, visibility, height, joints, exact
+        where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact
     )
 
 

@@ -152,16 +152,16 @@ def test_in_a_few_frames_nothing_is_found(person: Scene, frames: int) -> None:
     assert findings(few, few.truth) == ()
 
 
-@pytest.mark.parametrize(("degrees", "told"), [(0.0, False), (135.0, False), (-170.0, True)])
+@pytest.mark.parametrize(("degrees", "reported"), [(0.0, False), (135.0, False), (-170.0, True)])
 def test_an_arm_turned_half_round_at_a_keyframe_is_told_and_where(
-    person: Scene, degrees: float, told: bool
+    person: Scene, degrees: float, reported: bool
 ) -> None:
     Rs, arm = person.truth.Rs_parent_part.copy(), person.skeleton.body.index("right_upper_arm")
     Rs[30, arm] = Rs[30, arm] @ exp_rotation(np.array([0.0, np.radians(degrees), 0.0]))
     motion = Trajectory(0, Rs, person.truth.ps_camera_root)
     found = findings(person, motion, keyframes=(0, 30, 60))
     twisted = [one for one in found if one.kind == "twisted"]
-    assert [(one.part, one.go) for one in twisted] == [("right_upper_arm", 30)] * told
+    assert [(one.part, one.go) for one in twisted] == [("right_upper_arm", 30)] * reported
     assert all(np.degrees(one.amount) == pytest.approx(-45.0, abs=8.0) for one in twisted)
     soft = findings(person, motion, keyframes=(0, 60), soft=(30,))
     assert [one for one in soft if one.kind == "twisted"] == twisted
