@@ -12,8 +12,8 @@ from typing import Any
 from keypose.app.jobs.wire import receive, send
 from keypose.app.jobs.worker import work
 
-NICENESS = 19
-"""The page's server goes first."""
+NICENESS = 5
+"""The page's server goes first, yet beside other busy programs a track still gets its share."""
 PATIENCE_S = 0.3
 """For a process that was asked to end; then it is ended."""
 

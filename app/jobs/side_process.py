@@ -23,7 +23,7 @@ from keypose.tracker.errors import KeyposeError
 Progress: TypeAlias = Callable[[int, int], None]
 """Receives how many of how many are done."""
 
-NICENESS = 10
+NICENESS = 3
 """After the page's server, before the tracker: somebody waits for it."""
 
 
