@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import Desk, let_in
+from tests.browser.shared import Desk, close_office, let_in
 
 
 @pytest.fixture(scope="package")
@@ -29,6 +29,7 @@ def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
         yield chromium
+        close_office(chromium)
         chromium.close()
 
 

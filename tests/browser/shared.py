@@ -5,9 +5,9 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from playwright.sync_api import Browser, BrowserContext, Page
 
@@ -17,15 +17,33 @@ from tests.browser.late import new_context
 
 SIZE = (1280, 720)
 
+_WITHOUT_PICTURES = """
+(() => {
+  const usual = Object.getOwnPropertyDescriptor(HTMLIFrameElement.prototype, 'src');
+  Object.defineProperty(HTMLIFrameElement.prototype, 'src', {
+    ...usual,
+    set(address) {
+      usual.set.call(this, String(address).startsWith('/view/') ? 'about:blank' : address);
+    },
+  });
+})()
+"""
+"""Viser's pages are not asked for. In the page itself: were its requests intercepted, each of the
+hundreds of a page would pass through the test, and none would be kept by the browser."""
+
+
+def copied(folder: Path) -> Path:
+    """The session file of a copy of the person sample, its video beside it."""
+    folder.mkdir(parents=True)
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, folder)
+    return folder / "session.json"
+
 
 @contextmanager
 def served(folder: Path) -> Iterator[tuple[Keypose, Path]]:
     """A server of the person sample, and the session's file. It must end without a stumble."""
-    place = folder / "person"
-    place.mkdir()
-    for name in ("person.mp4", "session.json"):
-        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
-    session = place / "session.json"
+    session = copied(folder / "person")
     keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
     try:
         yield keypose, session
@@ -42,20 +60,31 @@ def let_in(
     """A browser of its own, in which no script may fail. Its pages do without viser's pictures,
     which software draws slowly, unless a test or a person is to see them."""
     viewport = {"width": size[0], "height": size[1]}
-    context = new_context(browser, viewport=viewport, **more)
-    complaints: list[str] = []
-    context.on("weberror", lambda error: complaints.append(str(error.error)))
-    if not (drawn or PICTURES):
-        empty = "<!doctype html><title>no picture</title>"
-        context.route("**/view/*", lambda route: route.fulfill(body=empty))
+    context, complaints = new_watched_context(browser, drawn=drawn, viewport=viewport, **more)
     yield context
     context.close()
     assert not complaints, complaints
 
 
+def new_watched_context(
+    browser: Browser, *, drawn: bool, **more: Any
+) -> tuple[BrowserContext, list[str]]:
+    """A browser of its own, and the list of what its scripts fail with."""
+    context = new_context(browser, **more)
+    complaints: list[str] = []
+    context.on("weberror", lambda error: complaints.append(str(error.error)))
+    if not (drawn or PICTURES):
+        context.add_init_script(_WITHOUT_PICTURES)
+    return context, complaints
+
+
 def opened(context: BrowserContext, keypose: Keypose) -> Page:
     """One more tab with the page, ready for use."""
-    page = context.new_page()
+    return opened_in(context.new_page(), keypose)
+
+
+def opened_in(page: Page, keypose: Keypose) -> Page:
+    """The page in an empty tab, ready for use."""
     page.goto(keypose.address)
     page.wait_for_selector("html[data-ready]", state="attached")
     page.wait_for_selector("#main canvas.vid[data-frame]")
@@ -118,6 +147,64 @@ class Desk:
         settled(page)
 
 
+@dataclass
+class Office:
+    """One server for the desks of many modules, one after the other, and a browser that keeps the
+    page's files: to start both anew costs more than most modules' tests."""
+
+    folder: Path
+    keypose: Keypose
+    browser: Browser
+    contexts: dict[bool, tuple[BrowserContext, list[str]]] = field(default_factory=dict)
+
+    @classmethod
+    def opened(cls, browser: Browser, folder: Path) -> Self:
+        """With a session, whose folder is the one that the others can be opened in."""
+        session = copied(folder)
+        keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
+        return cls(folder, keypose, browser)
+
+    @contextmanager
+    def desk(self, name: str, *, size: tuple[int, int], late: bool) -> Iterator[Desk]:
+        """A page with a session of its own; there is one desk at a time."""
+        session = copied(self.folder / name / "person")
+        visitor = Visitor(self.keypose)
+        # The folder that Keypose runs in is 0, that of the session it was begun with 1.
+        visitor.do(do="open", kind="file", id=f"1/{name}/person/{session.name}")
+        visitor.until(lambda: (visitor.seen["file"] or {}).get("path") == str(session))
+        context, complaints = self._context(late)
+        page = context.new_page()
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        yield Desk(opened_in(page, self.keypose), visitor, self.keypose, session)
+        page.evaluate("() => localStorage.clear()")
+        for each in context.pages:
+            each.close()
+        visitor.leave()
+        assert not complaints, complaints
+
+    def close(self) -> None:
+        """It must end without a stumble."""
+        for context, _ in self.contexts.values():
+            context.close()
+        code, words = self.keypose.end()
+        assert code == 0, words
+        assert "Traceback" not in words, words
+
+    def _context(self, late: bool) -> tuple[BrowserContext, list[str]]:
+        if late not in self.contexts:
+            self.contexts[late] = new_watched_context(self.browser, drawn=False, late=late)
+        return self.contexts[late]
+
+
+_offices: dict[Browser, Office] = {}
+
+
+def close_office(browser: Browser) -> None:
+    """The server and the pages of all desks of this browser, where there are any."""
+    if browser in _offices:
+        _offices.pop(browser).close()
+
+
 @contextmanager
 def desk(
     browser: Browser,
@@ -126,8 +213,19 @@ def desk(
     drawn: bool = False,
     size: tuple[int, int] = SIZE,
     late: bool = True,
+    own: bool = False,
 ) -> Iterator[Desk]:
-    """A page to work at, with everything that belongs to it."""
+    """A page to work at, with everything that belongs to it.
+
+    own: with a server that nobody else has, for what is done to the server itself, or beside
+    another desk.
+    """
+    if not (own or drawn):
+        if browser not in _offices:
+            _offices[browser] = Office.opened(browser, folder.parent / "office")
+        with _offices[browser].desk(folder.name, size=size, late=late) as made:
+            yield made
+        return
     with (
         served(folder) as (keypose, session),
         let_in(browser, drawn=drawn, size=size, late=late) as context,

@@ -99,7 +99,7 @@ def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
 def test_the_guide_closes_when_a_session_is_opened_that_has_keyframes(
     browser: Browser, tmp_path: Path
 ) -> None:
-    with desk(browser, tmp_path) as own:
+    with desk(browser, tmp_path, own=True) as own:
         page = own.page
         page.keyboard.press("?")
         page.get_by_text("Show the first-pose guide").click()

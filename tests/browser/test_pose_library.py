@@ -15,7 +15,7 @@ SIZE = (1440, 900)
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("poses"), size=SIZE) as made:
+    with desk(browser, tmp_path_factory.mktemp("poses"), size=SIZE, own=True) as made:
         yield made
 
 

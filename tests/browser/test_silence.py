@@ -17,7 +17,7 @@ REACH_PX = 3.0
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("silence")) as made:
+    with desk(browser, tmp_path_factory.mktemp("silence"), own=True) as made:
         yield made
 
 

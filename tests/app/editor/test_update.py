@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -274,6 +274,7 @@ def test_between_keyframes_the_pose_is_interpolated_and_outside_held() -> None:
 ANY_EDIT = st.sampled_from([*EDITS, {"do": "undo"}, {"do": "redo"}, {"do": "go", "frame": 24}])
 
 
+@settings(max_examples=30)  # of a dozen edits each, some of which take a tenth of a second
 @given(st.lists(ANY_EDIT, max_size=12))
 def test_undoing_everything_leads_back_to_the_beginning(edits: list[dict[str, Any]]) -> None:
     start = desk()

@@ -4,6 +4,7 @@ differences, whichever poses are unknown."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -96,20 +97,14 @@ def test_poses_move_along_their_own_axes_and_stay_rotations(turn_rad: float) -> 
 # --- jerk
 
 
-@SIZES
-@UNKNOWN
-def test_the_gradient_of_jerk_is_that_of_its_cost(turn_rad: float, unknown: slice) -> None:
-    link, at = jerk(), motion(turn_rad)
-    _, b = link.equations(at, unknown)
-    expected = difference(link.cost, at)[unknown]
-    np.testing.assert_allclose(b, expected, atol=1e-6 * np.abs(expected).max())
+@cache
+def _slope_of_jerk(turn_rad: float) -> Floats:
+    return difference(jerk().cost, motion(turn_rad))
 
 
-@SIZES
-@UNKNOWN
-def test_the_equations_of_jerk_are_the_products_of_its_slopes(
-    turn_rad: float, unknown: slice
-) -> None:
+@cache
+def _slopes_of_jerk(turn_rad: float) -> Floats:
+    """(N D, ·) what every motion of every pose does to the residuals."""
     link, at = jerk(), motion(turn_rad)
     rows = []
     for j in range(FRAMES):
@@ -118,7 +113,24 @@ def test_the_equations_of_jerk_are_the_products_of_its_slopes(
             x[j, d] = 1e-6
             ahead, behind = (link.of(moved_poses(SKELETON, at, s * x)) for s in (1, -1))
             rows.append(((ahead - behind) / 2e-6 / link.sigma[:, None]).ravel())
-    J = np.array(rows)
+    return np.array(rows)
+
+
+@SIZES
+@UNKNOWN
+def test_the_gradient_of_jerk_is_that_of_its_cost(turn_rad: float, unknown: slice) -> None:
+    link, at = jerk(), motion(turn_rad)
+    _, b = link.equations(at, unknown)
+    expected = _slope_of_jerk(turn_rad)[unknown]
+    np.testing.assert_allclose(b, expected, atol=1e-6 * np.abs(expected).max())
+
+
+@SIZES
+@UNKNOWN
+def test_the_equations_of_jerk_are_the_products_of_its_slopes(
+    turn_rad: float, unknown: slice
+) -> None:
+    link, at, J = jerk(), motion(turn_rad), _slopes_of_jerk(turn_rad)
     of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
     banded, _ = link.equations(at, unknown)
     assert banded.shape == (4 * DOFS, len(of))
@@ -161,15 +173,20 @@ def _even(at: Trajectory) -> Link:
     return Smoothness(SKELETON, wanted + off, rng.uniform(1, 9e4, wanted.shape), SQUARED)
 
 
+@cache
+def _slope_of_small_steps(make: Callable[[Trajectory], Link]) -> Floats:
+    at = motion(1e-4, shift_m=1e-4)
+    return difference(make(at).cost, at)
+
+
 @UNKNOWN
 @pytest.mark.parametrize("make", [_steps, _even], ids=["steps", "evenness"])
 def test_links_have_the_gradient_of_small_steps(
     make: Callable[[Trajectory], Link], unknown: slice
 ) -> None:
     at = motion(1e-4, shift_m=1e-4)
-    link = make(at)
-    _, b = link.equations(at, unknown)
-    expected = difference(link.cost, at)[unknown]
+    _, b = make(at).equations(at, unknown)
+    expected = _slope_of_small_steps(make)[unknown]
     np.testing.assert_allclose(b, expected, atol=2e-3 * np.abs(expected).max())
 
 
