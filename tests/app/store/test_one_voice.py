@@ -122,7 +122,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     problems = suggested = 0
     for seed in range(STATES):
         state = some_state(seed)
-        reported = Told(state, seed)
+        reported = ReportedScene(state, seed)
         for segment in reported.segments:
             if segment["go"] is not None:
                 problems += 1
@@ -134,7 +134,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     assert suggested > STATES / 2
 
 
-class Told:
+class ReportedScene:
     """What the page is told of a state."""
 
     def __init__(self, state: AppState, seed: int) -> None:
