@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.ahead import Direction
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.body_points import BodyPoints

@@ -19,7 +19,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares

@@ -32,9 +32,10 @@ from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.fitting.draft.sizes import with_proportions
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Box
+from keypose.tracker.keypoints.stretch import Looks
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
