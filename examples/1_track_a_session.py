@@ -1,4 +1,4 @@
-"""Track a clip, hear how it went and read joints off: `python examples/1_track_a_session.py`."""
+"""Track a clip, see how it went and read joints off: `python examples/1_track_a_session.py`."""
 
 from pathlib import Path
 

@@ -52,6 +52,22 @@ def read_regular(path: Path, most_bytes: int) -> bytes:
         return _read_at_most(path, file, most_bytes)
 
 
+def read_named(path: Path, most_bytes: int, kind: str, error: type[Exception]) -> bytes:
+    """All of a file that somebody named; where there is none to read, `error` in one sentence that
+    calls it by its kind, such as "session file"."""
+    try:
+        if path.is_dir():
+            raise error(f"{str(path)!r} is a folder; name the {kind} in it.")
+        return read_regular(path, most_bytes)
+    except TooLarge:
+        raise error(f"{str(path)!r} is too large to be a {kind}.") from None
+    except FileNotFoundError:
+        raise error(f"There is no {kind} {str(path)!r}.") from None
+    except (OSError, ValueError) as reason:  # ValueError: a NUL character in the name
+        why = getattr(reason, "strerror", None) or reason
+        raise error(f"The {kind} {str(path)!r} cannot be read: {why}.") from None
+
+
 def read_head(path: Path, most_bytes: int) -> bytes:
     """The first bytes of a file, however long it is. OSError as `open_regular`."""
     with open_regular(path) as file:

@@ -15,7 +15,7 @@ def add_camera(command: argparse.ArgumentParser) -> None:
         "--camera",
         action="store_true",
         help="the file holds a camera that stands still: .json or .chan as export writes them, "
-        ".glb or .gltf; sets the lens, what is up and, where the file tells it, the floor",
+        ".glb or .gltf; sets the lens, what is up and, where the file has it, the floor",
     )
 
 

@@ -37,7 +37,7 @@ def add(commands: Subcommands) -> None:
         "The motion that was tracked, drafted or imported becomes keyframes: no fewer of its poses "
         "lead, interpolated, to every joint and side of the body within the tolerance. Your own "
         "keyframes stay. What lay between is kept beside the session, and tracking starts from it: "
-        "with a large tolerance there are few keyframes, and the film tells the rest again."
+        "with a large tolerance there are few keyframes, and tracking finds the rest again."
     )
     command = add_command(commands, "reduce", run, summary, details, _EXAMPLES)
     add_session(command)

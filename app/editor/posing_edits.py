@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.app.editor import actions as do
+from keypose.app.editor.angle_curve import angle_curve
 from keypose.app.editor.body_edits import with_body
 from keypose.app.editor.documents import posed
 from keypose.app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
@@ -168,9 +169,10 @@ def turn_key(state: EditorState, action: do.KeyAngle) -> Session:
     if found is None:
         raise Refused(f"Frame {action.frame} is not a keyframe.")
     wanted = {action.axis: action.deg}
+    shown_deg = angle_curve(state, state.doc.body.index(action.part))[action.frame]
     pose = with_angles(
         state.skeleton, found.pose(state.skeleton), action.part,
-        wanted.get("x"), wanted.get("y"), wanted.get("z"),
+        wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
     )  # fmt: skip
     return posed(state.doc, state.skeleton, pose, action.frame, state.times_s)
 

@@ -72,7 +72,7 @@ class Problem:
 
 def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
     """What is to be said of a segment: the first problem that nobody has answered, else one that
-    the picture could not tell; None where nothing is wrong."""
+    the picture was unclear; None where nothing is wrong."""
     found = problems_of(known, track)
     waiting = (one for one in found if one.answer is None)
     return next(waiting, None) or next((one for one in found if one.answer == "unclear"), None)

@@ -214,7 +214,7 @@ def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
 
 
 def _is_unclear(doc: Session, place: Place) -> bool:
-    """Whether a person could not tell of this very draft."""
+    """Whether a person marked this very draft as unclear."""
     return any(
         answer_given.frame == place.frame
         and bool(np.allclose(answer_given.seen_m, place.end_m, atol=1e-6))

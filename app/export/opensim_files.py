@@ -59,7 +59,7 @@ def files_for_model(
     sizes = scaled(model, body, markers)
     larger = f"{model_path.stem}-scaled.osim"
     times_s = (float(made.times_s[0]), float(made.times_s[-1]))
-    bend = None if sizes.tells_tilt else trunk_flexion(model)
+    bend = None if sizes.shows_tilt else trunk_flexion(model)
     texts = {
         "motion.trc": trc(made, "motion.trc"),
         MOTION_FILE: mot(made, model),

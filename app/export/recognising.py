@@ -125,8 +125,8 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
 
 
 def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """Where it must be said which of several is meant, those are listed, and the rest is told of
-    the first."""
+    """Where it must be said which of several is meant, those are listed, and the rest is reported
+    of the first."""
     people, individuals = _people(path)
     facts_of = video_facts(session, video)
     layouts: tuple[str, ...] = ()

@@ -11,7 +11,7 @@ from keypose.tracker.storage.results import Span
 
 COST = {"preview": 1.0, "fast": 3.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""
-TELLING_SHARE, TELLING_SECONDS = 0.1, 1.0
+KNOWN_SHARE, KNOWN_SECONDS = 0.1, 1.0
 """Before so much is done, and so long has passed, the time that is left is not known."""
 
 Step = tuple[Span, Quality]
@@ -84,6 +84,6 @@ def seconds_left(elapsed: float, share: float, given: float = 0.0) -> float | No
     """As if the rest went as fast as what is done, a share without what was given; None while that
     says little."""
     done = share - given
-    if done < TELLING_SHARE or elapsed < TELLING_SECONDS:
+    if done < KNOWN_SHARE or elapsed < KNOWN_SECONDS:
         return None
     return elapsed * (1.0 - share) / done

@@ -6,10 +6,10 @@ always applied to the pose before it began.
 """
 
 from keypose.app.posing.angles import (
+    angle_curve_deg,
     angles_deg,
     at_limit,
     clamp_to_limits,
-    part_angles_deg,
     with_angles,
     with_reset,
 )
@@ -64,6 +64,7 @@ __all__ = [
     "Readout",
     "Size",
     "Way",
+    "angle_curve_deg",
     "angles_deg",
     "at_limit",
     "axis_labels",
@@ -80,7 +81,6 @@ __all__ = [
     "mirror_pose",
     "opening_pose",
     "outline",
-    "part_angles_deg",
     "part_label",
     "part_sizes",
     "parts_at",

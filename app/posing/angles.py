@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.app.posing.limits import (
     FREE,
@@ -31,54 +32,89 @@ GIMBAL = 1e-4
 """Where cos y is smaller, x and z turn about the same axis and cannot be distinguished."""
 
 
-def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None) -> Array:
-    """Every part's [x, y, z] (P, 3) in degrees.
+def angles_deg(skeleton: Skeleton, pose: Pose) -> Array:
+    """Every part's [x, y, z] (P, 3) in degrees."""
+    Rs = pose.Rs_parent_part
+    shown = [
+        _of_both(part, Rs[i : i + 1], both[None])
+        for i, (part, both) in enumerate(zip(skeleton.body.parts, triples(Rs), strict=True))
+    ]
+    return np.degrees(np.concatenate(shown)) + 0.0
 
-    Two triples give the same rotation. With the angles shown before, (P, 3), the nearer is taken,
-    so that a field runs on through 180° and through the place where y is a quarter turn. Without,
-    it is that of `part_angles_deg`.
+
+def angle_curve_deg(part: Part, Rs_parent_part: Array, keys: NDArray[np.intp]) -> Array:
+    """One part's [x, y, z] (N, 3) in degrees over frames, without jumps.
+
+    Of the two triples of each rotation (N, 3, 3) the one that is nearer to the frame before, from
+    that keyframe on, of the rows `keys`, whose own triple is the clearest; from the first frame
+    where there are none. Angles run on through 180°.
     """
-    if previous_deg is not None:
-        before = np.radians(previous_deg)
-        pairs = zip(pose.Rs_parent_part, before, strict=True)
-        return np.degrees([continued(R, angles) for R, angles in pairs])
-    both = triples(pose.Rs_parent_part)
-    plain = both[:, 0]
-    plain[0] = _more_upright(both[0])
-    for i, part in enumerate(skeleton.body.parts):
-        box, R = box_of(part), pose.Rs_parent_part[i]
-        if is_twisted(part, R):  # no triple in the box shows it, the other one does
-            plain[i] = _more_upright(both[i])
-        elif box is not None and beyond(plain[i], box) > SLACK:
-            plain[i] = fitting(R, box)
-    return np.degrees(plain) + 0.0
+    both = triples(Rs_parent_part)
+    clear = np.abs(np.cos(both[:, 0, 1])) >= GIMBAL
+    rows = np.flatnonzero(clear if clear.any() else ~clear)
+    if not len(rows):
+        return np.empty((0, 3))
+    curve = np.empty((len(both), 3))
+    curve[rows] = np.unwrap(_nearer_in_turn(both[rows]), axis=0)
+    start = _clearest(both, np.intersect1d(keys, rows), rows)
+    own = _of_both(part, Rs_parent_part[start : start + 1], both[start : start + 1])[0]
+    if math.cos(curve[start, 0] - own[0]) < 0:  # the other triple, half a turn away about x
+        curve = curve * [1.0, -1.0, 1.0] + math.pi
+    curve += TURN * np.round((own - curve[start]) / TURN)
+    for row in np.setdiff1d(np.arange(len(both)), rows):
+        near = rows[max(np.searchsorted(rows, row) - 1, 0)]
+        curve[row] = continued(Rs_parent_part[row], curve[near])
+    return np.degrees(curve) + 0.0
 
 
-def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
-    """One part's [x, y, z] (N, 3) in degrees, of N rotations (N, 3, 3).
+def _nearer_in_turn(both: Array) -> Array:
+    """Of pairs of triples (N, 2, 3) the first one's first, then each time the nearer (N, 3).
 
-    Of the two triples: the one that keeps the part's limits, else the one with y within ±90. The
-    root has no limits; a person who has turned round is described by y, not by lean and tilt, and
-    so is a part that is twisted beyond its limit.
+    The other triple of both is as far from one as that is from the other: whether to change over
+    between two frames does not depend on where one is.
     """
-    both, box = triples(Rs_parent_part), box_of(part)
+    way = both[1:] - both[:-1, :1]
+    far = ((way - TURN * np.round(way / TURN)) ** 2).sum(axis=-1)
+    changes = np.concatenate([[False], far[:, 1] < far[:, 0]])
+    other = np.logical_xor.accumulate(changes)
+    return np.where(other[:, None], both[:, 1], both[:, 0])
+
+
+def _clearest(both: Array, keys: NDArray[np.intp], rows: NDArray[np.intp]) -> int:
+    """The row of `keys` whose two triples (N, 2, 3) lean most unequally; the first without any."""
+    if not len(keys):
+        return int(rows[0])
+    aside = _aside(both[keys])
+    return int(keys[np.argmax(np.abs(aside[:, 0] - aside[:, 1]))])
+
+
+def _of_both(part: Part, Rs_parent_part: Array, both: Array) -> Array:
+    """Of the two triples (N, 2, 3) of a part's rotations (N, 3, 3) the one to show (N, 3), radians.
+
+    The one that keeps the part's limits, else the one with y within ±90°. The root has no limits;
+    a person who has turned round is described by y, not by lean and tilt, and so is a part that is
+    twisted beyond its limit: no triple within its limits shows that.
+    """
     if part.parent is None:
-        return np.degrees(_more_upright(both)) + 0.0
-    plain = both[:, 0]
+        return _more_upright(both)
+    shown, box, twisted = both[:, 0], box_of(part), is_twisted(part, Rs_parent_part)
     if box is not None:
-        boxed = triples(Rs_parent_part, box)
-        out = beyond(boxed, box)
-        inner = np.where((out[:, 1] < out[:, 0] - SLACK)[:, None], boxed[:, 1], boxed[:, 0])
-        plain = np.where((beyond(plain, box) > SLACK)[:, None], inner, plain)
-    twisted = is_twisted(part, Rs_parent_part)
-    return np.degrees(np.where(twisted[:, None], _more_upright(both), plain)) + 0.0
+        out = beyond(shown, box) > SLACK
+        if out.any():
+            shown = np.where(out[:, None], fitting(Rs_parent_part, box), shown)
+    return np.where(twisted[:, None], _more_upright(both), shown) if twisted.any() else shown
 
 
 def _more_upright(both: Array) -> Array:
     """Of two triples (..., 2, 3) the one with less lean and tilt (..., 3)."""
-    aside = np.abs(both[..., 0]) + np.abs(both[..., 2])
+    aside = _aside(both)
     second = aside[..., 1] < aside[..., 0] - SLACK
     return np.where(second[..., None], both[..., 1, :], both[..., 0, :])
+
+
+def _aside(both: Array) -> Array:
+    """(...) lean and tilt of triples (..., 3), added."""
+    return np.asarray(np.abs(both[..., 0]) + np.abs(both[..., 2]))
 
 
 def continued(rotation: Array, before_rad: Array) -> Array:
@@ -110,10 +146,17 @@ def with_angles(
     z: float | None = None,
     *,
     limits_on: bool = False,
+    near_deg: Array | None = None,
 ) -> Pose:
-    """The pose with some angles of one part set, in degrees; `limits_on` stops at the limits."""
+    """The pose with some angles of one part set, in degrees; `limits_on` stops at the limits.
+
+    The others stay as they are in the triple that is shown, or in that nearest to `near_deg` (3,).
+    """
     i = skeleton.body.index(part)
-    now = angles_deg(skeleton, pose)[i].tolist()
+    if near_deg is None:
+        now = angles_deg(skeleton, pose)[i].tolist()
+    else:
+        now = np.degrees(continued(pose.Rs_parent_part[i], np.radians(near_deg))).tolist()
     wanted = [old if new is None else new for old, new in zip(now, (x, y, z), strict=True)]
     if limits_on:
         limits = skeleton.body.parts[i].limits_deg

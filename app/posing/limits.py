@@ -107,13 +107,15 @@ def beyond(angles: Array, box: Array) -> Array:
     return np.asarray(np.maximum(out, 0.0).max(axis=-1))
 
 
-def fitting(rotation: Array, box: Array | None) -> Array:
-    """The triple [x, y, z] (3,) of a rotation that lies deepest in the box, the plain one first."""
-    both = triples(rotation, box)
+def fitting(rotations: Array, box: Array | None) -> Array:
+    """Of rotations (..., 3, 3) the triples [x, y, z] (..., 3) that lie deepest in the box, the
+    plain one first."""
+    both = triples(rotations, box)
     if box is None:
-        return np.asarray(both[0])
+        return np.asarray(both[..., 0, :])
     out = beyond(both, box)
-    return np.asarray(both[1] if out[1] < out[0] - SLACK else both[0])
+    second = out[..., 1] < out[..., 0] - SLACK
+    return np.where(second[..., None], both[..., 1, :], both[..., 0, :])
 
 
 def is_within(rotation: Array, allowed: JointRange | None) -> bool:

@@ -3,7 +3,7 @@
 viser wants a port of its own. Here it has none: while its server is constructed, the function that
 would bind a socket is replaced by one that keeps viser's connection handler. Our server accepts the
 websockets and hands them to that handler. Nothing a browser sends ever reaches viser: it is sent
-once that a camera is there, which is what it calls a connected client, and then hears silence.
+once that a camera is there, which is what it calls a connected client, and then receives nothing.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, TypedDict, Unpack
 
 from keypose.app.document.open import OpenSession
 from keypose.app.document.write_lock import WriteLock
@@ -12,10 +12,10 @@ from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import ReduceOrder
 from keypose.app.store.fitter import Fitter
-from keypose.app.store.preview import WAITING
+from keypose.app.store.preview import WAITING, SizesPreview
 from keypose.app.store.reduction import WAITING as REDUCTION_WAITING
 from keypose.app.store.reduction import ReductionPreview
-from keypose.app.store.state import AppState
+from keypose.app.store.state import AppState, FitOutcome
 
 
 class Host(Protocol):
@@ -28,10 +28,24 @@ class Host(Protocol):
     def opened(self) -> OpenSession | None: ...
 
 
+class Shown(TypedDict, total=False):
+    """The fields of the state that a proposal sets."""
+
+    preview: SizesPreview | None
+    reduction: ReductionPreview | None
+    fit: FitOutcome | None
+
+
+class Change(Protocol):
+    """Sets fields of the host's state; the others stay."""
+
+    def __call__(self, **fields: Unpack[Shown]) -> None: ...
+
+
 class Proposals:
     """Answers to what is shown as a proposal; nothing is edited while one waits.
 
-    `change` sets fields of the host's state, `edit_to` goes on from an edited document.
+    `edit_to` goes on from an edited document.
     """
 
     def __init__(
@@ -39,7 +53,7 @@ class Proposals:
         host: Host,
         fitter: Fitter,
         lock: WriteLock,
-        change: Callable[..., None],
+        change: Change,
         edit_to: Callable[[EditorState], None],
     ) -> None:
         self._host, self._fitter, self._lock = host, fitter, lock

@@ -96,7 +96,7 @@ class Running:
 
 @dataclass(frozen=True, eq=False)
 class OpenedFile:
-    """The session's file and its video; `film` tells videos apart, whatever they are called.
+    """The session's file and its video; `film` distinguishes videos, whatever they are called.
 
     id: of the session among the recent ones.  name: where a person has not called it otherwise.
     """

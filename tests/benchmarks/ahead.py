@@ -1,8 +1,8 @@
 """Real people followed from one keyframe: how far it carries, and whether it stops where it should.
 
-The keyframe is posed on marks alone, see `keyed.py`. Told are the marked joints that are more than
-12 px off some frames away, whether trusted there or not; how far the body was followed until it was
-not trusted any more; and the joints that are off before that frame and beyond it.
+The keyframe is posed on marks alone, see `keyed.py`. Reported are the marked joints that are more
+than 12 px off some frames away, whether trusted there or not; how far the body was followed until
+it was not trusted any more; and the joints that are off before that frame and beyond it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.ahead import Direction
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.body_points import BodyPoints

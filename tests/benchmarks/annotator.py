@@ -186,15 +186,15 @@ def course(task: Task, rival: Rival) -> Course:
     """Pose frame after frame until the motion is right, or it is given up."""
     count = len(task.posed)
     keyed, keys = [0, count - 1], [0, count - 1]
-    told: list[Array] = []
+    mean_errors: list[Array] = []
     unasked = 0
     while True:
         tracks, trajectory = _filled(task, rival.method, keys)
         errors = task.errors(trajectory)
-        told.append(errors.mean(axis=0))
-        reached = bool((told[-1] < task.bound).all())
+        mean_errors.append(errors.mean(axis=0))
+        reached = bool((mean_errors[-1] < task.bound).all())
         if reached or len(keys) >= count // GIVE_UP_FRAMES:
-            cm, px = np.round(told, 3).T.tolist()
+            cm, px = np.round(mean_errors, 3).T.tolist()
             return Course(tuple(keyed), tuple(cm), tuple(px), reached, unasked)
         seen = Seen(task, keys, tracks, errors)
         asked = rival.choose(seen)

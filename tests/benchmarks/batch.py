@@ -103,10 +103,10 @@ def _sessions(root: Path, count: int) -> Path:
         folder = root / f"{i:02} {name}"
         folder.mkdir(parents=True)
         shutil.copy(ROOT / "sample_videos" / name / f"{name}.mp4", folder)
-        told = json.loads((ROOT / "sample_videos" / name / "session.json").read_text("utf-8"))
-        told["results"] = None
-        told["keyframes"][0]["root_m"][2] += i * APART_M
-        (folder / "session.json").write_text(json.dumps(told), encoding="utf-8")
+        session = json.loads((ROOT / "sample_videos" / name / "session.json").read_text("utf-8"))
+        session["results"] = None
+        session["keyframes"][0]["root_m"][2] += i * APART_M
+        (folder / "session.json").write_text(json.dumps(session), encoding="utf-8")
     return root
 
 

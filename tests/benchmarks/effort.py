@@ -4,14 +4,14 @@ A scripted person (`human/`) sees pictures and joints in them, with errors of 2 
 with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
 Actions are clicks, keys and drags; looks are counted beside them. The times are of the
 keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
-frame that is judged, 1/15 s one that is watched. What is done once a clip is told as it is; the
+frame that is judged, 1/15 s one that is watched. What is done once a clip is given as it is; the
 rest for 1,800 frames. What is begun once a clip and not before the first frame, such as keyframes
 at both ends, weighs a short clip down: a further frame costs what a clip costs beyond its first
 half.
 
 "watched" plays the motion and is done when nothing looks wrong (`human/watching.py`); that is how
 it is expected to be worked. "now" goes from place to place as the review lists them, never plays
-anything, and is told by somebody else when all is right: kept to compare with.
+anything, and learns from somebody else when all is right: kept to compare with.
 
 Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
 are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
@@ -166,8 +166,8 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
     seconds = Over(tuple(t.effort.seconds for t in trials))
     first = Over(tuple(t.effort.first_seconds for t in trials))
     then = Over(tuple(t.effort.seconds_a_frame for t in trials))
-    told = (keyframes, *counts, seconds, first, then, actions, minutes)
-    cells = (f"{right} of {len(trials)}", *told)
+    measured = (keyframes, *counts, seconds, first, then, actions, minutes)
+    cells = (f"{right} of {len(trials)}", *measured)
     table.row(strategy.name, *cells, expected=expected)
 
 

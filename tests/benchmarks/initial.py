@@ -144,7 +144,7 @@ def _experiments(report: Report) -> None:
         }
         errors = {way: mean_errors(measure, found[way].trajectories) for way in WAYS}
         table.row(name, plain, *errors.values(), expected=_succeeds(errors))
-        _told(report, name, found["p templates"])
+        _report(report, name, found["p templates"])
         motions = {way: found[way].trajectories[0] for way in ("p linear", "p templates")}
         _strip(report, name, shown, motions)
 
@@ -161,7 +161,7 @@ def _succeeds(errors: dict[str, Pair]) -> list[Expected]:
     ]
 
 
-def _told(report: Report, name: str, found: Tracked) -> None:
+def _report(report: Report, name: str, found: Tracked) -> None:
     for segment in found.segments:
         for note in segment.notes:
             report.note(f"  {name}: {note}")
@@ -211,7 +211,7 @@ def _person(report: Report, table: Table, name: str, person: Person, interval: i
         plain = Tracked([replace(segment, trajectory=motion) for segment, motion in segments])
     evaluated = [evaluation(person, f, person.marks).estimate for f in (plain, *found.values())]
     table.row(name, *(pair(e.pixels.overall) for e in evaluated))
-    _told(report, name, found["templates"])
+    _report(report, name, found["templates"])
     lines = beside_linear(joined(found["templates"].trajectories), list(frames))
     shown = Shown(person.video, person.camera, person.skeleton)
     place = sheet(

@@ -1,5 +1,5 @@
-"""Limbs that one keyframe has the wrong way round in depth: how many are told, and how many right
-ones."""
+"""Limbs that one keyframe has the wrong way round in depth: how many are reported, and how many
+right ones."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ LIMBS = ("upper_arm", "forearm", "thigh", "shin")
 def mirrored(report: Report) -> None:
     """A table by motion, keyframes disturbed as a hand would; each limb mirrored in turn."""
     table = report.table(
-        f"a limb mirrored at one keyframe of every {INTERVAL} frames: told, of how many",
-        "far told", "of far", "near told", "of near", "right told", "of right",
+        f"a limb mirrored at one keyframe of every {INTERVAL} frames: reported, of how many",
+        "far reported", "of far", "near reported", "of near", "right reported", "of right",
     )  # fmt: skip
     total = np.zeros(6)
     for name in MOTIONS:
@@ -43,21 +43,21 @@ def mirrored(report: Report) -> None:
         total += row
         table.row(name, *row.tolist())
     missed = Expected("far ones missed", 1 - total[0] / max(total[1], 1), 0.4)
-    false = Expected("right ones told", total[4] / max(total[5], 1), 0.02)
+    false = Expected("right ones reported", total[4] / max(total[5], 1), 0.02)
     table.row("all", *total.tolist(), expected=[missed, false])
 
 
 def _counted(shown: Scene, rate: float) -> Array:
-    """(6,) far, near and right limbs: how many are told, and how many there are."""
+    """(6,) far, near and right limbs: how many are reported, and how many there are."""
     frames = keyframes_every(INTERVAL, 0, len(shown.truth) - 1)
     known = jittered(shown.skeleton, {f: shown.truth.pose(f) for f in frames}, 1)
     right = mirrored_limbs(shown.skeleton, shown.camera, known, rate)
     counts = np.array([0, 0, 0, 0, len(right), len(LIMBS) * len(frames)], dtype=np.float64)
     for frame, part, pose, apart_m in _turned(shown, known):
         found = mirrored_limbs(shown.skeleton, shown.camera, {**known, frame: pose}, rate)
-        told = any(one.frame == frame and _limb(one.part) == _limb(part) for one in found)
+        reported = any(one.frame == frame and _limb(one.part) == _limb(part) for one in found)
         at = 0 if apart_m >= FAR_M else 2
-        counts[at : at + 2] += told, 1
+        counts[at : at + 2] += reported, 1
     return counts
 
 

@@ -74,11 +74,11 @@ def way(text: str) -> tuple[str, TrackSettings]:
     """A name and settings; a setting that there is not is an error, not a wish."""
     name, _, given = text.partition("=")
     try:
-        told = json.loads(given)
-        settings = TrackSettings.model_validate(told)
+        values = json.loads(given)
+        settings = TrackSettings.model_validate(values)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"{text}: {error}") from None
-    if unknown := sorted(set(told) - set(TrackSettings.model_fields)):
+    if unknown := sorted(set(values) - set(TrackSettings.model_fields)):
         raise argparse.ArgumentTypeError(f"there is no setting {', '.join(unknown)}")
     return name, settings
 

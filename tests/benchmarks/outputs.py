@@ -19,6 +19,9 @@ ROOT = Path(__file__).parents[2]
 OUT = Path("out/outputs")
 FILMS, SURFACES = ("balance", "box", "person"), ("arms",)
 METHODS, QUALITIES = ("keypose", "paper"), ("preview", "fast", "full")
+PEOPLE = ("balance", "person")
+OF_A_PERSON = ("mot", "amass")
+"""Formats that refuse any other body."""
 REFERENCES = {"box": "truth.npz", "person": "truth.npz"}
 LATE = ("report.html",)
 """What says when it was written."""
@@ -56,7 +59,8 @@ def _all() -> Iterator[str]:
 def _taken_home(out: Path, sample: str) -> Iterator[str]:
     """What a person makes of a tracked session, and the digests of all files."""
     session = str(out / "session.json")
-    yield _said(out, "export", session, "--format", ",".join(FORMATS), "--out", str(out))
+    formats = [name for name in FORMATS if sample in PEOPLE or name not in OF_A_PERSON]
+    yield _said(out, "export", session, "--format", ",".join(formats), "--out", str(out))
     for view in ("all", "main", "orbit:30,20"):
         name = out / f"{view.split(':')[0]}.png"
         given = ["--frame", "3", "--view", view, "--out", str(name)]

@@ -1,10 +1,10 @@
 """One limb keyed alone against a keyframe of the whole body, on real clips with marked joints.
 
 A segment is tracked; of the limb whose marks are worst, the frame at which they are worst is taken,
-and the limb is laid on its marks there, on the body as it was tracked. Told are pixels at the marks
-of the other frames, of that limb and of the rest: as tracked; with the limb keyed alone; and with
-keyframes of the whole body, whose rest is as it was tracked, or posed by eye, wrong by 2° a joint
-and 2 px at the root. Median (least–most) over keyframes disturbed by 0.5° and 3 mm.
+and the limb is laid on its marks there, on the body as it was tracked. Reported are pixels at the
+marks of the other frames, of that limb and of the rest: as tracked; with the limb keyed alone; and
+with keyframes of the whole body, whose rest is as it was tracked, or posed by eye, wrong by 2° a
+joint and 2 px at the root. Median (least–most) over keyframes disturbed by 0.5° and 3 mm.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares

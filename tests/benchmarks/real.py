@@ -1,8 +1,8 @@
 """Real people: pixels at the marked joints between keyframes that were posed on marks alone.
 
-What keyframes are made of is told in `keyed.py`. Each figure is the median over keyframes disturbed
+What keyframes are made of says `keyed.py`. Each figure is the median over keyframes disturbed
 by 0.5° a joint and 3 mm at the root, with its smallest and largest value beside it; no difference
-smaller than that spread is one. A stance, where a planted ankle must not shake, is told for each
+smaller than that spread is one. A stance, where a planted ankle must not shake, is given for each
 clip in `clips.py`: frames over which the marks of that ankle move by less than a mark is good to.
 """
 
@@ -30,6 +30,7 @@ from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from tests.benchmarks.clips import Clip, clip
+from tests.benchmarks.indicators import INDICATORS, Record, by_segment, judged, records
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.keyed import Keyed, jittered, keyed
 from tests.benchmarks.measures import Over, figures, marks_between
@@ -44,7 +45,6 @@ from tests.benchmarks.needed import (
 from tests.benchmarks.options import Options
 from tests.benchmarks.sheets import OUT, Shown, sheet
 from tests.benchmarks.table import Expected, Report, Table
-from tests.benchmarks.told import TELLINGS, Record, by_segment, judged, records
 from tests.benchmarks.tracking import Tracked, linear, track
 
 
@@ -121,7 +121,7 @@ PRINTED = (
 
 
 def interpolated(posed: Posed) -> Tracked:
-    """Nothing tracked, nothing told."""
+    """Nothing tracked, nothing found."""
     steps = [Pass("interpolation", trajectory, None) for trajectory in linear(posed.tracker())]
     return Tracked([SegmentResult.on_the_way(step) for step in steps])
 
@@ -153,13 +153,13 @@ def real(report: Report) -> None:
     report.note(f"median (least–most) over {options.jitters} disturbances of 0.5° and 3 mm")
     kept = _Kept(options.out)
     table = report.table("by keyframes", "way", *PRINTED, wide=PRINTED)
-    told: list[Record] = []
+    found_records: list[Record] = []
     for row in rows:
         try:
-            told += _measured(row, ways, options.jitters, table, kept)
+            found_records += _measured(row, ways, options.jitters, table, kept)
         except Absent as absent:
             report.note(f"{row.name} left out: {absent} is not here")
-    _verdicts(report, ways, told, kept)
+    _verdicts(report, ways, found_records, kept)
     report.note(f"contact sheets of every row, a line for each way: {OUT.relative_to(ROOT)}")
     if not options.rows and not options.held_out:
         _needed(report, ways, kept)
@@ -179,7 +179,7 @@ class _Kept:
     """A file of all figures, written anew after each of them."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.whole = path, dict[str, Any](runs=[], records=[], told=[], needed=[])
+        self.path, self.whole = path, dict[str, Any](runs=[], records=[], indicators=[], needed=[])
         path.parent.mkdir(parents=True, exist_ok=True)
 
     def add(self, kind: str, *facts: dict[str, Any]) -> None:
@@ -210,7 +210,7 @@ def _measured(
     shown = clip(row.clip)
     hand = keyed(shown, row.keyframes)
     runs: dict[str, list[dict[str, float]]] = {name: [] for name in ways}
-    told: list[Record] = []
+    found_records: list[Record] = []
     motions: dict[str, Trajectory] = {}
     with _opened(shown, hand) as posed:
         for seed, (name, way) in product(range(jitters), ways.items()):
@@ -222,7 +222,7 @@ def _measured(
             some = []
             if name != "linear":
                 some = records(shown, hand.skeleton, found.segments, row.name, name, seed)
-            told += some
+            found_records += some
             about = {"row": row.name, "way": name, "jitter": seed, "verdicts": found.verdicts}
             kept.add("runs", {**about, **spent, **runs[name][-1]})
             kept.add("records", *(record.as_json() for record in some))
@@ -235,36 +235,38 @@ def _measured(
         table.row(row.name, name, *(over.get(f, "–") for f in PRINTED), expected=expected)
     look = Shown(shown.video, shown.camera, hand.skeleton)
     sheet(row.name, look, motions, list(row.keyframes), sorted(shown.marks))
-    return told
+    return found_records
 
 
-def _verdicts(report: Report, ways: dict[str, Way], told: list[Record], kept: _Kept) -> None:
-    """Whether what a result says of itself tells wrong joints from right ones."""
+def _verdicts(
+    report: Report, ways: dict[str, Way], found_records: list[Record], kept: _Kept
+) -> None:
+    """How well what a result says of itself separates wrong joints from right ones."""
     report.note(
         "\nwrong: more than 10 px off on a person 400 px tall; left out: by a curve that was"
     )
     report.note(
         "fitted to the other clips, > 15 px: of joints as far off; calibration: mean distance"
     )
-    report.note("of told and true share")
+    report.note("of predicted and true share")
     columns = ("AUROC", "left out", "> 15 px", "Brier", "calibration", "wrong %")
-    table = report.table("do verdicts tell, by joint", *columns)
+    table = report.table("verdicts compared with errors, by joint", *columns)
     segments = report.table("by segment", "segments", "under 5 px", "said good %", "good true %")
     for name in ways:
-        some = [record for record in told if record.way == name]
+        some = [record for record in found_records if record.way == name]
         if name == "linear" or not some:
             continue
         share = 100 * float(np.mean([record.wrong for record in some]))
-        for telling in TELLINGS:
-            found = judged(some, telling)
+        for indicator in INDICATORS:
+            found = judged(some, indicator)
             clips = (found.left_out, found.very_far)
             cells = (found.auroc, *clips, found.brier, found.calibration, share)
-            table.row(f"{name}: {telling}", *cells)
-            kept.add("told", {"way": name, "telling": telling, **found.__dict__})
+            table.row(f"{name}: {indicator}", *cells)
+            kept.add("indicators", {"way": name, "indicator": indicator, **found.__dict__})
         whole = by_segment(some)
-        shares = 100 * whole.said_good, 100 * whole.good_is_right
+        shares = 100 * whole.called_good, 100 * whole.good_is_right
         segments.row(name, whole.count, whole.right, *shares)
-        kept.add("told", {"way": name, "telling": "segments", **whole.__dict__})
+        kept.add("indicators", {"way": name, "indicator": "segments", **whole.__dict__})
 
 
 def _needed(report: Report, ways: dict[str, Way], kept: _Kept) -> None:

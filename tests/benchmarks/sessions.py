@@ -54,13 +54,13 @@ def _kills(report: Report, folder: Path) -> None:
 def _long_session(folder: Path) -> Path:
     """A film of the sample there and back, with keyframes all along it."""
     path = film(folder / "long", (640, 360), FRAMES // 72 + 1)
-    told = json.loads(path.read_text())
-    first, fps = told["keyframes"][0], 30
+    session = json.loads(path.read_text())
+    first, fps = session["keyframes"][0], 30
     frames = np.linspace(0, FRAMES - 1, KEYFRAMES).astype(int)
-    told["keyframes"] = [
+    session["keyframes"] = [
         {**first, "frame": int(frame), "time_s": int(frame) / fps} for frame in frames
     ]
-    path.write_text(json.dumps(told))
+    path.write_text(json.dumps(session))
     return path
 
 
@@ -77,15 +77,15 @@ def _hour(folder: Path) -> Path:
 def _row(table: Any, name: str, path: Path) -> None:
     command = [sys.executable, "-m", "tests.benchmarks.sessions", str(path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    told = json.loads(done.stdout.splitlines()[-1])
-    edits = told["edits_ms"]
+    measured = json.loads(done.stdout.splitlines()[-1])
+    edits = measured["edits_ms"]
     expected = [
-        Expected("open", told["open_s"], OPEN_S, "s"),
+        Expected("open", measured["open_s"], OPEN_S, "s"),
         Expected("edit", float(np.median(edits)), DURABLE_MS, "ms"),
-        Expected("memory", told["memory_mib"], MEMORY_MIB, "MiB"),
+        Expected("memory", measured["memory_mib"], MEMORY_MIB, "MiB"),
     ]
     spread = float(np.median(edits)), float(np.percentile(edits, 90))
-    table.row(name, told["open_s"], *spread, told["memory_mib"], expected=expected)
+    table.row(name, measured["open_s"], *spread, measured["memory_mib"], expected=expected)
 
 
 # --- in a process of its own

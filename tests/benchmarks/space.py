@@ -139,8 +139,8 @@ def _person(report: Report) -> None:
     for keys in ((0, 60), (0, 30, 60, 90)):
         for name, keying in (("in space", keyed_in_space), ("on marks", keyed)):
             motion = _tracked(here, keying(here, keys))
-            told = title.format("/".join(f"{a:.1f}" for a in _reference(here, 0, keys[-1])))
-            table = report.table(f"{told}, keyframes {keys} posed {name}", *columns)
+            heading = title.format("/".join(f"{a:.1f}" for a in _reference(here, 0, keys[-1])))
+            table = report.table(f"{heading}, keyframes {keys} posed {name}", *columns)
             ways = {}
             for held, landmarks in HELD.items():
                 pin = Pin(part="left_foot", landmarks=landmarks, first_frame=0, last_frame=60)
@@ -256,12 +256,12 @@ def _walk(report: Report) -> None:
         tracker = Tracker(shown.video(), shown.camera, skeleton, poses)
         motion = _motion(tracker, shown.camera, FPS)
         ways = motion.ways(motion.proposed(motion.solved()))
-        told = [_stance_slide(shown.skeleton, shown.truth, stances)]
-        told += [_stance_slide(skeleton, ways[way], stances) for way in columns[1:]]
+        slides = [_stance_slide(shown.skeleton, shown.truth, stances)]
+        slides += [_stance_slide(skeleton, ways[way], stances) for way in columns[1:]]
         most = [
-            Expected(way, mm, 18.0, "mm") for way, mm in zip(columns[4:], told[4:], strict=True)
+            Expected(way, mm, 18.0, "mm") for way, mm in zip(columns[4:], slides[4:], strict=True)
         ]
-        table.row(name, *told, expected=most)
+        table.row(name, *slides, expected=most)
 
 
 def _keyings(shown: Shown, frames: list[int]) -> list[tuple[str, Skeleton, Mapping[int, Pose]]]:
@@ -318,14 +318,14 @@ def _proposals(report: Report) -> None:
         tracked = replace(shown.truth, ps_camera_root=shown.truth.ps_camera_root + noise)
         pins = proposed_pins(shown.skeleton, tracked, FPS, UP)
         planted, high = _planted(shown)
-        told = np.zeros_like(planted)
+        proposed = np.zeros_like(planted)
         for pin in pins:
             foot = ("left_foot", "right_foot").index(pin.part)
-            told[pin.first_frame : pin.last_frame + 1, foot] = True
-        hits = (told & planted).sum()
-        f1 = 2 * hits / (told.sum() + planted.sum())
+            proposed[pin.first_frame : pin.last_frame + 1, foot] = True
+        hits = (proposed & planted).sum()
+        f1 = 2 * hits / (proposed.sum() + planted.sum())
         scores.append(f1)
-        table.row(name, float(f1), int((told & high).sum()))
+        table.row(name, float(f1), int((proposed & high).sum()))
     report.expect("1 − mean F1 of the proposals", 1 - float(np.mean(scores)), 1 - 0.93)
 
 

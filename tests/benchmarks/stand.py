@@ -42,7 +42,7 @@ def sample(folder: Path) -> Path:
 def film(folder: Path, size: tuple[int, int], turns: int) -> Path:
     """The sample's film there, back, there … so many times, in another size, with its session."""
     session = sample(folder)
-    told = json.loads(session.read_text())
+    values = json.loads(session.read_text())
     with Video.open(str(folder / "person.mp4")) as video:
         pictures = [picture for _, picture in video.frames(0, video.info.frame_count)]
     there = [cv2.resize(picture, size) for picture in pictures if picture is not None]
@@ -51,17 +51,17 @@ def film(folder: Path, size: tuple[int, int], turns: int) -> Path:
     _encode(folder / "person.mp4", [there[i] for i in way])
     shape = {"width": size[0], "height": size[1]}
     centre = {"cx": (size[0] - 1) / 2, "cy": (size[1] - 1) / 2}
-    scale = size[0] / told["camera"]["width"]
-    focus = {name: scale * told["camera"][name] for name in ("fx", "fy")}
-    told["camera"] |= shape | centre | focus
-    told["video"] |= shape | {"fingerprint": "", "frame_count": len(way)}
-    poses = {keyframe["frame"]: keyframe for keyframe in told["keyframes"]}
-    told["keyframes"] = [
+    scale = size[0] / values["camera"]["width"]
+    focus = {name: scale * values["camera"][name] for name in ("fx", "fy")}
+    values["camera"] |= shape | centre | focus
+    values["video"] |= shape | {"fingerprint": "", "frame_count": len(way)}
+    poses = {keyframe["frame"]: keyframe for keyframe in values["keyframes"]}
+    values["keyframes"] = [
         {**poses[i], "frame": frame, "time_s": frame / FPS}
         for frame, i in enumerate(way)
         if i in poses
     ]
-    session.write_text(json.dumps(told))
+    session.write_text(json.dumps(values))
     return session
 
 

@@ -49,7 +49,7 @@ LARGEST_BODY_BYTES = 16 * 2**20
 
 class Twist(BaseModel):
     """How far a part turns about its own length, its y axis: what a box of Euler angles as wide as
-    a shoulder's does not tell.
+    a shoulder's does not show.
 
     Every rotation is a turn about the length, then the least turn of the length from `toward` to
     where it points. The twist of the rest pose is 0. Opposite to `toward` twist is not determined:

@@ -19,7 +19,7 @@ JSON:
                             the film's first frame, which is 0
     film_frames             the same as frames of the film: others where the motion was given a rate
                             of its own
-    timecode_of_frame_0     where the film tells it
+    timecode_of_frame_0     where the film has it
     file_number_of_frame_0  where the film is image files that are numbered consecutively
 
 .chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0,

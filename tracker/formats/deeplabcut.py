@@ -206,7 +206,7 @@ def _by_frame(
     for word, row in zip(index, rows, strict=True):
         digits = re.findall(r"\d+", re.sub(r"\.[A-Za-z]\w*$", "", word.removesuffix(".0")))
         if not digits or word.strip().startswith("-"):
-            raise FormatError(f"{file} has a row {word[:40]!r} that tells no frame.")
+            raise FormatError(f"{file} has a row {word[:40]!r} that names no frame.")
         frame = int(digits[-1][-9:])
         if frame in found:
             raise FormatError(

@@ -1,4 +1,4 @@
-"""Poses of SMPL in: archives of NumPy and of PyTorch, told apart by the names of their arrays."""
+"""Poses of SMPL in: archives of NumPy and of PyTorch, known by the names of their arrays."""
 
 from __future__ import annotations
 

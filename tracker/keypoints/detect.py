@@ -22,12 +22,11 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.network import NAMES, Seen
+from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.region import Box, Region
+from keypose.tracker.keypoints.stretch import Looks, Rows, Stretch
 
-LEAST_PRESENCE: Final = 0.5
 LOOKS_AT_SEED: Final = 3
 """The region at a seed is mended so often: a rough box will do."""
 PATIENCE: Final = 15
@@ -39,14 +38,6 @@ CLEARLY_BESIDE: Final = 0.25
 
 Frame: TypeAlias = Callable[[int], NDArray[np.uint8] | None]
 """A picture (H, W, 3), RGB, by its number; None where it cannot be decoded."""
-
-
-class Looks(Protocol):
-    """What sees keypoints in a region, as `Network`."""
-
-    @property
-    def fingerprint(self) -> str: ...
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen: ...
 
 
 @dataclass(frozen=True)
@@ -65,25 +56,6 @@ class Seed:
     def of_pose(cls, frame: int, skeleton: Skeleton, pose: Pose, camera: Camera) -> Seed:
         """A body posed at a frame; KeypointError as `Region.of_pose`."""
         return cls(frame, Region.of_pose(skeleton, pose, camera))
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """A piece of a chain: N frames in its direction.
-
-    uv, visibility, p_hips: (N, 33, ...) as of Keypoints, NaN and 0 where nobody was seen.
-    regions: (N, 4) where to look after each frame.
-    lost_for: (N,) since how many frames the body is lost.
-    """
-
-    uv: Array
-    visibility: Array
-    p_hips: Array
-    regions: Array
-    lost_for: NDArray[np.int64]
-
-    def __len__(self) -> int:
-        return len(self.uv)
 
 
 class Kept(Protocol):
@@ -160,7 +132,7 @@ class _Start:
 
     @property
     def region(self) -> Region:
-        return _region(self.seen.regions[0])
+        return self.seen.region(0)
 
 
 def _both_ways(work: _Work, one: _Start, other: _Start) -> tuple[Stretch, Stretch | None, int]:
@@ -170,12 +142,12 @@ def _both_ways(work: _Work, one: _Start, other: _Start) -> tuple[Stretch, Stretc
     if not forward.lost_for.any() and _is_near(forward, other):
         return forward, None, 0
     work.expected += other.frame - one.frame
-    backward = _reversed(work.chain(other, -1, one.frame))
+    backward = work.chain(other, -1, one.frame)[::-1]
     return forward, backward, _change(forward, backward)
 
 
 def _is_near(forward: Stretch, other: _Start) -> bool:
-    return _region(forward.regions[-1]).distance(other.region) < CLEARLY_BESIDE
+    return forward.region(-1).distance(other.region) < CLEARLY_BESIDE
 
 
 def _change(forward: Stretch, backward: Stretch) -> int:
@@ -185,7 +157,7 @@ def _change(forward: Stretch, backward: Stretch) -> int:
     """
     steps = len(forward) - 1
     gaps = [
-        _region(forward.regions[k]).distance(_region(backward.regions[k + 1]))
+        forward.region(k).distance(backward.region(k + 1))
         if not (forward.lost_for[k] or backward.lost_for[k + 1])
         else np.inf
         for k in range(steps)
@@ -195,10 +167,6 @@ def _change(forward: Stretch, backward: Stretch) -> int:
     # They never see it at once: each as far as it goes.
     lost = np.flatnonzero(forward.lost_for)
     return int(lost[0]) if len(lost) else steps
-
-
-def _reversed(s: Stretch) -> Stretch:
-    return _taken(s, slice(None, None, -1))
 
 
 class _Found:
@@ -249,11 +217,11 @@ class _Work:
         """The seed's frame, looked at several times; None where nobody is there."""
 
         def look() -> Stretch:
-            rows = _Rows(seed.region)
+            rows = Rows(seed.region)
             self._report(seed.frame)
             picture = self.frame(seed.frame)
             for _ in range(LOOKS_AT_SEED if picture is not None else 1):
-                rows = _Rows(rows.region)
+                rows = Rows(rows.region)
                 rows.add(self.network, picture)
             return rows.stretch()
 
@@ -264,16 +232,16 @@ class _Work:
         """All frames after the start up to the last, in this direction."""
         frames = range(start.frame + direction, last + direction, direction)
         region, lost_for = start.region, 0
-        pieces = [_Rows(region).stretch()]
+        pieces = [Rows(region).stretch()]
         for at in range(0, len(frames), STRETCH):
             piece = self._stretch(frames[at : at + STRETCH], region, lost_for)
             pieces.append(piece)
-            region, lost_for = _region(piece.regions[-1]), int(piece.lost_for[-1])
-        return _joined(pieces)
+            region, lost_for = piece.region(-1), int(piece.lost_for[-1])
+        return Stretch.joined(pieces)
 
     def _stretch(self, frames: range, region: Region, lost_for: int) -> Stretch:
         def look() -> Stretch:
-            rows = _Rows(region, lost_for)
+            rows = Rows(region, lost_for)
             for number in frames:
                 self._report(number)
                 rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
@@ -290,7 +258,7 @@ class _Work:
         before = self.kept.get(name)
         if before is not None and len(before) >= count:
             self.done += count
-            return _taken(before, slice(count))
+            return before[:count]
         stretch = look()
         self.kept.put(name, stretch)
         return stretch
@@ -298,71 +266,3 @@ class _Work:
     def _report(self, frame: int) -> None:
         self.report(Progress(frame, self.done, max(self.expected, self.done + 1)))
         self.done += 1
-
-
-class _Rows:
-    """A stretch while it grows."""
-
-    def __init__(self, region: Region, lost_for: int = 0) -> None:
-        self.region, self.lost_for = region, lost_for
-        self._seen: list[Seen | None] = []
-        self._regions: list[Region] = []
-        self._lost_for: list[int] = []
-
-    def add(self, network: Looks, picture: NDArray[np.uint8] | None) -> None:
-        """The next frame, looked at where the body was last."""
-        seen = None
-        if picture is not None:
-            height, width = picture.shape[:2]
-            if self.region.is_within(width, height):
-                seen = network.look(picture, self.region)
-                if not _is_somebody(seen, width, height):
-                    seen = None
-        if seen is None:
-            self.lost_for += 1
-        else:
-            self.region, self.lost_for = seen.next, 0
-        self._seen.append(seen)
-        self._regions.append(self.region)
-        self._lost_for.append(self.lost_for)
-
-    def stretch(self) -> Stretch:
-        points = len(NAMES)
-        uv, metres = np.full((points, 2), np.nan), np.full((points, 3), np.nan)
-        unseen = np.zeros(points)
-        return Stretch(
-            _stack([uv if s is None else s.uv for s in self._seen], (points, 2)),
-            _stack([unseen if s is None else s.visibility for s in self._seen], (points,)),
-            _stack([metres if s is None else s.p_hips for s in self._seen], (points, 3)),
-            _stack([np.array(astuple(region)) for region in self._regions], (4,)),
-            np.array(self._lost_for, dtype=np.int64),
-        )
-
-
-def _is_somebody(seen: Seen, width: int, height: int) -> bool:
-    finite = np.isfinite(seen.uv).all() and np.isfinite(seen.p_hips).all()
-    return bool(finite and seen.presence >= LEAST_PRESENCE and seen.next.is_within(width, height))
-
-
-def _stack(rows: list[Array], shape: tuple[int, ...]) -> Array:
-    return np.array(rows, dtype=float).reshape(len(rows), *shape)
-
-
-def _region(row: Array) -> Region:
-    x, y, side, turn = row.tolist()
-    return Region(x, y, side, turn)
-
-
-def _taken(s: Stretch, rows: slice) -> Stretch:
-    uv, visibility, p_hips = s.uv[rows], s.visibility[rows], s.p_hips[rows]
-    return Stretch(uv, visibility, p_hips, s.regions[rows], s.lost_for[rows])
-
-
-def _joined(pieces: Sequence[Stretch]) -> Stretch:
-    return Stretch(
-        np.concatenate([p.uv for p in pieces]),
-        np.concatenate([p.visibility for p in pieces]),
-        np.concatenate([p.p_hips for p in pieces]),
-        np.concatenate([p.regions for p in pieces]),
-        np.concatenate([p.lost_for for p in pieces]),
-    )

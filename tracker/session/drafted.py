@@ -16,7 +16,7 @@ may be another one from here on."""
 
 
 LEARN_FRAMES: Final = 60
-"""Before and after a keyframe, in which drafts learn from it: of frames farther away it tells
+"""Before and after a keyframe, in which drafts learn from it: of frames farther away it says
 little."""
 
 

@@ -15,9 +15,9 @@ import numpy as np
 
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_own
-from keypose.tracker.keypoints.detect import Stretch
 from keypose.tracker.keypoints.model_files import cache_folder
 from keypose.tracker.keypoints.network import NAMES
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
 

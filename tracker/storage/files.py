@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from pydantic_core import from_json
 
 from keypose.tracker.errors import SessionError, one_sentence
-from keypose.tracker.files import TooLarge, read_own, read_regular
+from keypose.tracker.files import TooLarge, read_named, read_own, read_regular
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.versions import PRESENT, migrate, version_in
 from keypose.tracker.storage.atomic import write_file
@@ -92,8 +92,9 @@ def _version(path: Path) -> tuple[int, int, int] | None:
 
 def read_session(path: Path) -> Session:
     """The session file alone, without the edits that only the journal has."""
+    content = read_named(path, LARGEST_SESSION_BYTES, "session file", SessionError)
     try:
-        data = migrate(from_json(_read(path)), path.name)
+        data = migrate(from_json(content), path.name)
     except ValueError as error:
         raise SessionError(f"{path.name} is not JSON: {error}.") from None
     try:
@@ -278,17 +279,3 @@ def _is_known(session: Session, video: Video) -> bool:
     if not session.evidence.is_known_by_fingerprint:
         return True
     return session.video.fingerprint in ("", video.fingerprint())
-
-
-def _read(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            raise SessionError(f"{str(path)!r} is a folder; name the session file in it.")
-        return read_regular(path, LARGEST_SESSION_BYTES)
-    except TooLarge:
-        raise SessionError(f"{str(path)!r} is too large to be a session file.") from None
-    except FileNotFoundError:
-        raise SessionError(f"There is no session file {str(path)!r}.") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL character in the name
-        why = getattr(error, "strerror", None) or error
-        raise SessionError(f"The session file {str(path)!r} cannot be read: {why}.") from None

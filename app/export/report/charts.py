@@ -21,7 +21,7 @@ from keypose.app.export.report.plots import (
     uprights,
 )
 from keypose.app.export.report.subject import Subject
-from keypose.app.posing import axis_labels, lanes, part_angles_deg, part_label
+from keypose.app.posing import angle_curve_deg, axis_labels, lanes, part_label
 from keypose.app.posing.labels import number_text
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.results import Span, observability, ranks, root_positions, rotations
@@ -109,14 +109,15 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
     )
     for i, part in enumerate(subject.session.body.parts):
         Rs = rotations(fitting, count, i)
-        angles, there = np.full((count, 3), np.nan), np.isfinite(Rs[:, 0, 0])
-        angles[there] = part_angles_deg(part, Rs[there])
+        angles, rows = np.full((count, 3), np.nan), np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+        keys = np.searchsorted(rows, np.intersect1d(np.subtract(subject.keys, first), rows))
+        angles[rows] = angle_curve_deg(part, Rs[rows], keys)
         words = {
             axis: word.lower()
             for axis, word in axis_labels(subject.session.body, part.name).items()
         }
         yield from _multiple(
-            subject, part_label(part.name), _unwrapped(angles), first, words, LEAST_MOTION_DEG, "°"
+            subject, part_label(part.name), angles, first, words, LEAST_MOTION_DEG, "°"
         )
 
 
@@ -269,15 +270,6 @@ def _at_keys(
     for key in keys:
         if 0 <= key - first < len(values) and np.isfinite(values[key - first]):
             yield scale.x(key), scale.y(float(values[key - first]))
-
-
-def _unwrapped(angles_deg: Array) -> Array:
-    """Without jumps of a whole turn, run by run."""
-    result, there = angles_deg.copy(), np.isfinite(angles_deg[:, 0])
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
-    for start, end in zip(edges[::2], edges[1::2], strict=True):
-        result[start:end] = np.unwrap(result[start:end], period=360.0, axis=0)
-    return result
 
 
 def _span_of(values: Array) -> float:

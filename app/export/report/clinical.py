@@ -29,8 +29,8 @@ CONVENTIONS = (
     "the ISB recommends for hip, knee and ankle: flexion about the sideways axis of the part that "
     "carries the joint, rotation about the length of the part that moves, adduction about the axis "
     "across both. Shoulders have the same order, not the ISB's Y-X-Y; for an arm that points "
-    "straight sideways, flexion and rotation cannot be told apart. The pelvis is told on the "
-    "ground, the trunk in the pelvis, the neck in the trunk."
+    "straight sideways, flexion and rotation cannot be distinguished. The pelvis is "
+    "measured against the ground, the trunk in the pelvis, the neck in the trunk."
 )
 
 

@@ -54,7 +54,7 @@ def gait_section(subject: Subject, recording: Recording) -> Html | None:
     words = (
         f"Feet stand still {how}; the thin bars reach from heel strike to toe off. A heel strikes "
         "where it is farthest ahead of the pelvis, toes leave where they are farthest behind it "
-        "(Zeni et al. 2008), told to a frame. A stride goes from a heel strike of a foot to its "
+        "(Zeni et al. 2008), to within a frame. A stride goes from a heel strike of a foot to its "
         "next; step length and width are from where the other foot stood in between. Lengths are "
         "as good as the body's size, and the least certain along the view."
     )

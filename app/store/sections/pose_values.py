@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from keypose.app.editor.angle_curve import angle_curve
 from keypose.app.editor.part_edits import keyed_limbs, keyed_words
 from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.posing_edits import angles_at
 from keypose.app.editor.shown import draft_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.trail import end_trail
-from keypose.app.posing import at_limit, part_angles_deg
+from keypose.app.posing import at_limit
 from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
-from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.keyframe import PartKeyframe
-from keypose.tracker.storage.results import listed, residual, rotations
-
-AT_REST = (1.0, 0.0, 0.0, 0.0)
+from keypose.tracker.storage.results import listed, residual
 
 
 def pose(app_state: AppState) -> Json:
@@ -114,26 +110,11 @@ def curve(app_state: AppState) -> Json:
     if edit is None or edit.selected is None:
         return None
     index, frames = edit.doc.body.index(edit.selected), edit.frame_count
-    angles = _angles(edit, index)
+    angles = angle_curve(edit, index)
     error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
     error = error * _SHOWN_TIMES[edit.doc.evidence.residual_unit]
     rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
     return {"part": edit.selected, **rows, "error": listed(error, 2)}
-
-
-def _angles(edit: EditorState, index: int) -> Array:
-    """(F, 3) degrees of a part by frame, NaN where nothing is known; no jumps of a full turn."""
-    Rs = rotations(edit.fitting, edit.frame_count, index)
-    name, poses = edit.doc.body.names[index], (*edit.doc.keyframes, *edit.doc.drafts)
-    if poses:
-        wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
-        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
-    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
-    angles = np.full((edit.frame_count, 3), np.nan)
-    if len(known):
-        found = part_angles_deg(edit.doc.body.parts[index], Rs[known])
-        angles[known] = np.unwrap(found, period=360.0, axis=0)
-    return angles
 
 
 def trail(app_state: AppState) -> Json:

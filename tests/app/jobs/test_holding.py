@@ -22,7 +22,7 @@ def _pass() -> PassFinished:
     return PassFinished.__new__(PassFinished)
 
 
-def _telling(desk: Worker, report: Report) -> Thread:
+def _reporting(desk: Worker, report: Report) -> Thread:
     thread = Thread(target=desk._send, args=(report,), daemon=True)
     thread.start()
     thread.join(0.1)
@@ -36,8 +36,8 @@ def test_a_pass_waits_for_the_hand_and_nothing_else_does(
     monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 60)
     desk = Worker(None)  # type: ignore[arg-type]
     desk._handle(Pause(True))
-    waiting, ready = _telling(desk, found := _pass()), Ready()
-    _telling(desk, ready)
+    waiting, ready = _reporting(desk, found := _pass()), Ready()
+    _reporting(desk, ready)
     assert reported == [ready]
     assert waiting.is_alive()
     desk._handle(release)

@@ -182,13 +182,13 @@ def test_an_error_in_one_segment_is_raised_after_the_others_are_reported(
     path = cases.write_session(tmp_path)
     reported: list[Any] = []
     with pytest.raises(raised):
-        _hear(reported, path, workers)
+        _reports_of(reported, path, workers)
     assert [r.result.first for r in reported if isinstance(r, SegmentFinished)] == [4]
     assert isinstance(reported[-1], JobFailed)
 
 
-def _hear(reported: list[Any], path: Path, workers: int) -> None:
-    """Track, and keep what is told before an error."""
+def _reports_of(reported: list[Any], path: Path, workers: int) -> None:
+    """Track, and keep what is reported before an error."""
     session = load_session(path)
     with open_video_of(session, path) as video:
         wanted = all_segments(session)

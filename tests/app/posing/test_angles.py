@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keypose.app.posing import (
+    angle_curve_deg,
     angles_deg,
     at_limit,
     axis_labels,
     clamp_to_limits,
-    part_angles_deg,
     part_label,
     with_angles,
     with_reset,
@@ -37,6 +37,7 @@ from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standi
 SKELETON = Skeleton.of(PERSON)
 angle = st.floats(-180, 180)
 small = st.floats(-80, 80)
+NO_KEYS = np.array([], dtype=np.intp)
 
 
 @given(angle, st.floats(-89, 89), angle)
@@ -64,19 +65,12 @@ def test_an_angle_that_is_not_given_stays() -> None:
 def test_a_full_turn_runs_on_through_every_angle(
     axis: int, start: tuple[float, float, float]
 ) -> None:
-    # twice around; y goes through both quarter turns, where x and z cannot be told apart
-    skeleton, wanted = Skeleton.of(ARMS), np.array(start)
-    pose = standing(ARMS)
-    shown = angles_deg(skeleton, with_angles(skeleton, pose, "left_arm", *wanted))
-    i = ARMS.index("left_arm")
-    shown[i] = wanted
-    for _ in range(720):
-        wanted[axis] += 1.0
-        Rs = pose.Rs_parent_part.copy()
-        Rs[i] = rotation_of(wanted)
-        pose = type(pose)(Rs, pose.p_camera_root)
-        shown = angles_deg(skeleton, pose, shown)
-        np.testing.assert_allclose(shown[i], wanted, atol=1e-6)
+    # twice around; y goes through both quarter turns, where x and z cannot be distinguished
+    wanted = np.tile(start, (721, 1))
+    wanted[:, axis] += np.arange(721.0)
+    part = ARMS.parts[ARMS.index("left_arm")]
+    Rs = np.stack([rotation_of(angles) for angles in wanted])
+    np.testing.assert_allclose(angle_curve_deg(part, Rs, NO_KEYS), wanted, atol=1e-6)
 
 
 def test_a_typed_angle_stops_at_the_limit_only_when_limits_are_on() -> None:
@@ -170,7 +164,7 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
 def test_a_person_who_has_turned_round_is_reported_by_the_turn_alone() -> None:
     root = PERSON.parts[0]
     leaning = [rotation_of(np.array([8.0, turn, -3.0])) for turn in range(-175, 180, 10)]
-    shown = part_angles_deg(root, np.stack(leaning))
+    shown = angle_curve_deg(root, np.stack(leaning), NO_KEYS)
     np.testing.assert_allclose(shown[:, 0], 8.0, atol=1e-9)
     np.testing.assert_allclose(shown[:, 1], np.arange(-175, 180, 10), atol=1e-9)
     np.testing.assert_allclose(shown[:, 2], -3.0, atol=1e-9)
@@ -179,5 +173,22 @@ def test_a_person_who_has_turned_round_is_reported_by_the_turn_alone() -> None:
 @pytest.mark.parametrize("name", PERSON.names)
 def test_one_part_alone_is_reported_as_it_is_among_the_others(name: str) -> None:
     i, pose = PERSON.index(name), walking()
-    alone = part_angles_deg(PERSON.parts[i], pose.Rs_parent_part[i][None])
+    alone = angle_curve_deg(PERSON.parts[i], pose.Rs_parent_part[i][None], NO_KEYS)
     np.testing.assert_allclose(alone[0], angles_deg(SKELETON, pose)[i], atol=1e-9)
+
+
+def test_the_curve_of_a_turning_body_has_no_jumps() -> None:
+    # who walks across the view: nearly a quarter turn, where lean and tilt swing far together
+    time = np.linspace(0.0, 3.0, 90)
+    wanted = np.stack([10 - 50 * time, 84 + 3 * np.sin(5 * time), 10 - 48 * time], axis=1)
+    Rs = np.stack([rotation_of(angles) for angles in wanted])
+    shown = angle_curve_deg(PERSON.parts[0], Rs, np.array([0, 60, 89]))
+    np.testing.assert_allclose(shown, wanted, atol=1e-6)
+
+
+def test_the_curve_is_that_of_the_keyframe_most_clearly_upright() -> None:
+    wanted = np.array([[k - 140.0, 84.0, k - 140.0] for k in range(140)])
+    Rs = np.stack([rotation_of(angles) for angles in wanted])
+    assert angle_curve_deg(PERSON.parts[0], Rs[:1], NO_KEYS)[0, 0] == pytest.approx(40)
+    shown = angle_curve_deg(PERSON.parts[0], Rs, np.array([0, 139]))
+    np.testing.assert_allclose(shown, wanted, atol=1e-6)

@@ -23,7 +23,6 @@ from tests.app.editor.desk import desk
 STATES = 400
 LEAST_PX = 3.0
 OF_A_PART = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
-AT_ITS_ENDS = ("keyframe_off_keypoints", "contradiction")
 SURFACES_ONLY = (
     "no_surface", "not_fitted", "one_keyframe", "keyframe_off_surface", "body_off_surface",
 )  # fmt: skip
@@ -122,7 +121,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     problems = suggested = 0
     for seed in range(STATES):
         state = some_state(seed)
-        reported = Told(state, seed)
+        reported = ReportedScene(state, seed)
         for segment in reported.segments:
             if segment["go"] is not None:
                 problems += 1
@@ -134,7 +133,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     assert suggested > STATES / 2
 
 
-class Told:
+class ReportedScene:
     """What the page is told of a state."""
 
     def __init__(self, state: AppState, seed: int) -> None:

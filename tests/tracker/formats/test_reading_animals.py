@@ -103,14 +103,14 @@ def test_a_file_cut_short_or_overwritten_anywhere_is_reported_or_read(
     content, rng = path.read_bytes(), np.random.default_rng(2)
     for length in rng.integers(0, len(content) - 1, 12):
         path.write_bytes(content[:length])
-        _read_or_told(path)
+        _read_or_refused(path)
     for place in rng.integers(0, len(content), 40):
         wrong = bytes(rng.integers(0, 256, 3, "u1"))
         path.write_bytes(content[:place] + wrong + content[place + 3 :])
-        _read_or_told(path)
+        _read_or_refused(path)
 
 
-def _read_or_told(path: Path) -> None:
+def _read_or_refused(path: Path) -> None:
     with suppress(FormatError):
         load_keypoints(path)
 
@@ -189,7 +189,7 @@ def test_no_code_within_a_file_is_run(tmp_path: Path, monkeypatch: pytest.Monkey
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1\n", "row 4 has 2 columns where 3"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1,fish\n", "'fish' where a number"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1,inf\n", "not a finite number"),
-        ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n-4,1,2\n", "row '-4' that tells no frame"),
+        ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n-4,1,2\n", "row '-4' that names no frame"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n4,1,2\n4,1,2\n", "frame 4 twice"),
         ("scorer,n,m\nbodyparts,a,a\ncoords,x,y\n4,1,2\n", "several scorers, n and m"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n4,,\n", "no keypoint of anybody"),

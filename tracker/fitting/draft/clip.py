@@ -1,6 +1,6 @@
 """Draft poses of a whole clip: a box round a person on one frame, and every frame gets a pose.
 
-What is assumed. A picture tells size and distance only together: the body keeps its height, and its
+What is assumed. A picture shows size and distance only together: the body keeps its height, and its
 distance follows from that and from the lens. The person is one, and seen by a camera that the
 session describes. Which way a limb points, toward the camera or away, is the network's word, freed
 of what it is off by all the time, where the poses agree.
@@ -32,15 +32,16 @@ from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.fitting.draft.sizes import with_proportions
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Box
+from keypose.tracker.keypoints.stretch import Looks
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
 WORSE = 1.1
 """Limbs stay as drafted where turning them in depth costs so many times more: what limits and the
-picture do not bear. Less than that tells nothing: both sides look the same."""
+picture do not bear. Less than that decides nothing: both sides look the same."""
 FEW_POINTS = 0.1
 """Density of points on the body's surface, none of which is looked at here."""
 
@@ -59,7 +60,7 @@ class ClipDraft:
     """The drafts of a clip.
 
     body: with the person's proportions.  poses: by frame, of that body; none where nobody is seen
-    well enough.  keypoints: those of all frames looked at, as the network told them.
+    well enough.  keypoints: those of all frames looked at, as the network found them.
     proposals: the drafts to confirm as keyframes.  judged: what that was decided by.
     """
 
@@ -153,21 +154,21 @@ class _Work:
     report: Callable[[DraftProgress], None]
     expected: int
     done: int = 0
-    told: int = 0
+    reported: int = 0
 
     def run(self, seen: Observed) -> Piece:
-        """The poses of a stretch of frames, and what they were found from: left and right as told,
-        or as consistent over time, whichever all terms together agree with better."""
+        """The poses of a stretch of frames, and what they were found from: left and right as
+        found, or as consistent over time, whichever all terms together agree with better."""
         found = self._solved(seen)
         pixels = height_px(self.skeleton, self.camera, middle(found.motion))
         other = consistent_sides(seen, pixels, height(self.skeleton.body))
         if other is not None:
             found = min(found, self._solved(other), key=lambda one: one.cost)
-        told = found.problem.depth
+        depth = found.problem.depth
         found = self._turned(found)
         motion = self._with_ends(found)
         self.done += int(seen.usable.sum())
-        return Piece(found.seen, motion, told)
+        return Piece(found.seen, motion, depth)
 
     def _turned(self, found: _Solved) -> _Solved:
         """With bones turned in depth where the whole stretch says so, unless all terms together
@@ -185,7 +186,7 @@ class _Work:
         joints = Joints.of(with_free_joints(self.skeleton))
         first = self._first(joints, seen)
         scene, calm = self._scene(joints.skeleton, first), self._calm(seen, first)
-        motion = Whole.of_joints(scene, joints, calm, first).solve(self._tell)
+        motion = Whole.of_joints(scene, joints, calm, first).solve(self._report)
         return _Solved(seen, Whole.of_joints(scene, joints, seen, first), motion)
 
     def _calm(self, seen: Observed, motion: Trajectory) -> Observed:
@@ -201,7 +202,7 @@ class _Work:
         scene = self._scene(skeleton, found.motion)
         seen = self._calm(found.seen, found.motion)
         problem = Whole.of_ends(scene, joints, seen, found.motion)
-        return problem.solve(lambda done: self._tell(int(found.seen.usable.sum())))
+        return problem.solve(lambda done: self._report(int(found.seen.usable.sum())))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
         return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)
@@ -210,15 +211,15 @@ class _Work:
         poses: list[Pose | None] = []
         joint, p_hips = slice(len(JOINTS)), seen.bridged(joints.rest)
         for n in range(len(seen)):
-            self._tell(0)
+            self._report(0)
             given = (seen.uv[n, joint], seen.visibility[n, joint], p_hips[n])
             poses.append(first_pose(joints, self.camera, *given) if seen.usable[n] else None)
         return filled(seen.first_frame, poses)
 
-    def _tell(self, more: int) -> None:
+    def _report(self, more: int) -> None:
         """That so many more frames are done; a stretch solved a second time does not go back."""
-        self.told = max(self.told, min(self.done + more, self.expected))
-        self.report(DraftProgress("poses", self.told, self.expected))
+        self.reported = max(self.reported, min(self.done + more, self.expected))
+        self.report(DraftProgress("poses", self.reported, self.expected))
 
 
 @dataclass(frozen=True, eq=False)

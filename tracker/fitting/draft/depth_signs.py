@@ -3,7 +3,7 @@
 How steeply a bone stands to the picture's plane is seen by how short it looks; toward which side is
 the network's word. Frame by frame that is often wrong: it puts a joint too near or too far by about
 the same for a while, which for a bone near the plane is the other side. Freed of such a bias, what
-it tells rises and falls with the bone's own tilt, in one sense or the other:
+it gives rises and falls with the bone's own tilt, in one sense or the other:
 
     told_n = s_n · tilt_n + bias + noise,   s_n = ±1
 
@@ -12,7 +12,7 @@ hang. Signs are found by dynamic programming and the bias by what they leave, in
 biases on; the most probable outcome counts. On four cameras around a filmed man mirrored limbs came
 down from 173 to 51 of 1,600, with the larger network, which this was not made with, from 163 to 34;
 of a second person they stayed as many. Neither the hinge of the elbow nor the landmarks of the
-mirrored picture told more.
+mirrored picture showed more.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from keypose.tracker.geometry.rotations import Array
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
 NOISE: Final = 0.2
-"""Standard deviation of what the network tells of a tilt, as a sine, beside its bias."""
+"""Standard deviation of the network's estimate of a tilt, as a sine, beside its bias."""
 TOGETHER: Final = 10.0
-"""Frames whose noise is the same: they tell as much as one."""
+"""Frames whose noise is the same: they count as one."""
 BIAS: Final = 0.2
 """Standard deviation of the bias."""
 LASTING_FRAMES: Final = 60.0
@@ -44,7 +44,7 @@ HANGS, BACKWARD, FORWARD = -0.15, 0.2, 0.45
 """Sine of the angle by which an upper arm that hangs is before the trunk's plane, and its standard
 deviations behind and before that: recorded walks, jumps, washing and dancing."""
 POSED_TOGETHER: Final = 5.0
-"""Frames whose poses tell as much as one."""
+"""Frames whose poses count as one."""
 STARTS: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
 ROUNDS: Final = 6
 PASSING: Final = 0.1
@@ -84,9 +84,9 @@ def pointing(joints: Joints, camera: Camera, p_hips: Array, motion: Trajectory) 
     """
     p = joints.points.at(motion.transforms(joints.skeleton))
     drafted = np.stack([tilt(camera, p, bone) for bone in joints.bones], axis=1)
-    told = np.stack([_told(p_hips, bone) for bone in joints.bones], axis=1)
+    estimated = np.stack([_estimated(p_hips, bone) for bone in joints.bones], axis=1)
     unlikely = _unlikely(joints, camera, p, drafted)
-    return Pointing(drafted, *most_probable_signs(np.abs(drafted), told, unlikely))
+    return Pointing(drafted, *most_probable_signs(np.abs(drafted), estimated, unlikely))
 
 
 def tilt(camera: Camera, p: Array, bone: Bone) -> Array:
@@ -99,7 +99,7 @@ def tilt(camera: Camera, p: Array, bone: Bone) -> Array:
     return np.asarray((along * ray).sum(-1) / np.maximum(np.linalg.norm(along, axis=-1), 1e-9))
 
 
-def _told(p_hips: Array, bone: Bone) -> Array:
+def _estimated(p_hips: Array, bone: Bone) -> Array:
     along = p_hips[:, bone.far] - p_hips[:, bone.near]
     return np.asarray(along[:, 2] / np.maximum(np.linalg.norm(along, axis=-1), 1e-9))
 
@@ -143,20 +143,20 @@ def _ray(camera: Camera, p: Array) -> Array:
     return _unit(p)
 
 
-def most_probable_signs(steep: Array, told: Array, unlikely: Array) -> tuple[Array, Array]:
-    """(N, B) −1 or 1, of B bones whose tilts (N, B) are `steep`, without a sign, and `told`; and
-    (N, B) by how much every outcome with the other sign there is less probable, as −log p.
+def most_probable_signs(steep: Array, estimated: Array, unlikely: Array) -> tuple[Array, Array]:
+    """(N, B) −1 or 1, of B bones whose tilts (N, B) are `steep`, without a sign, and `estimated`;
+    and (N, B) by how much every outcome with the other sign there is less probable, as −log p.
 
     unlikely: (N, B, 2) −log p of either sign besides.
     """
-    best, surer = np.ones_like(told), np.zeros_like(told)
-    cost = np.full(told.shape[1], np.inf)
+    best, surer = np.ones_like(estimated), np.zeros_like(estimated)
+    cost = np.full(estimated.shape[1], np.inf)
     for start in STARTS:
-        bias = np.full_like(told, start)
+        bias = np.full_like(estimated, start)
         for _ in range(ROUNDS):
-            least = _least(steep, told - bias, unlikely)
+            least = _least(steep, estimated - bias, unlikely)
             signs = _SIGNS[least.argmin(axis=-1)]
-            bias = _bias(told - signs * steep)
+            bias = _bias(estimated - signs * steep)
         total = least.min(axis=-1)[0] + (bias**2).mean(0) / (2 * BIAS**2)
         better = total < cost
         cost = np.where(better, total, cost)
@@ -174,9 +174,9 @@ def _bias(left: Array) -> Array:
     return np.asarray(mean * frames / (frames + prior))
 
 
-def _least(steep: Array, told: Array, unlikely: Array) -> Array:
+def _least(steep: Array, estimated: Array, unlikely: Array) -> Array:
     """(N, B, 2) the least sum of costs over all frames with this sign in this one."""
-    own = (told[..., None] - _SIGNS * steep[..., None]) ** 2 / (2 * NOISE**2 * TOGETHER)
+    own = (estimated[..., None] - _SIGNS * steep[..., None]) ** 2 / (2 * NOISE**2 * TOGETHER)
     own = own + unlikely / POSED_TOGETHER
     change = ((np.minimum(steep[1:], steep[:-1]) / PASSING) ** 2 + CHANGE)[..., None]
     return _up_to(own, change) + _up_to(own[::-1], change[::-1])[::-1] - own
@@ -201,8 +201,8 @@ def turned(joints: Joints, seen: Observed, p_hips: Array, found: Pointing) -> Ob
     for k, bone in enumerate(joints.bones):
         along = p_hips[:, bone.far] - p_hips[:, bone.near]
         wanted = found.signs[:, k] * np.abs(found.drafted[:, k]) * np.linalg.norm(along, axis=-1)
-        told = wanted if against[:, k].any() else along[:, 2]
-        depth[:, bone.far] = depth[:, bone.near] + told
+        estimated = wanted if against[:, k].any() else along[:, 2]
+        depth[:, bone.far] = depth[:, bone.near] + estimated
     p[..., 2] = depth
     joint = slice(len(p[0]))
     every = seen.p_hips.copy()

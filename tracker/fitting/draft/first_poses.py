@@ -1,6 +1,6 @@
 """A first pose of every frame by itself, in closed form, from landmarks in space.
 
-A network tells where joints are in space, in axes parallel to the picture's, as if the person were
+A network finds where joints are in space, in axes parallel to the picture's, as if the person were
 in the picture's middle, and only about as long as they are. Its bones are made as long as the
 body's, turned from the camera's axis onto the ray through the hips, and put at the distance from
 which the joints are seen at their pixels: that is linear.

@@ -2,7 +2,7 @@
 
 In the picture both look the same: the far joint of a bone lies on its ray, at either of the two
 places as far from the near joint as the bone is long. `depth_signs` decides by the whole stretch;
-what the network told of depth then says how far that is to be believed. A bone is doubted where the
+the network's depths then say how far that is to be believed. A bone is doubted where the
 network does not see it point clearly the way it was drafted, over the frames near by in which it
 points the same way: a bone that is mirrored stays so until it passes through the picture's plane.
 """
@@ -23,25 +23,25 @@ NEAR_FRAMES = 10
 BASE, BY_ALONG, BY_APART, OF_LEG = -1.1, -16.3, 10.3, -3.0
 """Logistic regression of mirrored bones, distances in metres: four cameras around a filmed man
 whose joints in space are known, area under the curve 0.91, each camera judged by the other three.
-Joint limits, visibility and distances from keypoints tell nothing besides, nor does what the
-network tells of turned and larger pictures. Solved for with a bone the other way, of 68 stretches
+Joint limits, visibility and distances from keypoints add nothing, nor does what the
+network finds in turned and larger pictures. Solved for with a bone the other way, of 68 stretches
 that were right 29 cost no more, of five that were mirrored four."""
 HALF = 0.05
 """Probability at which a limb is doubted by half. On these cameras 46 of the 51 limbs that are
 still mirrored are, and of twelve limbs that are, one is mirrored."""
 
 
-def flip_doubts(joints: Joints, camera: Camera, told_m: Array, motion: Trajectory) -> Array:
+def flip_doubts(joints: Joints, camera: Camera, network_m: Array, motion: Trajectory) -> Array:
     """(N, 4) by limb how doubtful it is that it points the right way in depth, from 0 to 1.
 
-    told_m (N, 12): how much farther than the root the network sees each joint of the N frames.
+    network_m (N, 12): how much farther than the root the network sees each joint of the N frames.
     camera: without distortion.
     """
     p = joints.seen.at(motion.transforms(joints.skeleton))
     doubts = [
         np.maximum(
-            _mirrored(joints, limb.upper, camera, p, told_m, is_leg=k > 1),
-            _mirrored(joints, limb.lower, camera, p, told_m, is_leg=k > 1),
+            _mirrored(joints, limb.upper, camera, p, network_m, is_leg=k > 1),
+            _mirrored(joints, limb.lower, camera, p, network_m, is_leg=k > 1),
         )
         for k, limb in enumerate(joints.limbs)
     ]
@@ -50,14 +50,14 @@ def flip_doubts(joints: Joints, camera: Camera, told_m: Array, motion: Trajector
 
 
 def _mirrored(
-    joints: Joints, bone: Bone, camera: Camera, p: Array, told_m: Array, *, is_leg: bool
+    joints: Joints, bone: Bone, camera: Camera, p: Array, network_m: Array, *, is_leg: bool
 ) -> Array:
     """(N,) probability that a bone is mirrored; 0 where it is in the picture's plane."""
     length = joints.seen_length_m(bone)
     drafted = tilt(camera, p, bone)
-    told = np.clip(told_m[:, bone.far] - told_m[:, bone.near], -length, length)
-    along = _near_mean(np.sign(drafted) * told, drafted)
-    apart = _near_mean(np.abs(length * drafted - told), drafted)
+    network = np.clip(network_m[:, bone.far] - network_m[:, bone.near], -length, length)
+    along = _near_mean(np.sign(drafted) * network, drafted)
+    apart = _near_mean(np.abs(length * drafted - network), drafted)
     odds = BASE + BY_ALONG * along + BY_APART * apart + OF_LEG * is_leg
     return np.where(np.abs(drafted) >= PLANE, expit(odds), 0.0)
 

@@ -23,7 +23,7 @@ ENDS: Final = (
     *("nose", "left_ear", "right_ear", "left_heel", "right_heel"),
     *("left_foot_index", "right_foot_index"),
 )
-"""Keypoints that tell how head and feet are turned."""
+"""Keypoints that show how head and feet are turned."""
 POINTS: Final = (*JOINTS, *ENDS)
 _ON_HEAD: Final = {
     "nose": (0.0, 0.4, -0.55), "left_ear": (0.4, 0.45, 0.0), "right_ear": (-0.4, 0.45, 0.0)

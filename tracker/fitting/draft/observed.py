@@ -55,7 +55,7 @@ class Observed:
         if keypoints.p_hips is None or missing:
             what = missing[0].replace("_", " ") if missing else "depth"
             raise KeypointError(
-                f"These keypoints tell no {what}: a draft needs a person's arms and legs with "
+                f"These keypoints have no {what}: a draft needs a person's arms and legs with "
                 "their depth, as the bundled network finds them."
             )
         columns = [_column(keypoints, keypoints.p_hips, name) for name in POINTS]
@@ -88,10 +88,10 @@ class Observed:
         that know it, and as in the rest pose (12, 3) where none does."""
         out, frames = self.p_hips[:, : len(JOINTS)].copy(), np.arange(len(self))
         for k in range(len(JOINTS)):
-            told = np.flatnonzero(self.known[:, k])
+            known = np.flatnonzero(self.known[:, k])
             for axis in range(3):
-                values = out[told, k, axis] if len(told) else [rest[k, axis]]
-                out[:, k, axis] = np.interp(frames, told if len(told) else [0], values)
+                values = out[known, k, axis] if len(known) else [rest[k, axis]]
+                out[:, k, axis] = np.interp(frames, known if len(known) else [0], values)
         return out
 
     def runs(self) -> list[slice]:

@@ -1,4 +1,4 @@
-"""How far beside a body's joints a network puts them, as far as posed frames tell.
+"""How far beside a body's joints a network puts them, as far as posed frames show.
 
 A network puts an elbow beside where the arm bends, one way throughout a film and another way for a
 while: what it is off in one frame is of use in those near it, less so far away. So where posed
@@ -52,7 +52,7 @@ def learned_places(
 ) -> Array:
     """(N, 3) where on its part a keypoint is beside its joint, metres, at frames (N,).
 
-    posed: the rows of those that tell it, R of them.  slopes (R, 2, 3): pixels by metre in the
+    posed: the rows of those that show it, R of them.  slopes (R, 2, 3): pixels by metre in the
     part's axes.  missed_px (R, 2): from the joint to the keypoint.  pixel_m (R,): metres there.
     """
     at = frames[list(posed)]
@@ -60,8 +60,8 @@ def learned_places(
     noise = np.repeat((SHAKES_M / pixel_m) ** 2 + POSED_PX**2, 2)
     own = np.kron(PLACE_M.covariance(at, at), np.eye(3))
     known = pixels @ own @ pixels.T + np.diag(noise)
-    told = pixels.T @ np.linalg.solve(known, missed_px.ravel())
-    return np.asarray(np.kron(PLACE_M.covariance(frames, at), np.eye(3)) @ told).reshape(-1, 3)
+    weighted = pixels.T @ np.linalg.solve(known, missed_px.ravel())
+    return np.asarray(np.kron(PLACE_M.covariance(frames, at), np.eye(3)) @ weighted).reshape(-1, 3)
 
 
 def learned_depths(frames: Array, posed: Sequence[int], missed_m: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Drafts solved for anew with what posed frames tell of their keypoints."""
+"""Drafts solved for anew with what posed frames show of their keypoints."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from keypose.tracker.solver.posed import image_jacobian, image_points
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
-TELLS = 0.2
-"""Visibility from which a keypoint of a posed frame tells anything."""
+SEEN = 0.2
+"""Visibility from which a keypoint of a posed frame counts."""
 HELD_TURN_RAD, HELD_SHIFT_PX = np.radians(0.3), 0.3
 """Standard deviations of poses that stay."""
 
@@ -46,7 +46,7 @@ def refit_drafts(
     """The drafts of the frames near some, solved for anew; those that cannot be are left out.
 
     keypoints: those that the drafts were found from.  camera: of the video, with its distortion.
-    drafts, posed: by frame, of this body; posed ones stay, and tell where the network puts joints
+    drafts, posed: by frame, of this body; posed ones stay, and show where the network puts joints
     and what their depths lack.  around: the posed frames that are new.
     KeypointError for keypoints without depth and for a body that is no person's.
     """
@@ -67,7 +67,8 @@ def refit_drafts(
 
 
 def _free(skeleton: Skeleton) -> Skeleton:
-    """With the joints free that keypoints tell; clavicles stay as they are, as in every draft."""
+    """With the joints free that keypoints determine; clavicles stay as they are, as in
+    every draft."""
     body = with_free_joints(skeleton).body
     some = (
         part.model_copy(update={"tracked": ()}) if part.name.endswith("_clavicle") else part
@@ -107,16 +108,16 @@ class _Stretch:
         """All poses but the posed ones, and the first and the last where the film goes on there."""
         frames = range(self.seen.first_frame, self.seen.first_frame + len(self.seen))
         first = filled(frames.start, [self.known.get(frame) for frame in frames])
-        told = [frame - frames.start for frame in posed]
+        posed_rows = [frame - frames.start for frame in posed]
         ends = {0: frames.start - 1, len(frames) - 1: frames.stop}
-        stay = {*told, *(row for row, beyond in ends.items() if beyond in self.known)}
+        stay = {*posed_rows, *(row for row, beyond in ends.items() if beyond in self.known)}
         joints = Joints.of(self.skeleton)
         seen = self._calm(joints, first)
-        motion = self._limbs(joints, seen, first, told, stay).solve(_unheard)
+        motion = self._limbs(joints, seen, first, posed_rows, stay).solve(_ignored)
         turning = Joints.of(turning_ends(joints))
         if not len(turning.ends[0]):
             return motion
-        return self._ends(turning, seen, first, motion, told, stay).solve(_unheard)
+        return self._ends(turning, seen, first, motion, posed_rows, stay).solve(_ignored)
 
     def _calm(self, joints: Joints, first: Trajectory) -> Observed:
         """Left and right as the poses have them, without keypoints that jump."""
@@ -130,12 +131,17 @@ class _Stretch:
         return ways[int(np.argmin(costs))].without_jumps(pixels)
 
     def _limbs(
-        self, joints: Joints, seen: Observed, first: Trajectory, told: list[int], stay: set[int]
+        self,
+        joints: Joints,
+        seen: Observed,
+        first: Trajectory,
+        posed_rows: list[int],
+        stay: set[int],
     ) -> Whole:
         columns = np.arange(len(JOINTS))
-        seen = self._corrected(seen, columns, joints.seen, first, told)
+        seen = self._corrected(seen, columns, joints.seen, first, posed_rows)
         scene = self._scene(joints.skeleton, first)
-        depth = self._depth(seen, joints.seen, first, told)
+        depth = self._depth(seen, joints.seen, first, posed_rows)
         plain = Whole.of_joints(scene, joints, seen, first)
         depth_scale = np.where(np.isfinite(depth), plain.depth_scale, 0.0)
         return replace(
@@ -145,11 +151,11 @@ class _Stretch:
 
     def _ends(
         self, joints: Joints, seen: Observed, first: Trajectory, motion: Trajectory,
-        told: list[int], stay: set[int],
+        posed_rows: list[int], stay: set[int],
     ) -> Whole:  # fmt: skip
         """Head and feet; what was posed says where on them the network sees points."""
         columns, points = joints.ends
-        seen = self._corrected(seen, columns, points, first, told)
+        seen = self._corrected(seen, columns, points, first, posed_rows)
         scene = self._scene(joints.skeleton, motion)
         plain = Whole.of_ends(scene, joints, seen, motion)
         return replace(plain, keep=_held(scene, plain.keep, len(motion), stay))
@@ -159,15 +165,15 @@ class _Stretch:
 
     def _corrected(
         self, seen: Observed, columns: NDArray[np.int64], points: BodyPoints, first: Trajectory,
-        told: list[int],
+        posed_rows: list[int],
     ) -> Observed:  # fmt: skip
         """With these keypoints where they would be without what was learned that they are off."""
         Ts, frames = first.transforms(self.skeleton), np.arange(len(first), dtype=np.float64)
         p, uv = points.at(Ts), seen.uv.copy()
         at = image_points(self.camera, p)
         for k, column in enumerate(columns.tolist()):
-            rows = [n for n in told if seen.known[n, column]]
-            rows = [n for n in rows if seen.visibility[n, column] > TELLS]
+            rows = [n for n in posed_rows if seen.known[n, column]]
+            rows = [n for n in rows if seen.visibility[n, column] > SEEN]
             if not rows:
                 continue
             ((part, _),) = points.points[k]
@@ -180,13 +186,15 @@ class _Stretch:
         return replace(seen, uv=uv)
 
     def _depth(
-        self, seen: Observed, points: BodyPoints, first: Trajectory, told: list[int]
+        self, seen: Observed, points: BodyPoints, first: Trajectory, posed_rows: list[int]
     ) -> Array:
-        """(N, 12) metres farther than the root; NaN where nothing tells it."""
+        """(N, 12) metres farther than the root; NaN where nothing shows it."""
         own = points.at(first.transforms(self.skeleton))[..., 2] - first.ps_camera_root[:, 2:]
         depth, frames = seen.p_hips[:, : len(JOINTS), 2].copy(), np.arange(len(first), dtype=float)
         for k in range(len(JOINTS)):
-            rows = [n for n in told if np.isfinite(depth[n, k]) and seen.visibility[n, k] > TELLS]
+            rows = [
+                n for n in posed_rows if np.isfinite(depth[n, k]) and seen.visibility[n, k] > SEEN
+            ]
             if rows:
                 lacks = own[rows, k] - depth[rows, k]
                 depth[:, k] += learned_depths(frames, rows, lacks)
@@ -202,5 +210,5 @@ def _held(scene: Scene, keep: Array, count: int, stay: set[int]) -> Array:
     return every
 
 
-def _unheard(done: int) -> None:
+def _ignored(done: int) -> None:
     """Nobody waits for it."""

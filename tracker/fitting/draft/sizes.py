@@ -1,7 +1,7 @@
-"""The preset's proportions scaled to the person's, as far as landmarks tell.
+"""The preset's proportions scaled to the person's, as far as landmarks show.
 
 Height and distance show only together in a picture, so the body keeps its height. What the network
-does tell is how long bones are beside each other: its landmarks in space have the person's bones up
+does give is how long bones are beside each other: its landmarks in space have the person's bones up
 to one common factor. Where enough frames show a bone, its median length there is believed, drawn
 toward the preset's proportions, and never beyond what people differ by. Widths of the hips stay:
 the network puts hips where no joint is. So does thickness, which landmarks do not show.
@@ -23,7 +23,7 @@ from keypose.tracker.geometry.rotations import Array
 SURE = 0.7
 """Visibility of both ends of a bone that is measured."""
 FEWEST = 12
-"""Frames that tell a length."""
+"""Frames from which a length is known."""
 USUAL: Final = 0.08
 """Standard deviation of people's proportions about the preset's."""
 DOUBT: Final = 0.04
@@ -37,10 +37,10 @@ def with_proportions(body: Body, observed: Observed) -> Body:
     """The body with trunk, shoulders, arms and legs in the person's proportions, and its height."""
     joints = Joints.of(Skeleton.of(body))
     ratios = _ratios(joints, observed)
-    told = [ratio for ratio in ratios.values() if ratio is not None]
-    if not told:
+    known = [ratio for ratio in ratios.values() if ratio is not None]
+    if not known:
         return body
-    common = float(np.median(told))
+    common = float(np.median(known))
     factors = {
         name: _believed(ratio / common) for name, ratio in ratios.items() if ratio is not None
     }
@@ -70,7 +70,7 @@ def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
 
 def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
     """By part, and of trunk and shoulders, its length in the landmarks over the body's; None where
-    too few frames tell it."""
+    too few frames show it."""
     names = joints.skeleton.body.names
     ratios = {}
     for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):

@@ -86,14 +86,14 @@ class Whole:
         """The joints of a person.
 
         scene: of a skeleton whose limbs are free to turn.
-        first: a pose for every frame, whose depths are those that the keypoints tell.
+        first: a pose for every frame, whose depths are those that the keypoints give.
         """
         columns = np.arange(len(JOINTS))
-        told, sigma, wider = _sigmas(scene, observed, first, columns)
+        known, sigma, wider = _sigmas(scene, observed, first, columns)
         z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
         return cls(
-            scene, joints.seen, observed.uv[:, columns], np.where(told, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(told, 1 / (DEPTH_M * wider), 0.0),
+            scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
+            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (DEPTH_M * wider), 0.0),
             first, scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m),
         )  # fmt: skip
 
@@ -104,11 +104,11 @@ class Whole:
         scene: of a skeleton in which nothing else moves.
         """
         columns, points = joints.ends
-        told, sigma, _ = _sigmas(scene, observed, posed, columns)
-        none = np.zeros(told.shape)
+        known, sigma, _ = _sigmas(scene, observed, posed, columns)
+        none = np.zeros(known.shape)
         return cls(
             scene, points, observed.uv[:, columns],
-            np.where(told, 1 / (ENDS_WIDER * sigma), 0.0), none, none,
+            np.where(known, 1 / (ENDS_WIDER * sigma), 0.0), none, none,
             posed, scene.precision(KEEP_ENDS_RAD, 1.0),
         )  # fmt: skip
 
@@ -116,7 +116,7 @@ class Whole:
         return len(self.first)
 
     def cost(self, motion: Trajectory) -> float:
-        """What motions that tell left and right otherwise are compared by."""
+        """What motions that have left and right otherwise are compared by."""
         padded = _padded(motion)
         return float(self._problem(slice(0, len(self)), Cauchy()).at(padded, 0).cost)
 
@@ -185,15 +185,15 @@ class Whole:
 def _sigmas(
     scene: Scene, observed: Observed, motion: Trajectory, columns: NDArray[np.int64]
 ) -> tuple[NDArray[np.bool_], Array, Array]:
-    """(N, K) of these keypoints whether they are told, their σ in pixels, and how many times wider
+    """(N, K) of these keypoints whether they are known, their σ in pixels, and how many times wider
     that is than of sure ones."""
     skeleton, camera = scene.skeleton, scene.camera
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     unsure = np.clip((SURE - observed.visibility[:, columns]) / SURE, 0.0, 1.0)
     wider = 1 + (BLUR - 1) * unsure
-    told = observed.known[:, columns] & observed.usable[:, None]
-    return told, SIGMA * heights[:, None] * wider, wider
+    known = observed.known[:, columns] & observed.usable[:, None]
+    return known, SIGMA * heights[:, None] * wider, wider
 
 
 def _padded(motion: Trajectory) -> Trajectory:

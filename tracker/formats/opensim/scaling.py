@@ -2,7 +2,7 @@
 
 **Factors.** A limb's body is scaled alike along all axes, by the distance of its two joints: thigh,
 shank, upper arm, forearm; the hand as the forearm. The foot goes by its length, of which a model
-tells the part from heel to the joint of the toes. Pelvis and torso are scaled up and down by the
+shows the part from heel to the joint of the toes. Pelvis and torso are scaled up and down by the
 height from hips to lumbar joint and from there to the shoulders, sideways by the distance of the
 hips and of the shoulders, and from front to back by the mean of both. The head and what hangs on no
 joint of ours is scaled by the leg and trunk together.
@@ -31,7 +31,7 @@ BALL_SHARE: Final = 0.73
 """Of a foot's length, from the heel to where the toes bend (Gordon et al. 2014, ball of foot)."""
 
 IN_LINE_M: Final = 0.01
-"""Markers no farther beside a line do not tell how they are turned about it."""
+"""Markers no farther beside a line do not show how they are turned about it."""
 
 _SIDE: Final = {"r": "right", "l": "left"}
 _LIMBS: Final = {
@@ -55,8 +55,8 @@ class Scaled:
     placed: Mapping[str, tuple[str, Array]]
 
     @property
-    def tells_tilt(self) -> bool:
-        """Whether the markers tell how the pelvis is turned: not all of its own lie in one line."""
+    def shows_tilt(self) -> bool:
+        """Whether the markers show how the pelvis is turned: not all of its own lie in one line."""
         places = np.array([place for body, place in self.placed.values() if body == "pelvis"])
         if len(places) < 3:
             return False

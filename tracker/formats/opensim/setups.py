@@ -20,7 +20,7 @@ MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"
 MOTION_FILE = "motion.mot"
 
 BESIDE_WEIGHT = (0.01 / math.radians(10)) ** 2
-"""Ten degrees count like one marker a centimetre off: little beside markers that tell the angle."""
+"""Ten degrees count like one marker a centimetre off: little beside markers that show the angle."""
 
 
 def markers_xml(sizes: Scaled) -> str:

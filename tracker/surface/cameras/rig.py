@@ -21,7 +21,7 @@ from pydantic import Field, FiniteFloat, ValidationError, model_validator
 from pydantic_core import from_json
 
 from keypose.tracker.errors import SurfaceError, one_sentence
-from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.files import read_named
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import (
     Array,
@@ -99,7 +99,7 @@ class Rig(Plain):
     def open(cls, path: Path) -> Rig:
         """Read the file; SurfaceError in one sentence when it is not one."""
         try:
-            data = from_json(_content(path))
+            data = from_json(read_named(path, LARGEST_BYTES, "file of cameras", SurfaceError))
         except ValueError as error:
             raise SurfaceError(f"{path.name} is not JSON: {error}.") from None
         try:
@@ -127,17 +127,3 @@ class Rig(Plain):
         placement = self.placement(p_camera_surface)
         p = (mesh.vertices - p_camera_surface) @ placement.R_camera_surface
         return SurfaceMesh(p / METRES[self.units], mesh.faces, mesh.consistency)
-
-
-def _content(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            raise SurfaceError(f"{str(path)!r} is a folder; name the cameras' file in it.")
-        return read_regular(path, LARGEST_BYTES)
-    except TooLarge:
-        raise SurfaceError(f"{str(path)!r} is too large to be a file of cameras.") from None
-    except FileNotFoundError:
-        raise SurfaceError(f"There is no file of cameras {str(path)!r}.") from None
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise SurfaceError(f"The file of cameras {str(path)!r} cannot be read: {why}.") from None

@@ -147,7 +147,7 @@ def anchors_of(
     scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
     *, open_end: bool = False,
 ) -> tuple[Anchors, ...]:  # fmt: skip
-    """The anchors of a segment: as the detector tells left and right, and, where it seems to
+    """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 
 WRONG = 0.0375
-"""Of the body's height in the picture: a joint farther off is wrong. Marks by hand tell no less."""
+"""Of the body's height in the picture: a joint farther off is wrong. Marks are no more exact."""
 LEAST = 0.003
 """Below it differences say nothing."""
 NEAR = 5

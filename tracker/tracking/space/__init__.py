@@ -1,1 +1,1 @@
-"""The motion in space: one last solve over neighbouring segments, and what tells of it."""
+"""The motion in space: one last solve over neighbouring segments, and what is measured of it."""

@@ -1,6 +1,6 @@
 """Where feet stand still in the world, as their tracked motion shows it: pins to propose.
 
-The picture tells how fast a point moves across the view; along it the motion is told badly, counts
+The picture shows how fast a point moves across the view; along it the motion is known badly, counts
 little and is smoothed for longer. Slow feet high in the air (a raised foot held still, the top of a
 jump) are left out by how low the lower foot was nearby. A camera that stands still is assumed.
 """
@@ -40,8 +40,8 @@ def proposed_pins(
 ) -> tuple[Pin, ...]:
     """Pins for the feet of a body, where they stand still; whole feet, then toes alone.
 
-    up_camera: unit vector, None where up is not known: then slow feet in the air are told from
-    standing ones by nothing.
+    up_camera: unit vector, None where up is not known: then nothing distinguishes slow feet in
+    the air from standing ones.
     """
     feet = list(_feet(skeleton.body))
     if not feet or len(motion) < 3:

@@ -6,8 +6,8 @@ of Zeni et al. (2008): the heel strikes where it is farthest ahead of the root, 
 they are farthest behind it, both along the way that the root takes there.
 
 A stride goes from one heel strike of a foot to its next. Its length is the distance between the
-two places where the foot stood, told on the ground; step length and width are where the other foot
-stood in between, along this line and across it.
+two places where the foot stood, measured on the ground; step length and width are where the other
+foot stood in between, along this line and across it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 
 WAY_S: Final = 0.25
-"""Width of the Gaussian over which the root's way is told."""
+"""Width of the Gaussian over which the root's way is measured."""
 APART_S: Final = 0.12
 """Pins of one foot that are no farther apart are one stance: a heel's end, the toes' begin."""
 BEFORE_S: Final = 0.35
@@ -65,7 +65,7 @@ class Stance:
 
 @dataclass(frozen=True)
 class Stride:
-    """From a heel strike to the same foot's next. What another foot would tell is None without one.
+    """From a heel strike to the same foot's next. What another foot would show is None without one.
 
     step_length_m: from where the other foot stood to where this one comes down.
     step_width_m:  how far the other foot stood beside the line of this one's, on its own side;

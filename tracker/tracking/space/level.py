@@ -19,8 +19,8 @@ STEPS = 3
 def up_from_places(p_camera: Array, up_camera: Array) -> Array:
     """Unit vector (3,) up, by places (N, 3) that lie on one level floor, metres, camera frame.
 
-    up_camera: unit vector (3,), what is known of up. It decides what the places do not tell: those
-    along one line tell the slope along it alone.
+    up_camera: unit vector (3,), what is known of up. It decides what the places do not show: those
+    along one line show the slope along it alone.
     """
     from_middle = p_camera - p_camera.mean(axis=0)
     up = np.asarray(up_camera, dtype=np.float64)

@@ -23,7 +23,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.depth_turn import turned_in_depth, turns_round
 
 NEAR_S: Final = 1.2
-"""Keyframes farther apart than this tell nothing of each other."""
+"""Keyframes farther apart than this say nothing about each other."""
 OTHERS: Final = 2
 """Keyframes that one is compared with: those before and after it, of the first and the last one the
 two next to it."""
@@ -31,8 +31,8 @@ APART_M: Final = 0.15
 """Mirror images nearer to each other than this are no matter."""
 NEARER_M: Final = 0.1
 """By how much nearer to a neighbour the mirror image has to be, in the mean over the joints. Of
-seven motions keyed every 20 frames two of 188 right limbs are told, of those mirrored by a quarter
-of a metre or more 22 of 33, hardly a leg, of 32 lesser ones five."""
+seven motions keyed every 20 frames two of 188 right limbs are reported, of those mirrored by a
+quarter of a metre or more 22 of 33, hardly a leg, of 32 lesser ones five."""
 STRAYS: Final = 0.3
 """Share of the way to the mirror image by which joints may miss it, for it to be a pose."""
 _LIMBS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {

@@ -15,7 +15,7 @@ class SpaceResult:
 
     key: of what it was solved for, see `keypose.tracker.storage.space`.
     pins: how well each holds.  proposed: where feet stand still that have none.
-    findings: what is not plausible.  floor_m: height of the floor, where pins on it told.
+    findings: what is not plausible.  floor_m: height of the floor, where pins on it show it.
     """
 
     key: str

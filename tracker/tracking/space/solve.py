@@ -1,6 +1,6 @@
 """The last solve: the motion of neighbouring segments made right in space.
 
-What was tracked tells where the body is seen, and how it moves from frame to frame, each as far as
+What was tracked shows where the body is seen, and how it moves from frame to frame, each as far as
 the picture decided it. Along the view the picture decides little; there pins, a floor and the
 smoothness of bodies do. Unknown are all poses of the stretch, the places of its pins and the height
 of the floor:

@@ -15,7 +15,6 @@ from keypose.app.jobs.batch.exporting import export_of, places
 from keypose.app.jobs.batch.run_one import run_task
 from keypose.app.jobs.batch.task import Step, Summary, Task
 from keypose.app.jobs.rerun import rerun
-from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from tests.app.document.test_folder_lock import holder
@@ -31,10 +30,6 @@ def path(tmp_path: Path) -> Path:
 def done(path: Path, stop: Event | None = None, **how: Any) -> tuple[Summary, list[Step]]:
     steps: list[Step] = []
     return run_task(Task(path, **how), steps.append, stop or Event()), steps
-
-
-def with_quality(path: Path, quality: Quality) -> None:
-    cases.altered(path, lambda data: data["settings"].update(quality=quality))
 
 
 def fresh(summary: Summary) -> list[bool]:

@@ -253,8 +253,8 @@ def test_keypoints_that_are_no_persons_with_depth_are_refused_in_one_sentence() 
         name="box", parts=(Part(name="box", shape=BoxShape(low_m=(0, 0, 0), high_m=(1, 1, 1))),)
     )
     for keypoints, body, words in (
-        (flat, BODY, "tell no depth"),
-        (replace(clip.keypoints, names=names), BODY, "tell no left knee"),
+        (flat, BODY, "have no depth"),
+        (replace(clip.keypoints, names=names), BODY, "have no left knee"),
         (without(clip.keypoints, slice(None)), BODY, "nowhere seen well enough"),
         (clip.keypoints, box, "no joints of a person"),
     ):

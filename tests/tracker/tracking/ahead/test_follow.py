@@ -155,7 +155,7 @@ def _grey(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ClipLoader, "load", lambda *_: FILM.segment.clip)
 
 
-def _heard(way: Direction, frame: int, keypoints: Any, **settings: Any) -> FoundAhead:
+def _with_keypoints(way: Direction, frame: int, keypoints: Any, **settings: Any) -> FoundAhead:
     class Film:
         class info:
             frame_count = FILM.truth.last_frame + 1
@@ -175,7 +175,7 @@ def _heard(way: Direction, frame: int, keypoints: Any, **settings: Any) -> Found
 def test_where_brightness_shows_nothing_keypoints_lead_on(way: Direction) -> None:
     first, last = FILM.truth.first_frame, FILM.truth.last_frame
     frame, to = (first, last) if way == "forward" else (last, first)
-    found = _heard(way, frame, FILM.keypoints)
+    found = _with_keypoints(way, frame, FILM.keypoints)
     assert (found.to_frame, found.notes) == (to, ())
     assert joints_apart_m(found.motion, FILM.truth).mean() < 0.06
 
@@ -183,7 +183,7 @@ def test_where_brightness_shows_nothing_keypoints_lead_on(way: Direction) -> Non
 @pytest.mark.usefixtures("_grey")
 def test_where_nobody_is_found_it_says_so_and_goes_by_brightness() -> None:
     nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
-    found = _heard("forward", FILM.truth.first_frame, nowhere)
+    found = _with_keypoints("forward", FILM.truth.first_frame, nowhere)
     assert found.notes == (NO_KEYPOINTS,)
 
 

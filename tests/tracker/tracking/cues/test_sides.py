@@ -23,17 +23,19 @@ def test_as_reported_there_is_one_way_to_take_them() -> None:
 def test_a_sudden_exchange_is_set_right_beside_what_was_reported() -> None:
     film = Filmed(moving())
     wrong = _exchanged(film.keypoints, slice(5, 9))
-    as_told, mended = film.anchors(wrong)
+    as_detected, mended = film.anchors(wrong)
     (right,) = film.anchors()
-    assert not as_told.exchanged
+    assert not as_detected.exchanged
     assert mended.exchanged
     np.testing.assert_allclose(mended.uv, right.uv, atol=1e-6)
-    assert np.abs(as_told.uv - right.uv)[5:9].max() > 10
+    assert np.abs(as_detected.uv - right.uv)[5:9].max() > 10
 
 
 def test_keyframes_say_which_side_is_which_when_all_are_exchanged() -> None:
     film = Filmed(moving())
-    (mended,) = film.anchors(_exchanged(film.keypoints, slice(None)))  # as told they miss the body
+    (mended,) = film.anchors(
+        _exchanged(film.keypoints, slice(None))
+    )  # as detected they miss the body
     assert mended.exchanged
     np.testing.assert_allclose(mended.uv, film.anchors()[0].uv, atol=1e-6)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.keypoints.detect import Stretch
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
 from keypose.tracker.keypoints.network import NAMES, Seen, fingerprint_of
 from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving

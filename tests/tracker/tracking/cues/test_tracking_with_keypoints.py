@@ -23,7 +23,6 @@ from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_
 from tests.tracker.tracking_cases import tracked
 
 FILM = Filmed(moving())
-BRIGHTNESS = TrackSettings(cues=("brightness",))
 
 
 @dataclass(frozen=True, eq=False)

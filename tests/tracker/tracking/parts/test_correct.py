@@ -153,16 +153,16 @@ def error_m(motion: Trajectory) -> float:
 @pytest.mark.usefixtures("grey")
 @pytest.mark.parametrize("cues", [("brightness",), ALL_CUES, ("keypoints",)])
 def test_a_limb_set_right_where_it_is_lost_comes_right_around_there(cues: Any) -> None:
-    segment, listens = FILM.segment, "keypoints" in cues
+    segment, keypoints_on = FILM.segment, "keypoints" in cues
     span, middle = (segment.first_frame, segment.last_frame), segment.first_frame + 6
     settings = TrackSettings(cues=cues)
     key = KeyedParts.of(SKELETON, middle, ARM, FILM.truth.pose(middle))
-    base = run(grey_tracker(listens), settings, span)
-    found = run(grey_tracker(listens, key), settings, span)
+    base = run(grey_tracker(keypoints_on), settings, span)
+    found = run(grey_tracker(keypoints_on, key), settings, span)
     require_exact_there_and_as_tracked_elsewhere(
         found.trajectory, base.trajectory, key, SKELETON, CAMERA
     )
-    most = 0.5 if not listens else 1.0
+    most = 0.5 if not keypoints_on else 1.0
     assert error_m(found.trajectory) < most * error_m(base.trajectory)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.benchmarks.told import (
+from tests.benchmarks.indicators import (
     Record,
     auroc,
     by_segment,
@@ -16,9 +16,9 @@ from tests.benchmarks.told import (
 )
 
 
-def _pairs(told: np.ndarray, wrong: np.ndarray) -> float:
+def _pairs(values: np.ndarray, wrong: np.ndarray) -> float:
     """The share of pairs in order, counted one by one."""
-    pairs = [(a > b) + 0.5 * (a == b) for a in told[wrong] for b in told[~wrong]]
+    pairs = [(a > b) + 0.5 * (a == b) for a in values[wrong] for b in values[~wrong]]
     return float(np.mean(pairs))
 
 
@@ -27,9 +27,9 @@ def test_the_auroc_is_the_share_of_pairs_in_the_right_order_with_and_without_tie
     levels: int,
 ) -> None:
     rng = np.random.default_rng(levels)
-    told = rng.integers(0, levels, 200).astype(float)
-    wrong = rng.random(200) < 0.2 + 0.5 * told / levels
-    assert auroc(told, wrong) == pytest.approx(_pairs(told, wrong))
+    values = rng.integers(0, levels, 200).astype(float)
+    wrong = rng.random(200) < 0.2 + 0.5 * values / levels
+    assert auroc(values, wrong) == pytest.approx(_pairs(values, wrong))
 
 
 def test_the_auroc_of_nothing_wrong_is_not_known() -> None:
@@ -38,20 +38,20 @@ def test_the_auroc_of_nothing_wrong_is_not_known() -> None:
 
 def test_a_logistic_curve_is_found_again_from_what_it_predicts() -> None:
     rng = np.random.default_rng(0)
-    told = rng.normal(size=20_000)
-    wrong = rng.random(20_000) < 1 / (1 + np.exp(1.0 - 2.0 * told))
-    assert logistic(told, wrong) == pytest.approx((-1.0, 2.0), abs=0.1)
+    values = rng.normal(size=20_000)
+    wrong = rng.random(20_000) < 1 / (1 + np.exp(1.0 - 2.0 * values))
+    assert logistic(values, wrong) == pytest.approx((-1.0, 2.0), abs=0.1)
 
 
-def test_a_telling_that_separates_perfectly_still_gets_a_finite_curve() -> None:
-    told = np.array([0.0, 0.0, 1.0, 1.0])
-    assert np.isfinite(logistic(told, told > 0)).all()
+def test_an_indicator_that_separates_perfectly_still_gets_a_finite_curve() -> None:
+    values = np.array([0.0, 0.0, 1.0, 1.0])
+    assert np.isfinite(logistic(values, values > 0)).all()
 
 
 def test_a_clip_is_judged_by_the_other_clips_alone() -> None:
-    told, clips = np.array([0.0, 1.0, 0.0, 1.0]), np.array(["a", "a", "b", "b"])
+    values, clips = np.array([0.0, 1.0, 0.0, 1.0]), np.array(["a", "a", "b", "b"])
     wrong = np.array([False, True, True, False])
-    p = left_out(told, wrong, clips)
+    p = left_out(values, wrong, clips)
     assert p[0] > p[1]  # b says that larger is right
     assert p[3] > p[2]
 
@@ -68,8 +68,10 @@ def test_probabilities_that_come_true_are_calibrated_and_their_opposites_are_not
     assert miscalibration(1 - p, wrong) == pytest.approx(0.5, abs=0.02)
 
 
-def _record(clip: str, first: int, kind: str, px: float, told: float = 0.0) -> Record:
-    return Record(clip, "row", "way", 0, (first, first + 9), kind, first + 3, "j", px, {"t": told})
+def _record(clip: str, first: int, kind: str, px: float, indicator: float = 0.0) -> Record:
+    return Record(
+        clip, "row", "way", 0, (first, first + 9), kind, first + 3, "j", px, {"t": indicator}
+    )
 
 
 def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
@@ -79,20 +81,20 @@ def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
     ]  # fmt: skip
     found = by_segment(some)
     assert (found.count, found.right) == (4, 2)
-    assert found.said_good == pytest.approx(0.5)
+    assert found.called_good == pytest.approx(0.5)
     assert found.good_is_right == pytest.approx(0.5)
 
 
-def test_a_telling_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:
+def test_an_indicator_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:
     some = [_record(c, 0, "check", px, px) for c in "ab" for px in (1.0, 9.9, 10.1, 30.0)]
     assert judged(some, "t").auroc == 1.0
 
 
-def test_what_is_lost_is_told_apart_from_what_is_merely_wrong() -> None:
+def test_what_is_lost_is_distinguished_from_what_is_merely_wrong() -> None:
     some = [
-        _record(c, 0, "check", px, told)
+        _record(c, 0, "check", px, indicator)
         for c in "ab"
-        for px, told in ((1.0, 1.0), (9.0, 2.0), (11.0, 1.5), (30.0, 3.0))
+        for px, indicator in ((1.0, 1.0), (9.0, 2.0), (11.0, 1.5), (30.0, 3.0))
     ]
     found = judged(some, "t")
     assert found.left_out == pytest.approx(0.75)

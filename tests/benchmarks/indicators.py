@@ -1,6 +1,6 @@
-"""What a result says about its own errors, held against the errors: does the verdict tell?
+"""What a result says about its own errors, compared with the errors: how good is the verdict?
 
-A joint is wrong when it is more than 10 px off on a person 400 px tall. A telling is any number
+A joint is wrong when it is more than 10 px off on a person 400 px tall. An indicator is any number
 that is larger the less the result trusts a joint; how well it orders joints is its AUROC, and how
 well it can be read as a probability is measured by calibrating it on all clips but one.
 """
@@ -23,7 +23,7 @@ from keypose.tracker.tracking.result import SegmentResult
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.measures import FAR_PX, VERY_FAR_PX, marks_between
 
-Telling = Callable[[SegmentResult, int, int, Skeleton], float]
+Indicator = Callable[[SegmentResult, int, int, Skeleton], float]
 """Of a segment, a frame, and the joint where a part begins: how little the result trusts it."""
 
 SMALL_PX = 5.0
@@ -38,10 +38,10 @@ def of_segment(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton
 
 def of_named_part(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
     """The same, a half more where the verdict names this part at this frame."""
-    verdict, told = segment.verdict, of_segment(segment, frame, part, skeleton)
+    verdict, whole = segment.verdict, of_segment(segment, frame, part, skeleton)
     if verdict is None or verdict.part != skeleton.body.names[part] or verdict.frames is None:
-        return told
-    return told + 0.5 * (verdict.frames[0] <= frame <= verdict.frames[1])
+        return whole
+    return whole + 0.5 * (verdict.frames[0] <= frame <= verdict.frames[1])
 
 
 def of_observability(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
@@ -62,7 +62,7 @@ def of_expected_error(segment: SegmentResult, frame: int, part: int, skeleton: S
     return own if np.isfinite(own) else float(np.nanmean(row))
 
 
-TELLINGS: dict[str, Telling] = {
+INDICATORS: dict[str, Indicator] = {
     "verdict": of_segment,
     "verdict and part": of_named_part,
     "observability": of_observability,
@@ -73,7 +73,7 @@ TELLINGS: dict[str, Telling] = {
 
 @dataclass(frozen=True)
 class Record:
-    """A joint at a frame: how far it is off, scaled, and what was told of it."""
+    """A joint at a frame: how far it is off, scaled, and its indicators."""
 
     clip: str
     row: str
@@ -84,7 +84,7 @@ class Record:
     frame: int
     joint: str
     scaled_px: float
-    told: Mapping[str, float]
+    indicators: Mapping[str, float]
 
     @property
     def wrong(self) -> bool:
@@ -107,25 +107,26 @@ def records(
     for segment in segments:
         for mark in marks_between(clip, skeleton, segment.trajectory, segment.span):
             part = place(skeleton.body, mark.joint)[0][0]
-            told = {k: tell(segment, mark.frame, part, skeleton) for k, tell in TELLINGS.items()}
+            where = (segment, mark.frame, part, skeleton)
+            values = {name: of(*where) for name, of in INDICATORS.items()}
             given = (row, way, jitter, segment.span, str(segment.kind))
-            found.append(Record(clip.name, *given, mark.frame, mark.joint, mark.scaled_px, told))
+            found.append(Record(clip.name, *given, mark.frame, mark.joint, mark.scaled_px, values))
     return found
 
 
-def auroc(told: Array, wrong: NDArray[np.bool_]) -> float:
-    """The share of pairs, one wrong and one right, of which the wrong one is told of more; ties
+def auroc(values: Array, wrong: NDArray[np.bool_]) -> float:
+    """The share of pairs, one wrong and one right, of which the wrong one's value is larger; ties
     count half (Mann and Whitney 1947). NaN where all are wrong or all are right."""
     bad, good = int(wrong.sum()), int((~wrong).sum())
     if not bad or not good:
         return np.nan
-    ranks = rankdata(told)[wrong].sum()
+    ranks = rankdata(values)[wrong].sum()
     return float((ranks - bad * (bad + 1) / 2) / (bad * good))
 
 
 @dataclass(frozen=True)
-class Told:
-    """How well a telling tells.
+class Quality:
+    """How well an indicator orders joints.
 
     auroc: over all clips.  The others are of probabilities by a curve fitted to the other clips.
     left_out: AUROC within the clip that was left out, the mean over clips.
@@ -141,16 +142,16 @@ class Told:
     calibration: float
 
 
-def judged(some: Sequence[Record], telling: str) -> Told:
-    """How well one telling tells over some records; NaN where fewer than two clips are there."""
-    told = np.array([r.told[telling] for r in some])
+def judged(some: Sequence[Record], name: str) -> Quality:
+    """How well one indicator orders some records; NaN where fewer than two clips are there."""
+    values = np.array([r.indicators[name] for r in some])
     wrong, clips = np.array([r.wrong for r in some]), np.array([r.clip for r in some])
-    overall = auroc(told, wrong)
-    logits = left_out(told, wrong, clips)
+    overall = auroc(values, wrong)
+    logits = left_out(values, wrong, clips)
     if not np.isfinite(logits).all():
-        return Told(overall, np.nan, np.nan, np.nan, np.nan)
+        return Quality(overall, np.nan, np.nan, np.nan, np.nan)
     p, lost = np.asarray(expit(logits)), np.array([r.scaled_px > VERY_FAR_PX for r in some])
-    return Told(
+    return Quality(
         overall,
         _within(logits, wrong, clips),
         _within(logits, lost, clips),
@@ -166,22 +167,22 @@ def _within(logits: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) ->
     return float(np.mean(known)) if known else np.nan
 
 
-def left_out(told: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> Array:
+def left_out(values: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> Array:
     """Of each record the log odds that it is wrong, by a curve fitted to the other clips."""
-    logits = np.full(len(told), np.nan)
+    logits = np.full(len(values), np.nan)
     for clip in np.unique(clips):
         others = clips != clip
         if others.any():
-            a, b = logistic(told[others], wrong[others])
-            logits[~others] = a + b * told[~others]
+            a, b = logistic(values[others], wrong[others])
+            logits[~others] = a + b * values[~others]
     return logits
 
 
-def logistic(told: Array, wrong: NDArray[np.bool_]) -> tuple[float, float]:
+def logistic(values: Array, wrong: NDArray[np.bool_]) -> tuple[float, float]:
     """Offset and slope of the likeliest logistic curve; a weak prior keeps the slope finite."""
 
     def loss(curve: Array) -> float:
-        z = curve[0] + curve[1] * told
+        z = curve[0] + curve[1] * values
         return float(np.logaddexp(0, np.where(wrong, -z, z)).sum() + 0.005 * curve[1] ** 2)
 
     a, b = minimize(loss, np.zeros(2)).x
@@ -197,12 +198,12 @@ def miscalibration(p: Array, wrong: NDArray[np.bool_]) -> float:
 
 @dataclass(frozen=True)
 class Segments:
-    """Of segments: how many are right, of these the share said to be good, and of those said to be
-    good the share that is right."""
+    """Of segments: how many are right, of these the share called good, and of those called good
+    the share that is right."""
 
     count: int
     right: int
-    said_good: float
+    called_good: float
     good_is_right: float
 
 
