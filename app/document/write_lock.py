@@ -53,8 +53,8 @@ class WriteLock:
         elif _identity(folder) != self._folder:
             if not is_ours():
                 raise SessionError(
-                    f"The folder {str(folder)!r} is gone or was renamed: put it back under this "
-                    "name. Your edits stay here and are written once it is back."
+                    f"The session's folder is gone or was renamed: put {str(folder)!r} back. "
+                    "Your edits stay here and are written once it is back."
                 )
             self._release()
             self._hold(folder)

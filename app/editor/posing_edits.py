@@ -16,6 +16,7 @@ from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import draft_at, find, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import (
+    BoxCorner,
     Held,
     Posed,
     Readout,
@@ -42,7 +43,10 @@ def drag_part(
     """The document after a gesture that began in `before`."""
     result = _drag(state, before, action)
     if result.body is not None:
-        return with_body(before, result.body), result.readout
+        doc = with_body(before, result.body)
+        if isinstance(action.handle, BoxCorner):  # which poses the box as well
+            doc = _with_pose(before.with_doc(doc), result.pose)
+        return doc, result.readout
     if action.partial:
         doc = _of_limbs(before, result.pose)
         return doc, result.readout
@@ -73,7 +77,14 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         angle_before=last.angle_rad if last else None,
         held=Held(_placed(before.doc, pose), pinned_ends(before.doc, state.frame)),
         placed_corners=corners_placed(before),
+        free_sizes=not _is_posed_elsewhere(before),
     )
+
+
+def _is_posed_elsewhere(state: EditorState) -> bool:
+    """Whether a pose at another frame was found with the sizes as they are."""
+    posed = (*state.doc.keyframes, *state.doc.drafts)
+    return any(one.frame != state.frame for one in posed)
 
 
 def _placed(doc: Session, pose: Pose) -> frozenset[str]:

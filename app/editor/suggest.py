@@ -39,7 +39,7 @@ class Suggestion:
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
     would help; "good" nothing.
     problem: the one that is spoken of.
-    ahead: tracking that way from the keyframes leads on.
+    ahead: tracking that way from the keyframes leads on; where this is about a frame, as well.
     """
 
     frame: int | None
@@ -192,7 +192,7 @@ def segments_need(spans: Sequence[Span], what: str) -> Suggestion:
 def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
     outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
     left = [frame_range(*frames) for frames in outside if frames[1] >= frames[0]]
-    more = f". Outside the keyframes: {' and '.join(left)}" if left else ""
+    more = f". Frames {' and '.join(left)} have no motion yet" if left else ""
     return Suggestion(None, ALL_GOOD, f"{WHERE_WRONG}{more}", "good")
 
 

@@ -31,8 +31,12 @@ def _is_worth_keying(session: Session, record: Ahead) -> bool:
 
 
 def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
-    """With the way in which tracking ahead leads on, where nothing else is to be done first."""
-    if not keys or found.kind not in ("pose", "good"):
+    """With the way in which tracking ahead leads on, unless something is to be tracked first.
+
+    Where a keyframe is asked for and the film was drafted, what lies beyond has poses already.
+    """
+    about_a_frame = found.kind in ("key", "look")
+    if not keys or found.kind == "track" or (about_a_frame and session.drafted is not None):
         return found
     way = _way(keys, session)
     return found if way is None else replace(found, ahead=way)

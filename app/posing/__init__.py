@@ -16,6 +16,7 @@ from keypose.app.posing.angles import (
 from keypose.app.posing.dragging import drag
 from keypose.app.posing.facing import Way, facing
 from keypose.app.posing.gesture import (
+    BoxCorner,
     Eye,
     Gesture,
     InView,
@@ -53,6 +54,7 @@ from keypose.app.posing.upright import (
 __all__ = [
     "CAMERA_UP",
     "BodyHandle",
+    "BoxCorner",
     "Eye",
     "Gesture",
     "Held",

@@ -3,7 +3,8 @@
 A corner that was dragged stays there while others are. The first carries the box across the
 picture, a second turns it there and brings it nearer or farther, a third tilts it, and from the
 fourth on the pose is the one that agrees best with all of them: of those poses that do so equally
-well the one that is nearest to the pose before. Nothing here is about sizes, which stay.
+well the one that is nearest to the pose before. Sizes stay, unless six corners are in their places,
+these sizes cannot reach them, and nothing else was posed with these sizes (`box_sizes.py`).
 """
 
 from __future__ import annotations
@@ -12,11 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.app.posing.box_sizes import SizedBox, SizedPose
 from keypose.app.posing.gesture import BoxCorner, Gesture, PlacedCorner, Posed, Readout
 from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.labels import number_text, part_label
 from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.resizing import part_sizes, with_size
 from keypose.app.posing.trunk import limits_as_posed, turning
+from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
@@ -40,11 +44,11 @@ CRITERIA = Criteria(
     most_steps=60, longest_step=0.5, settled=1e-6, gain=1e-6, gain_floor=1e-3,
     damping=Damping(least=1e-9),
 )  # fmt: skip
-DECIDING = 4
-"""So many corners leave nothing open."""
+DECIDING, SIZING = 4, 6
+"""So many corners leave nothing of the pose open, and nothing of the sizes."""
 POOR_PX, BETTER = 2.5, 0.5
 """Where they are missed by more, root mean square, a box that is seen from its other side is tried,
-and taken where it misses them by less than that share."""
+and other sizes; what misses them by less than that share is taken."""
 
 
 def drag_box_corner(
@@ -53,10 +57,11 @@ def drag_box_corner(
     gesture: Gesture,
     handle: BoxCorner,
     placed: tuple[PlacedCorner, ...],
+    free_sizes: bool = False,
 ) -> Posed:
     """The box posed so that a corner comes under the pointer and those placed before stay.
 
-    placed: of this part or others; Alt (`carry`) lets go of them.
+    placed: of this part or others; Alt (`carry`) lets go of them. free_sizes: its sizes may change.
     """
     if view.camera is None or not view.is_films:
         raise BodyError("Corners of a box are dragged in the camera view.")
@@ -69,24 +74,46 @@ def drag_box_corner(
     u, v = view.moved(start, gesture.from_, gesture.at).tolist()
     others = () if gesture.carry else _of_others(placed, handle)
     now = (*others, PlacedCorner(handle.part, handle.index, (u, v)))
+    free_sizes = free_sizes and all(one.parent != handle.part for one in body.parts)
     fit = _Fit.of(context, view, part, corners, now)
     pose = fit.solved()
+    missed = fit.missed_px(pose)
+    sized = fit.sized(pose) if free_sizes and len(now) >= SIZING and missed > POOR_PX else None
+    if sized is not None:
+        pose, missed = sized.pose, fit.missed_px(sized.pose, sized.ratios)
+    off = f"off by {number_text(missed, 1)} px" if len(now) >= DECIDING else ""
     readout = Readout(
         label=f"{part_label(handle.part)} corner",
-        value=_count_text(len(now)),
-        change=f"off by {number_text(fit.missed_px(pose), 1)} px" if len(now) >= DECIDING else "",
+        value=_count_text(len(now), free_sizes),
+        change=off if sized is None else f"sizes fitted, {off}",
         part=handle.part,
         corners=now,
     )
-    return Posed(pose, None, readout)
+    resized = None if sized is None else _resized(body, handle.part, sized.ratios)
+    return Posed(pose, resized, readout)
+
+
+def _resized(body: Body, part: str, ratios: Array) -> Body:
+    """The box with its edges so many times as long."""
+    known = {size.key: size.cm for size in part_sizes(body, part)}
+    for key, ratio in zip(("width", "length", "depth"), ratios, strict=True):
+        body = with_size(body, part, key, float(known[key] * ratio), linked=False)
+    return body
 
 
 def _of_others(placed: tuple[PlacedCorner, ...], handle: BoxCorner) -> tuple[PlacedCorner, ...]:
     return tuple(one for one in placed if one.part == handle.part and one.index != handle.index)
 
 
-def _count_text(count: int) -> str:
-    return f"{count} of {DECIDING} placed" if count < DECIDING else f"{count} placed"
+def _count_text(count: int, free_sizes: bool) -> str:
+    if count < DECIDING:
+        return f"{count} of {DECIDING} placed"
+    more = SIZING - count
+    return (
+        f"{count} placed, {more} more fit its sizes"
+        if free_sizes and more > 0
+        else f"{count} placed"
+    )
 
 
 def _prior(skeleton: Skeleton, pose: Pose, is_decided: bool) -> PosePrior:
@@ -140,11 +167,25 @@ class _Fit:
         best = min(others, key=self.missed_px)
         return best if self.missed_px(best) < BETTER * missed else near
 
-    def missed_px(self, pose: Pose) -> float:
+    def sized(self, near: Pose) -> SizedPose | None:
+        """The pose and sizes that miss the corners least; None where these are hardly better."""
+        terms = tuple(term for term in self.terms if term is not self.seen)
+        box = SizedBox(self.part, self.seen, terms)
+
+        def missed(one: SizedPose) -> float:
+            return self.missed_px(one.pose, one.ratios)
+
+        best = box.solved(near)
+        if missed(best) > POOR_PX:
+            best = min((best, *map(box.solved, self._mirrored(near))), key=missed)
+        return best if missed(best) < BETTER * self.missed_px(near) else None
+
+    def missed_px(self, pose: Pose, ratios: Array | None = None) -> float:
         """Root mean square distance of the corners from where they were placed, pixels."""
-        p = self.seen.points.at(
-            GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part
-        )
+        seen = self.seen
+        if ratios is not None:
+            seen = SizedBox(self.part, seen, ()).seen_at(ratios)
+        p = seen.points.at(GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part)
         off = self.seen.camera.project(p) - self.seen.uv
         return float(np.sqrt((off**2).sum(-1).mean()))
 

@@ -44,6 +44,7 @@ def drag(
     angle_before: float | None = None,
     held: Held = NONE_HELD,
     placed_corners: tuple[PlacedCorner, ...] = (),
+    free_sizes: bool = False,
 ) -> Posed:
     """The pose, or the body, that a gesture makes of the pose before it.
 
@@ -51,6 +52,7 @@ def drag(
     axes_frame: whose axes the rings turn about.  linked: sizes of both sides change together.
     angle_before: the readout's angle_rad after the move before this one, if there was one.
     held: the ends that stay where they are.  placed_corners: those of boxes that stay.
+    free_sizes: a box whose corners ask for them gets other sizes.
     BodyError when the body has no such part, handle or size.
     """
     skeleton = Skeleton.of(body)
@@ -59,7 +61,7 @@ def drag(
     if isinstance(handle, SizeHandle):
         return resize_by_drag(context, view, gesture, handle, linked)
     if isinstance(handle, BoxCorner):
-        posed = drag_box_corner(context, view, gesture, handle, placed_corners)
+        posed = drag_box_corner(context, view, gesture, handle, placed_corners, free_sizes)
         kept = _held(held, view, gesture, handle.part)
         return with_held_ends(context, posed, kept, Moved(handle.part))
     taken = _taken(body, gesture, handle)

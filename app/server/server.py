@@ -46,6 +46,8 @@ LARGEST_MESSAGE = 1 << 20
 SECONDS_TO_CLOSE = 2
 SECONDS_BETWEEN_BEATS = 1.0
 """A tab that receives nothing for three of them takes the connection for lost."""
+SECONDS_BETWEEN_PINGS, SECONDS_WITHOUT_PONG = 5.0, 10.0
+"""A tab whose line broke unclosed, as when its computer sleeps, is not counted for longer."""
 
 
 class Server:
@@ -189,6 +191,8 @@ def _uvicorn(guard: Guard) -> uvicorn.Server:
         ws="websockets-sansio",
         ws_per_message_deflate=False,
         ws_max_size=LARGEST_MESSAGE,
+        ws_ping_interval=SECONDS_BETWEEN_PINGS,
+        ws_ping_timeout=SECONDS_WITHOUT_PONG,
         lifespan="off",
         proxy_headers=False,
         server_header=False,

@@ -92,7 +92,7 @@ export async function importFile(file) {
 
 /** What the dialog starts with. @type {ImportChoices} */
 export const USUAL = {
-  start: '', fps: '', unit: '', world: '', places: '', layout: '', individual: '', exchange: false, every: '', frames: '',
+  start: '', fps: '', unit: '', world: '', places: {}, layout: '', individual: '', exchange: false, every: '', frames: '',
 };
 
 /** Import it as it is chosen in the dialog. */
@@ -125,7 +125,7 @@ export function leaveImport() {
  */
 export function orderOf(kind, choices) {
   if (kind === 'camera') return { kind };
-  const places = placesIn(choices.places);
+  const { places } = choices;
   if (kind === 'motion') {
     return {
       kind, places, offset_frames: numberOr(choices.start), fps: numberOr(choices.fps),
@@ -146,9 +146,6 @@ export function orderOf(kind, choices) {
  * @param {number} count  Of the video's frames.
  */
 export function whyNotBegin({ kind, facts }, choices, count) {
-  if (choices.places.split(',').some((pair) => pair.trim() && !/^[^=]+=\s*\S+$/.test(pair.trim()))) {
-    return 'Names are pairs, such as tailtip = tail.end, with commas between.';
-  }
   if (kind === 'motion') {
     if (!/^(-?\d{1,6})?$/.test(choices.start)) return 'The start frame is a whole number; it may be negative.';
     if (choices.fps !== '' && !(Number(choices.fps) > 0 && Number(choices.fps) <= 1e5)) return 'The rate is a number of frames a second, such as 120.';
@@ -166,14 +163,21 @@ export function whyNotBegin({ kind, facts }, choices, count) {
 const numberOr = (text) => (text === '' ? null : Number(text));
 const framesIn = (text) => text.split(',').map((word) => word.trim()).filter(Boolean).map(Number);
 
-/** "a = b, c=d" as {a: b, c: d}. @returns {Record<string, string>} */
-function placesIn(text) {
-  const pairs = text.split(',').filter((pair) => pair.includes('='));
-  return Object.fromEntries(pairs.map((pair) => {
-    const at = pair.lastIndexOf('=');
-    return [pair.slice(0, at).trim(), pair.slice(at + 1).trim()];
-  }));
+/**
+ * What a name of a file can mean: every joint of the body, the free ends of its parts, its landmarks.
+ * @param {import('../store/shapes.js').Part[]} parts
+ */
+export function placesOfBody(parts) {
+  const hasChild = new Set(parts.map(({ parent }) => parent));
+  return parts.flatMap(({ name, label, landmarks }) => [
+    { id: name, label, group: 'Joints' },
+    ...(hasChild.has(name) ? [] : [{ id: `${name}.end`, label: `${label}, end`, group: 'Ends' }]),
+    ...landmarks.map((mark) => ({ id: `${name}.${mark}`, label: capitalised(mark.replaceAll('_', ' ')), group: 'Points' })),
+  ]).sort((a, b) => GROUPS.indexOf(a.group) - GROUPS.indexOf(b.group));
 }
+
+const GROUPS = ['Joints', 'Ends', 'Points'];
+const capitalised = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
 
 // --- what is under way
 

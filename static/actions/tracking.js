@@ -54,6 +54,28 @@ export function whyNotAhead(direction) {
   return key === end ? `The keyframe at ${key} is the ${end === 0 ? 'first' : 'last'} frame` : '';
 }
 
+/**
+ * Which way the server's frame lies beyond all keyframes, if it has no motion of its own there.
+ * @returns {'forward' | 'backward' | null}
+ */
+export function beyondKeys() {
+  const keys = server.keys?.frames ?? [];
+  if (server.pose?.source !== 'held' || keys.length === 0 || isSurface()) return null;
+  const { frame: here } = server.view;
+  if (here > keys.at(-1)) return 'forward';
+  return here < keys[0] ? 'backward' : null;
+}
+
+/**
+ * "Frames 61–150 have no motion yet": those beyond the keyframes that way.
+ * @param {'forward' | 'backward'} direction
+ */
+export function noMotionYet(direction) {
+  const keys = server.keys?.frames ?? [];
+  const frames = direction === 'forward' ? range(keys.at(-1) + 1, lastFrame()) : range(0, keys[0] - 1);
+  return `Frames ${frames} have no motion yet`;
+}
+
 /** Of a segment, by default the one of the playhead. */
 export const whyNotTrackThis = (segment = segmentAt(frame())) =>
   whyNotTrack() || (segment ? '' : 'This frame lies outside the keyframes');

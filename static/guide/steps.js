@@ -138,7 +138,7 @@ const OF_THING = [
     word: 'Turn',
     title: 'Turn it like the thing',
     text: `Drag the rings. The corners of a box can also be dragged to where the picture shows them (V): four
-      give its whole pose.`,
+      give its whole pose, two more fit its sizes as well.`,
   },
   KEY,
 ];

@@ -4,9 +4,9 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
-import { keyOf, perform } from '../actions/actions.js';
+import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { partKeyAt } from '../actions/limbs.js';
-import { segmentsHere } from '../actions/tracking.js';
+import { beyondKeys, noMotionYet, segmentsHere } from '../actions/tracking.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
 import { range, roughError } from '../controls/words.js';
@@ -60,7 +60,19 @@ function nearestKey() {
 /** Two of them say a word each, one alone its sentence; where to go is never cut. */
 function chips() {
   const all = segmentsHere().filter(({ state }) => state !== 'none');
+  const way = beyondKeys();
+  if (way) return beyond(way);
   return all.map((segment) => chip(segment, all.length > 1));
+}
+
+/** Outside the keyframes there is nothing to track between them. */
+function beyond(way) {
+  const id = way === 'forward' ? 'trackAhead' : 'trackBack';
+  const off = whyNot(id);
+  if (off) return nothing;
+  return html`<button class="chip old" title=${`${noMotionYet(way)}. ${titleOf(id)}`} data-key=${keyOf(id)} @click=${() => perform(id)}>
+    ${icon('track')}<em class="say">No motion yet</em><em class="where">${labelOf(id)}</em>
+  </button>`;
 }
 
 function chip(segment, isShort) {

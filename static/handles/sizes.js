@@ -42,9 +42,10 @@ function pointOf(part, cm) {
   return axes.reduce((sum, axis, k) => add(sum, times(axis, cm[k] / 100)), originOf(T));
 }
 
-/** A radius reaches out at right angles to the part, whatever side one sees. */
+/** A radius reaches out at right angles to the part, whatever side one sees. Its size is how far the
+ * part is across, so that the rim lies on the surface and follows the pointer. */
 function beside(view, part, given, foot) {
-  const reach = (given.cm / 100) * view.pxPerMetre(pointOf(part, given.at_cm));
+  const reach = (given.cm / 200) * view.pxPerMetre(pointOf(part, given.at_cm));
   const [ux, uy] = across(view, part);
   return [foot[0] + ux * reach, foot[1] + uy * reach];
 }

@@ -7,6 +7,7 @@ import { steadily } from '../controls/steady.js';
 import { icon } from '../controls/icons.js';
 import { isNarrow, onWidth } from './more.js';
 import { backlog, discard, release } from '../store/edits.js';
+import { hasKey } from '../store/key.js';
 import { send, sendDue } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { count } from '../controls/words.js';
@@ -38,14 +39,16 @@ function banner() {
 function noLine() {
   const pulse = ui.dragging ? 'pulse' : '';
   return html`<div class="banner lost ${pulse}" role="alert">
-    ${icon('warn')}<span>${ui.line === 'ended' ? hasEnded() : isAway()}</span>
+    ${icon('warn')}<span>${ui.line === 'ended' ? isTurnedAway() : isAway()}</span>
   </div>`;
 }
 
-function hasEnded() {
+/** A Keypose that was started with another workspace looks just like cookies that were deleted. */
+function isTurnedAway() {
   const waiting = backlog();
+  const why = hasKey() ? 'Keypose does not know this browser any more.' : 'This browser’s data for Keypose was cleared.';
   const edits = waiting ? ` ${count(waiting, 'edit')} will then be sent from this tab.` : '';
-  return html`<b>Keypose was restarted.</b> Open the new link.${edits}`;
+  return html`<b>${why}</b> Open the newest link in the terminal.${edits}`;
 }
 
 function isAway() {

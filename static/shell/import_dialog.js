@@ -1,7 +1,7 @@
 // The dialog of imports: what was recognised, how to take it over, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { beginImport, chooseImport, leaveImport, whyNotBegin } from '../actions/importing.js';
+import { beginImport, chooseImport, leaveImport, placesOfBody, whyNotBegin } from '../actions/importing.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { checkbox, dropdown, textField } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
@@ -15,7 +15,6 @@ const KINDS = { motion: 'Recorded motion', keypoints: '2D keypoints', camera: 'C
 const SIGNS = { motion: 'track', keypoints: 'ghost', camera: 'camcorder' };
 const UNITS = { m: 'Metres', cm: 'Centimetres', mm: 'Millimetres', auto: 'Scale to the body' };
 const WORLDS = { camera: 'As the camera sees', 'y up': 'Y up', 'z up': 'Z up' };
-const MOST_NAMES = 8;
 
 export function mountImportDialog() {
   mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? sheet(ui.importing) : nothing) });
@@ -83,10 +82,7 @@ const SAID = {
 
 function names({ matched, left_out: left, convention }) {
   const known = Object.keys(matched).length;
-  const shown = left.slice(0, MOST_NAMES).join(', ');
-  const rest = left.length > MOST_NAMES ? ` and ${left.length - MOST_NAMES} more` : '';
-  return html`<div class=${known ? '' : 'checkword'}>${known} of ${known + left.length} names known${known ? html`<span class="mut"> (${convention})</span>` : nothing}</div>
-    ${left.length ? html`<div class="dim imleft" title=${left.join(', ')}>Not used: ${shown}${rest}</div>` : nothing}`;
+  return html`<div class=${known ? '' : 'checkword'}>${known} of ${known + left.length} names known${known ? html`<span class="mut"> (${convention})</span>` : nothing}</div>`;
 }
 
 // --- the fields
@@ -105,27 +101,40 @@ function choice(label, name, options, none) {
 
 const entries = (known) => Object.entries(known).map(([id, label]) => ({ id, label }));
 
-const placesField = (example) =>
-  field('Names', html`<span class="imwide">${text('Names', 'places', `theirs = ours, such as ${example}`, 2000)}</span>`);
+/** What a person knows of names that are not known: nothing, unless there are such names. */
+function unknownNames({ left_out: left }) {
+  if (!left.length) return nothing;
+  const { places } = ui.importing.choices;
+  const options = [{ id: '', label: 'Not used' }, ...placesOfBody(server.body.parts)];
+  const act = (name) => (id) => {
+    const others = Object.entries(places).filter(([one]) => one !== name);
+    change({ places: Object.fromEntries(id ? [...others, [name, id]] : others) });
+  };
+  const rows = left.map((name) => html`<span class="cut" title=${name}>${name}</span>
+    ${dropdown({ label: `What ${name} is`, kind: 'field', search: true, value: places[name] ?? '', options, act: act(name) })}`);
+  return field('Other names', html`<div class="imnames" tabindex="-1">${rows}</div>`, 'optional');
+}
 
-function motion(choices, { fps, unit, world, keyframes }) {
+function motion(choices, facts) {
+  const { fps, unit, world, keyframes } = facts;
   const own = unit ? `As the file says: ${UNITS[unit].toLowerCase()}` : 'Scale to the body';
   const placed = world ? `As the file says: ${WORLDS[world].toLowerCase()}` : 'Not said by the file';
   return html`${field('Start frame', text('Start frame', 'start', '0'), 'of the video, where the file begins')}
     ${field('Rate', text('Rate', 'fps', fps ? String(Number(fps.toFixed(2))) : 'As the video'), 'frames/s')}
     ${field('Unit', choice('Unit', 'unit', entries(UNITS).filter(({ id }) => unit || id !== 'auto'), own))}
     ${field('World', choice('World', 'world', entries(WORLDS), placed), keyframes ? 'Keyframes decide' : '')}
-    ${placesField('Hips = pelvis')}`;
+    ${unknownNames(facts)}`;
 }
 
-function keypoints(choices, { individuals, layouts, every }) {
+function keypoints(choices, facts) {
+  const { individuals, layouts, every } = facts;
   const some = (all) => all.map((id) => ({ id, label: id }));
   return html`
     ${individuals.length ? field('Individual', choice('Individual', 'individual', some(individuals), 'Choose…')) : nothing}
     ${layouts.length ? field('Layout', choice('Layout', 'layout', some(layouts), 'Choose…')) : nothing}
     ${field('Drafts', html`<span class="dim">every</span>${text('Every', 'every', String(every))}<span class="dim">frames, or at frames</span>${text('Frames', 'frames', '0, 24, 48', 2000)}`)}
     ${field('Sides', checkbox({ label: 'Swap left and right', on: choices.exchange, act: (exchange) => change({ exchange }) }))}
-    ${placesField('tailtip = tail.end')}`;
+    ${unknownNames(facts)}`;
 }
 
 const camera = () => html`<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;

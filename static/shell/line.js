@@ -1,5 +1,6 @@
 // How the line to the server stands, for those who show it: ui.line is null while it is up or only
-// just down, "lost", "long" when it may not come back by itself, "ended" when another Keypose answers.
+// just down, "lost", "long" when it may not come back by itself, "ended" when somebody
+// answers who does not know this browser.
 
 import { lastReceived } from '../store/link.js';
 import { ui, setUi, watch } from '../store/state.js';

@@ -15,6 +15,9 @@ export function fetchOwn(path, options = {}) {
   return fetch(path, { ...options, headers: { ...options.headers, ...keyHeader() } });
 }
 
+/** Whether it has one: a browser whose stored data was cleared has not. */
+export const hasKey = () => key() !== '';
+
 export const keyHeader = () => ({ 'X-Keypose-Key': key() });
 
 /** The subprotocols of the line of events: a page can give a socket no header. */

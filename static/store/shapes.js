@@ -661,7 +661,7 @@
  * @property {string} fps
  * @property {string} unit
  * @property {string} world
- * @property {string} places  "theirs = ours, …".
+ * @property {Record<string, string>} places  Of the body, by names of the file that are not known.
  * @property {string} layout
  * @property {string} individual
  * @property {boolean} exchange

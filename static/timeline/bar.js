@@ -9,6 +9,7 @@ import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
 import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.js';
+import { noMotionYet } from '../actions/tracking.js';
 import { proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
 import { count } from '../controls/words.js';
@@ -116,15 +117,18 @@ function confirmation() {
 
 function suggestionButton({ frame: to, kind, ahead }) {
   if (kind === 'track') return primary('trackChanged', subject().verb);
-  if (ahead) return aheadButton(ahead);
-  if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
-  return primary('suggestedFrame', 'Go', labelOf('goTo', to));
+  const isAbout = kind === 'key' || kind === 'look';
+  if (ahead && !isAbout) return aheadButton(ahead);
+  const go = to === null || to === undefined || to === frame()
+    ? html`<span class="pad"></span>`
+    : primary('suggestedFrame', 'Go', labelOf('goTo', to));
+  return html`${ahead ? aheadButton(ahead, 'ghost') : nothing}${go}`;
 }
 
-/** Where the keyframes end, the body can be followed on. @param {'forward' | 'backward'} way */
-function aheadButton(way) {
+/** Where the keyframes end, the body can be followed on. @param {'forward' | 'backward'} way @param {string} [kind] */
+function aheadButton(way, kind) {
   const id = way === 'forward' ? 'trackAhead' : 'trackBack';
-  return primary(id, labelOf(id));
+  return primary(id, labelOf(id), `${labelOf(id)}: ${noMotionYet(way)}`, kind);
 }
 
 /** @param {import('../actions/actions.js').ActionId} id */

@@ -209,8 +209,10 @@ def test_a_server_that_does_not_know_the_browser_needs_the_new_link(work: Work) 
     work.mark(1)
     (work.folder / "workspace" / "browsers.json").unlink()
     work.start()
-    words = "Keypose was restarted. Open the new link. 1 edit will then be sent from this tab."
-    until(lambda: words in work.banner(), "the words")
+    words = "Open the newest link in the terminal. 1 edit will then be sent from this tab."
+    until(lambda: f"Keypose does not know this browser any more. {words}" in work.banner(), "that")
+    work.page.evaluate("() => localStorage.clear()")
+    until(lambda: f"This browser’s data for Keypose was cleared. {words}" in work.banner(), "that")
     opened(work.context, work.keypose)
     work.sent()
     assert work.marks() == [1]

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
 import { ACTIONS } from '../../static/actions/table.js';
-import { whyNotAhead } from '../../static/actions/tracking.js';
+import { beyondKeys, noMotionYet, whyNotAhead } from '../../static/actions/tracking.js';
 
 beforeEach(() => Object.assign(server, { file: { frames: 73 }, job: null, keys: { frames: [24], drafts: [], soft: [] } }));
 
@@ -25,4 +25,15 @@ test('where it leads nowhere the button says why', () => {
   server.keys.frames = [24];
   server.job = { state: 'running', kind: 'ahead' };
   assert.equal(whyNotAhead('forward'), 'Tracking ahead already');
+});
+
+test('a frame beyond all keyframes has no motion until it is tracked ahead', () => {
+  Object.assign(server, { keys: { frames: [24, 48] }, pose: { source: 'held' }, view: { frame: 60 } });
+  assert.equal(beyondKeys(), 'forward');
+  assert.equal(noMotionYet('forward'), 'Frames 49–72 have no motion yet');
+  server.view.frame = 10;
+  assert.equal(beyondKeys(), 'backward');
+  assert.equal(noMotionYet('backward'), 'Frames 0–23 have no motion yet');
+  server.pose.source = 'draft';
+  assert.equal(beyondKeys(), null);
 });

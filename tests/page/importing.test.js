@@ -5,7 +5,7 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { USUAL, importFile, isImported, leaveImport, openPoseFile, orderOf, whyNotBegin } = await import('../../static/actions/importing.js');
+const { USUAL, importFile, isImported, leaveImport, openPoseFile, orderOf, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
 const { setUi, ui } = await import('../../static/store/state.js');
 
 const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
@@ -16,10 +16,19 @@ test('what is left to the file is not said', () => {
   assert.deepEqual(orderOf('camera', USUAL), { kind: 'camera' });
 });
 
-test('a start frame may be negative, and names are pairs', () => {
-  const order = orderOf('motion', { ...USUAL, start: '-12', places: 'Hips = pelvis, Tail_1=tail.end' });
+test('a start frame may be negative, and names mean places of the body', () => {
+  const order = orderOf('motion', { ...USUAL, start: '-12', places: { Hips: 'pelvis', Tail_1: 'tail.end' } });
   assert.equal(order.offset_frames, -12);
   assert.deepEqual(order.places, { Hips: 'pelvis', Tail_1: 'tail.end' });
+});
+
+test('a name that is not known can be a joint, a free end or a landmark', () => {
+  const parts = /** @type {any[]} */ ([
+    { name: 'trunk', label: 'Trunk', parent: null, landmarks: [] },
+    { name: 'tail', label: 'Tail', parent: 'trunk', landmarks: ['tail_mark'] },
+  ]);
+  const found = placesOfBody(parts).map(({ id, label }) => [id, label]);
+  assert.deepEqual(found, [['trunk', 'Trunk'], ['tail', 'Tail'], ['tail.end', 'Tail, end'], ['tail.tail_mark', 'Tail mark']]);
 });
 
 test('frames that are listed count, and not one in so many', () => {
@@ -32,7 +41,6 @@ test('what cannot be ordered is said in a sentence', () => {
   assert.equal(whyNotBegin(MOTION, USUAL, 100), '');
   assert.match(whyNotBegin(MOTION, { ...USUAL, start: '1.5' }, 100), /whole number/);
   assert.match(whyNotBegin(MOTION, { ...USUAL, fps: '0' }, 100), /rate/);
-  assert.match(whyNotBegin(MOTION, { ...USUAL, places: 'Hips' }, 100), /pairs/);
   assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, frames: '0, 100' }, 100), /no frame 100.*is 99/);
   assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, every: '0' }, 100), /every so many/);
 });

@@ -47,7 +47,8 @@ def write_file(
     except FileExistsError:
         raise error(f"{str(path)!r} exists already and is not overwritten.") from None
     except OSError as problem:
-        raise error(f"{str(path)!r} cannot be written: {problem.strerror or problem}.") from None
+        why = problem.strerror or problem  # first, where there is room for a few words only
+        raise error(f"{why}: {str(path)!r} cannot be written.") from None
 
 
 def require_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> None:
@@ -61,8 +62,8 @@ def require_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> 
         _write_through(probe, b"")
         probe.unlink()
     except OSError as problem:
-        text = f"The folder {str(folder)!r} cannot be written to: {problem.strerror or problem}."
-        raise error(text) from None
+        why = problem.strerror or problem
+        raise error(f"{why}: the folder {str(folder)!r} cannot be written to.") from None
 
 
 def require_absent(paths: Iterable[Path], *, error: type[KeyposeError] = FormatError) -> None:

@@ -107,7 +107,7 @@ class Journal:
         except OSError as error:
             self._truncate()
             why = error.strerror or error
-            raise SessionError(f"{str(self.path)!r} cannot be written: {why}.") from None
+            raise SessionError(f"{why}: {str(self.path)!r} cannot be written.") from None
         self.size += len(content)
 
     def begin_anew(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from keypose.app.editor.drafted import with_clip_drafted
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.editor.suggest import Suggestion
+from keypose.app.editor.suggest_ahead import with_way_ahead
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.ahead import Direction, Stop
 from keypose.tracker.session.schema import Session
@@ -92,6 +95,13 @@ def test_a_keyframe_alone_can_be_followed_on_and_then_back() -> None:
     assert next_step((24,), with_too_little(one_key()).doc, {}).ahead == "backward"
     last = one_key(72)
     assert next_step((72,), last.doc, {}).ahead == "backward"
+
+
+def test_beyond_the_last_keyframe_it_leads_on_beside_what_is_to_be_mended() -> None:
+    doc = one_key().doc
+    mend = Suggestion(12, "Add a keyframe at 12", "Most drift in 0–24", "key")
+    assert with_way_ahead(mend, (24,), doc) == replace(mend, ahead="forward")
+    assert with_way_ahead(replace(mend, kind="track"), (24,), doc).ahead is None
 
 
 def with_too_little(state: EditorState) -> EditorState:

@@ -8,8 +8,9 @@ import pytest
 from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.app.posing import with_size
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.geometry.rotations import Array, apply_transform, exp_rotation
 from tests.app.editor.desk import after, desk
 
 
@@ -87,3 +88,26 @@ def test_with_other_sizes_they_stay_where_they_were_put(box: EditorState) -> Non
     at = corners_placed(one)[0].uv
     wider = after(one, {"do": "size", "part": "box", "key": "width", "cm": 31.0})
     assert corners_placed(wider)[0].uv == at
+
+
+def test_six_corners_change_sizes_only_while_no_other_frame_was_posed_with_them(
+    box: EditorState,
+) -> None:
+    """Both in one step, which undo takes back."""
+    there = shown_pose(box).pose
+    turned = Pose(exp_rotation(np.array([[0.6, 0.5, 0.1]])), there.p_camera_root)
+    wider = with_size(with_size(box.doc.body, "box", "width", 45.0), "box", "depth", 20.0)
+    T = pose_transforms(box.skeleton, turned)[0]
+    corners = wider.parts[0].shape.corners()
+    assert corners is not None
+    goals = box.doc.camera.without_distortion().project(apply_transform(T, corners))
+    elsewhere = after(box, {"do": "go", "frame": 20}, {"do": "add_key", "frame": 20})
+    changed = []
+    for state in (box, after(elsewhere, {"do": "go", "frame": 7})):
+        for index in (0, 2, 4, 6, 3, 7):
+            assert state.doc.body == box.doc.body
+            state = pulled(state, index, tuple(goals[index] - seen(state)[index]), f"c{index}")
+        changed.append(state.doc.body != box.doc.body)
+        assert len(placed(state)) == 6
+        assert after(state, {"do": "undo"}).doc.body == box.doc.body
+    assert changed == [True, False]

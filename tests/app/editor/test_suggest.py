@@ -168,7 +168,8 @@ def test_when_all_is_good_nothing_is_asked_for() -> None:
     found = suggestion(KEYS, 73, fitting())
     assert found.title == "All good"
     assert (found.kind, found.frame, found.detail) == ("good", None, WHERE_WRONG)
-    assert suggestion(KEYS, 100, fitting()).detail == f"{WHERE_WRONG}. Outside the keyframes: 73–99"
+    longer = suggestion(KEYS, 100, fitting()).detail
+    assert longer == f"{WHERE_WRONG}. Frames 73–99 have no motion yet"
 
 
 def needing(first: int, last: int, per_frame_px: float, at: int, verdict: Verdict = GOOD) -> Any:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from keypose.app.posing import PlacedCorner, Posed, drag
+from keypose.app.posing.resizing import part_sizes, with_size
 from keypose.app.posing.vectors import unit
-from keypose.tracker.body.body import preset
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
@@ -198,3 +199,61 @@ def test_where_there_is_no_corner_to_drag_that_is_said(body, view, part, words) 
     handle = {"kind": "box_corner", "part": part, "index": 0}
     with pytest.raises(BodyError, match=words):
         drag(body, pose, gesture(view, handle, (0, 0), (9, 9)), sights())
+
+
+def with_sizes(body: Body, **cm: float) -> Body:
+    for key, value in cm.items():
+        body = with_size(body, "box", key, value, linked=False)
+    return body
+
+
+def seen_of(body: Body, pose: Pose) -> Floats:
+    """(8, 2) pixels of a box with other sizes."""
+    corners = body.parts[0].shape.corners()
+    assert corners is not None
+    T = pose_transforms(Skeleton.of(body), pose)[0]
+    return sights()["main"].project(apply_transform(T, corners))
+
+
+def put_six(body: Body, pose: Pose, seen: Floats, *, free_sizes: bool) -> tuple[Body, Pose]:
+    """The corners of two sides, one after another."""
+    placed: tuple[PlacedCorner, ...] = ()
+    for index in (0, 2, 4, 6, 3, 7):
+        handle = {"kind": "box_corner", "part": "box", "index": index}
+        sent = gesture("main", handle, seen_of(body, pose)[index], seen[index])
+        made = drag(body, pose, sent, sights(), placed_corners=placed, free_sizes=free_sizes)
+        pose, placed, body = made.pose, made.readout.corners, made.body or body
+    return body, pose
+
+
+def proportions(body: Body) -> Floats:
+    """(3,) of its edges, so that their product is 1."""
+    edges = np.array([size.cm for size in part_sizes(body, "box")])
+    return np.asarray(edges / np.exp(np.log(edges).mean()))
+
+
+SEEN_FROM_ABOVE = Pose(exp_rotation(np.array([[0.6, 0.5, 0.1]])), np.array([0.05, 0.0, 1.0]))
+
+
+def test_six_corners_fit_wrong_sizes_along_with_the_pose_and_keep_the_volume() -> None:
+    rng = np.random.default_rng(3)
+    true, guess = (
+        with_sizes(BOX, width=w, length=h, depth=d) for w, h, d in ((20, 30, 25), (26, 25, 20))
+    )
+    seen = seen_of(true, SEEN_FROM_ABOVE) + rng.normal(0, 1.0, (8, 2))
+    start = about(SEEN_FROM_ABOVE, rng, 15.0)
+    body, pose = put_six(guess, start, seen, free_sizes=True)
+    assert turned_deg(pose, SEEN_FROM_ABOVE) < 2.0
+    np.testing.assert_allclose(proportions(body), proportions(true), rtol=0.04)
+    volumes = [np.prod([size.cm for size in part_sizes(b, "box")]) for b in (body, guess)]
+    np.testing.assert_allclose(*volumes, rtol=0.02)
+    kept, tilted = put_six(guess, start, seen, free_sizes=False)
+    assert kept == guess
+    assert turned_deg(tilted, SEEN_FROM_ABOVE) > 2 * turned_deg(pose, SEEN_FROM_ABOVE)
+
+
+def test_sizes_that_are_right_stay_to_the_last_digit() -> None:
+    rng = np.random.default_rng(4)
+    seen = seen_of(BOX, SEEN_FROM_ABOVE) + rng.normal(0, 1.0, (8, 2))
+    body, _ = put_six(BOX, about(SEEN_FROM_ABOVE, rng, 15.0), seen, free_sizes=True)
+    assert body == BOX
