@@ -66,3 +66,47 @@ def test_frames_that_show_nothing_are_no_step() -> None:
     uv = walking()
     uv[12:16, ANKLE] = np.nan
     assert not reported(uv).any()
+
+
+TRUNK = ("left_shoulder", "right_shoulder", "left_hip", "right_hip", "left_wrist", "right_wrist")
+
+
+def facing() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 6, 2) pixels and (N, 6, 3) metres of a trunk and two hands that stand still."""
+    across = np.array([0.2, -0.2, 0.12, -0.12, 0.4, -0.4])
+    down = np.array([-0.5, -0.5, 0.0, 0.0, 0.0, 0.0])
+    p = np.tile(np.stack([across, down, np.zeros(6)], axis=-1), (FRAMES, 1, 1))
+    return 300 + 200 * p[..., :2], p
+
+
+def with_arms_exchanged(values: NDArray[np.float64], frames: list[int]) -> NDArray[np.float64]:
+    changed = values.copy()
+    changed[frames] = values[frames][:, [1, 0, 2, 3, 5, 4]]
+    return changed
+
+
+def test_frames_that_tell_left_from_right_are_believed_among_such_as_exchange_the_arms() -> None:
+    uv, p = facing()
+    mostly = [n for n in range(FRAMES) if n not in (14, 15)]
+    known = np.ones(uv.shape[:2], np.bool_)
+    crossed = with_arms_exchanged(uv, mostly), with_arms_exchanged(p, mostly)
+    assert jumped_away(crossed[0], known, HEIGHT_PX)[14:16].any()
+    assert not jumped_away(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1]).any()
+
+
+def test_arms_exchanged_for_two_frames_are_elsewhere() -> None:
+    uv, p = facing()
+    known = np.ones(uv.shape[:2], np.bool_)
+    crossed = with_arms_exchanged(uv, [14, 15]), with_arms_exchanged(p, [14, 15])
+    found = jumped_away(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1])
+    assert found[14:16][:, [0, 1, 4, 5]].all()
+    assert found.sum() == 8
+
+
+def test_a_hand_that_jumps_alone_is_elsewhere_however_the_trunk_turns() -> None:
+    uv, p = facing()
+    uv[14:16, 5] += (0, 120)
+    p = with_arms_exchanged(p, [n for n in range(FRAMES) if n not in (14, 15)])
+    found = jumped_away(uv, np.ones(uv.shape[:2], np.bool_), HEIGHT_PX, TRUNK, p)
+    assert found[14:16, 5].all()
+    assert found.sum() == 2

@@ -80,7 +80,8 @@ class Observed:
 
     def without_jumps(self, height_px: float) -> Observed:
         """With those unknown that are for a few frames elsewhere. height_px: of the body."""
-        known = self.known & ~jumped_away(self.uv, self.known, height_px)
+        away = jumped_away(self.uv, self.known, height_px, POINTS, self.p_hips)
+        known = self.known & ~away
         return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
 
     def bridged(self, rest: Array) -> Array:

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from keypose.tracker.fitting.draft.limbs import LIMBS, POINTS, SIDES, place_of
 from keypose.tracker.fitting.draft.observed import Observed
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.jumps import trunk_straightness
+from keypose.tracker.keypoints.keypoints import JOINTS
 
 CHANGE: Final = 0.05
 """What an exchange costs on the way, as a share of the body's height."""
@@ -58,15 +60,9 @@ def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Obser
 
 def _crossed(seen: Observed) -> Array:
     """(N, 9) by frame and state."""
-    p = seen.p_hips
-    across = [
-        p[:, place_of("left", joint)] - p[:, place_of("right", joint)]
-        for joint in ("shoulder", "hip")
-    ]
-    lengths = [np.linalg.norm(v, axis=1) for v in across]
-    cosine = np.nan_to_num(
-        (across[0] * across[1]).sum(1) / np.maximum(lengths[0] * lengths[1], 1e-9)
-    )
+    straight = trunk_straightness(JOINTS, seen.p_hips[:, : len(JOINTS)])
+    assert straight is not None
+    cosine = np.nan_to_num(straight)
     turned = _STATES == EXCHANGED
     sign = np.where(turned[:, 0] == turned[:, 1], 1.0, -1.0)
     return np.asarray(CROSSED * np.maximum(-cosine[:, None] * sign, 0.0))

@@ -248,7 +248,9 @@ def _anchors(
     known = np.asarray(np.isfinite(uv).all(axis=-1))
     by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
     detected = known & ~by_hand
-    jumped = detected & jumped_away(uv, known, height)  # in the picture: depth stays with its side
+    p_hips = None if seen.p_hips is None else seen.p_hips[:, index]
+    names = [seen.names[k] for k in index]
+    jumped = detected & jumped_away(uv, known, height, names, p_hips)  # depth stays with its side
     visibility = np.where(known & ~jumped, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
@@ -259,7 +261,7 @@ def _anchors(
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
-    loose = np.array([seen.names[k] in FACE for k in index])
+    loose = np.array([name in FACE for name in names])
     sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
     poses = list(keyed.values())
     joints = BodyPoints.single(scene.skeleton, parts, points)
