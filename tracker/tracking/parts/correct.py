@@ -3,7 +3,9 @@
 The rest of the body stays exactly as it was tracked. Of each limb that was set right the frames
 between two at which it is known are tracked anew, as a segment of their own in which nothing but
 the limb can move: from its motion closed on both ends, and from following the body in the picture
-from both ends, of which the limb's turns are taken.
+from both ends, of which the limb's turns are taken. What is found of a limb depends on no other one
+that was set right but its counterpart on the other side, which tells left from right: an arm that
+is corrected changes nothing of a leg.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from keypose.tracker.tracking.cycle import Outcome, Work, track_from
 from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import Keypose, Method
-from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb
+from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb, with_parts
 from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.score import capped_score
@@ -88,8 +90,15 @@ def corrected(
         return replace(base, passes=(*base.passes, first), best=len(base.passes))
     outcome = base
     for limb in keyed_limbs(skeleton, keyed):
-        outcome = yield from _limb_corrected(outcome, segment, limb, method, seen)
+        body = _beside(base.trajectory, outcome.trajectory, limb, skeleton)
+        outcome = yield from _limb_corrected(outcome, body, segment, limb, method, seen)
     return outcome
+
+
+def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skeleton) -> Trajectory:
+    """What a limb is tracked beside: the motion without corrections, but for its counterpart."""
+    other = np.array(_other_side(skeleton, limb.parts), dtype=np.int64)
+    return with_parts(base, now, other)
 
 
 def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
@@ -99,10 +108,11 @@ def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: 
 
 
 def _limb_corrected(
-    outcome: Outcome, segment: Segment, limb: KeyedLimb, method: Keypose, seen: Evidence
-) -> Work:
-    motion = outcome.trajectory
-    pieces = closed_pieces(seen.scene.skeleton, motion, limb)
+    outcome: Outcome, body: Trajectory, segment: Segment, limb: KeyedLimb, method: Keypose,
+    seen: Evidence,
+) -> Work:  # fmt: skip
+    """outcome: with what was corrected before.  body: the motion beside which the limb is tracked."""
+    pieces = closed_pieces(seen.scene.skeleton, body, limb)
     found: list[Trajectory] = [piece for piece, _ in pieces]
     outcomes: list[Outcome | None] = []
     tried: list[Pass] = []
@@ -111,11 +121,13 @@ def _limb_corrected(
             piece.first_frame, piece.last_frame, start, end, segment.clip,
             given=piece, parts=limb.parts,
         )  # fmt: skip
-        own = yield from _whole(_tracked(part, method, seen), found, k, tried)
+        work = _tracked(part, method, seen)
+        own = yield from _whole(work, found, k, tried, outcome.trajectory, limb)
         outcomes.append(own)
         if own is not None:  # all but the limb as it was given, to the last digit
             found[k] = with_limb(piece, own.trajectory, limb.parts, start, end)
-    last = Pass("limbs", joined(found), _score(segment, method, seen, joined(found)))
+    motion = with_parts(outcome.trajectory, joined(found), limb.parts)
+    last = Pass("limbs", motion, _score(segment, method, seen, motion))
     tried.append(last)
     yield last
     return _together(outcome, tried, limb, outcomes, pieces_rows(found), seen.scene)
@@ -123,9 +135,9 @@ def _limb_corrected(
 
 def _whole(
     work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
-    tried: list[Pass],
+    tried: list[Pass], rest: Trajectory, limb: KeyedLimb,
 ) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
-    """What is found of the kth piece as a motion of all pieces."""
+    """What is found of the kth piece as a motion of all pieces, and of the rest of the body."""
     while True:
         try:
             step = next(work)
@@ -133,7 +145,7 @@ def _whole(
             own: Outcome | None = done.value
             return own
         whole = joined([*found[:k], step.trajectory, *found[k + 1 :]])
-        tried.append(Pass("limbs", whole, None))
+        tried.append(Pass("limbs", with_parts(rest, whole, limb.parts), None))
         yield tried[-1]
 
 
@@ -207,10 +219,9 @@ def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
 
 def _limb_of(found: Trajectory, segment: LimbSegment) -> Chain:
     """The given motion with the limb as it was found."""
-    R, t = segment.given.writable()
-    R[:, segment.parts] = found.Rs_parent_part[:, segment.parts]
-    whole = Trajectory(segment.first_frame, R, t)
+    whole = with_parts(segment.given, found, segment.parts)
     if isinstance(found, Chain):
+        R, t = whole.writable()
         return Chain(segment.first_frame, R, t, found.doubt)
     return Chain.even(whole)
 
