@@ -15,8 +15,9 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
-from keypose.tracker.tracking.parts.correct import LimbSegment, resolve_sides
 from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_anchors import resolve_sides
+from keypose.tracker.tracking.parts.limb_segment import LimbSegment
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video.clip_loader import ClipLoader
