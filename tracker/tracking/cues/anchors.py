@@ -105,6 +105,14 @@ class Anchors:
             return self
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
+    def of_rows(self, rows: slice) -> Anchors:
+        """Those of some frames alone."""
+        return replace(
+            self, uv=self.uv[rows], scale=self.scale[rows], depth=self.depth[rows],
+            depth_scale=self.depth_scale[rows], visibility=self.visibility[rows],
+            by_hand=self.by_hand[rows],
+        )  # fmt: skip
+
     def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
         """With those of others in some frames (N,)."""
         if not rows.any():

@@ -55,9 +55,15 @@ def with_limb(
     motion: Trajectory, limbs: Trajectory, parts: NDArray[np.int64], start: Pose, end: Pose
 ) -> Trajectory:
     """A motion with a limb turned as in another one, between two poses."""
-    R, t = motion.writable()
-    R[:, parts] = limbs.Rs_parent_part[:, parts]
+    R, t = with_parts(motion, limbs, parts).writable()
     R[0, parts], R[-1, parts] = start.Rs_parent_part[parts], end.Rs_parent_part[parts]
+    return Trajectory(motion.first_frame, R, t)
+
+
+def with_parts(motion: Trajectory, other: Trajectory, parts: NDArray[np.int64]) -> Trajectory:
+    """A motion with parts turned as in another one of the same frames."""
+    R, t = motion.writable()
+    R[:, parts] = other.Rs_parent_part[:, parts]
     return Trajectory(motion.first_frame, R, t)
 
 

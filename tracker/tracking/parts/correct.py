@@ -3,7 +3,9 @@
 The rest of the body stays exactly as it was tracked. Of each limb that was set right the frames
 between two at which it is known are tracked anew, as a segment of their own in which nothing but
 the limb can move: from its motion closed on both ends, and from following the body in the picture
-from both ends, of which the limb's turns are taken.
+from both ends, of which the limb's turns are taken. What is found of a limb depends on no other one
+that was set right but its counterpart on the other side, which tells left from right: an arm that
+is corrected changes nothing of a leg.
 """
 
 from __future__ import annotations
@@ -12,52 +14,25 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate, joined
+from keypose.tracker.body.trajectory import Pass, Trajectory, joined
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.solver.posed import image_points
-from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.anchored_cycle import track_anchored
-from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of
+from keypose.tracker.tracking.cues.anchors import anchors_of
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cycle import Outcome, Work, track_from
 from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import Keypose, Method
-from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb
+from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb, with_parts
 from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
+from keypose.tracker.tracking.parts.limb_anchors import limb_anchors
+from keypose.tracker.tracking.parts.limb_segment import LimbSegment, other_side
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import Segment
-
-PLAINLY = 4.0
-"""By how much more a frame's keypoints are contradicted, as a loss, to be taken for those of the
-other side: as of one that lies two standard deviations off."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LimbSegment(Segment):
-    """A segment in which nothing but a limb, of these parts (k,), may move otherwise than in a
-    motion that is given, which is where the limb belongs at both ends."""
-
-    given: Trajectory
-    parts: NDArray[np.int64]
-
-    def interpolated(self) -> Trajectory:
-        """The given motion, the limb's turns interpolated."""
-        even = interpolate(self.start, self.end, self.first_frame, self.last_frame)
-        return with_limb(self.given, even, self.parts, self.start, self.end)
-
-    def expected(self, Rs: Array, ps: Array, n: int) -> Pose:
-        """The nth pose of the given motion, the limb turned as in the last one."""
-        R = Rs[n].copy()
-        R[self.parts] = Rs[n - 1, self.parts]
-        return Pose(R, ps[n])
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +63,15 @@ def corrected(
         return replace(base, passes=(*base.passes, first), best=len(base.passes))
     outcome = base
     for limb in keyed_limbs(skeleton, keyed):
-        outcome = yield from _limb_corrected(outcome, segment, limb, method, seen)
+        body = _beside(base.trajectory, outcome.trajectory, limb, skeleton)
+        outcome = yield from _limb_corrected(outcome, body, segment, limb, method, seen)
     return outcome
+
+
+def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skeleton) -> Trajectory:
+    """What a limb is tracked beside: the motion without corrections, but for its counterpart."""
+    other = np.array(other_side(skeleton, limb.parts), dtype=np.int64)
+    return with_parts(base, now, other)
 
 
 def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
@@ -99,10 +81,11 @@ def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: 
 
 
 def _limb_corrected(
-    outcome: Outcome, segment: Segment, limb: KeyedLimb, method: Keypose, seen: Evidence
-) -> Work:
-    motion = outcome.trajectory
-    pieces = closed_pieces(seen.scene.skeleton, motion, limb)
+    outcome: Outcome, body: Trajectory, segment: Segment, limb: KeyedLimb, method: Keypose,
+    seen: Evidence,
+) -> Work:  # fmt: skip
+    """outcome: with what was corrected before.  body: what the limb is tracked beside."""
+    pieces = closed_pieces(seen.scene.skeleton, body, limb)
     found: list[Trajectory] = [piece for piece, _ in pieces]
     outcomes: list[Outcome | None] = []
     tried: list[Pass] = []
@@ -111,11 +94,13 @@ def _limb_corrected(
             piece.first_frame, piece.last_frame, start, end, segment.clip,
             given=piece, parts=limb.parts,
         )  # fmt: skip
-        own = yield from _whole(_tracked(part, method, seen), found, k, tried)
+        work = _tracked(part, segment, method, seen)
+        own = yield from _whole(work, found, k, tried, outcome.trajectory, limb)
         outcomes.append(own)
         if own is not None:  # all but the limb as it was given, to the last digit
             found[k] = with_limb(piece, own.trajectory, limb.parts, start, end)
-    last = Pass("limbs", joined(found), _score(segment, method, seen, joined(found)))
+    motion = with_parts(outcome.trajectory, joined(found), limb.parts)
+    last = Pass("limbs", motion, _score(segment, method, seen, motion))
     tried.append(last)
     yield last
     return _together(outcome, tried, limb, outcomes, pieces_rows(found), seen.scene)
@@ -123,9 +108,9 @@ def _limb_corrected(
 
 def _whole(
     work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
-    tried: list[Pass],
+    tried: list[Pass], rest: Trajectory, limb: KeyedLimb,
 ) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
-    """What is found of the kth piece as a motion of all pieces."""
+    """What is found of the kth piece as a motion of all pieces, and of the rest of the body."""
     while True:
         try:
             step = next(work)
@@ -133,12 +118,12 @@ def _whole(
             own: Outcome | None = done.value
             return own
         whole = joined([*found[:k], step.trajectory, *found[k + 1 :]])
-        tried.append(Pass("limbs", whole, None))
+        tried.append(Pass("limbs", with_parts(rest, whole, limb.parts), None))
         yield tried[-1]
 
 
 def _tracked(
-    segment: LimbSegment, method: Keypose, seen: Evidence
+    segment: LimbSegment, whole: Segment, method: Keypose, seen: Evidence
 ) -> Generator[Pass, None, Outcome | None]:
     """The limb between two frames at which it is known; None where nothing of it is tracked."""
     parts = tuple(segment.parts.tolist())
@@ -148,43 +133,14 @@ def _tracked(
     begun = _starts(seen.scene, segment, method)
     if seen.keypoints is not None and seen.free is not None and seen.camera is not None:
         free = _only(seen.free, parts)
-        anchors = anchors_of(free, segment, seen.camera, seen.keypoints, seen.weight)
-        if anchors:
-            chosen = resolve_sides(anchors, segment, free)
+        candidates = anchors_of(free, whole, seen.camera, seen.keypoints, seen.weight)
+        if candidates:
+            anchors = limb_anchors(candidates, segment, whole, free)
             work = track_anchored(
-                scene, free, segment, method, [chosen], seen.brightness, begun=begun
+                scene, free, segment, method, [anchors], seen.brightness, begun=begun
             )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))
-
-
-def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Scene) -> Anchors:
-    """Of anchors that take left and right differently those that the rest of the body contradicts
-    least; in frames where the limb of the other side contradicts them, the others: what is seen
-    where that one was tracked is not this one."""
-    against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
-    parts = candidates[0].parts
-    rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))
-    best, *others = np.argsort(rest, kind="stable").tolist()
-    chosen: Anchors = candidates[best]
-    beside = np.isin(parts, _other_side(scene.skeleton, segment.parts))
-    for k in others:
-        lacks = (against[best] - against[k])[:, beside].sum(axis=-1)
-        chosen = chosen.in_rows(lacks > PLAINLY, candidates[k])
-    return chosen
-
-
-def _contradiction(anchors: Anchors, segment: LimbSegment, scene: Scene) -> Array:
-    """(N, K) how far keypoints lie from where the body was tracked."""
-    seen = image_points(scene.camera, anchors.where(segment.given.transforms(scene.skeleton)))
-    return Cauchy().loss(np.linalg.norm(seen - anchors.uv, axis=-1) * anchors.scale)
-
-
-def _other_side(skeleton: Skeleton, parts: NDArray[np.int64]) -> list[int]:
-    """The parts that mirror these."""
-    names, body = {skeleton.body.names[i] for i in parts}, skeleton.body
-    pairs = [*body.mirror_pairs, *((b, a) for a, b in body.mirror_pairs)]
-    return [body.index(other) for one, other in pairs if one in names]
 
 
 def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
@@ -207,10 +163,9 @@ def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
 
 def _limb_of(found: Trajectory, segment: LimbSegment) -> Chain:
     """The given motion with the limb as it was found."""
-    R, t = segment.given.writable()
-    R[:, segment.parts] = found.Rs_parent_part[:, segment.parts]
-    whole = Trajectory(segment.first_frame, R, t)
+    whole = with_parts(segment.given, found, segment.parts)
     if isinstance(found, Chain):
+        R, t = whole.writable()
         return Chain(segment.first_frame, R, t, found.doubt)
     return Chain.even(whole)
 

@@ -15,8 +15,9 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
-from keypose.tracker.tracking.parts.correct import LimbSegment, resolve_sides
 from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_anchors import resolve_sides
+from keypose.tracker.tracking.parts.limb_segment import LimbSegment
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video.clip_loader import ClipLoader
@@ -25,6 +26,7 @@ from tests.tracker.tracking.test_tracker import same
 from tests.tracker.tracking_cases import Case, case
 
 ARM = ("right_upper_arm", "right_forearm", "right_hand")
+LEG = ("left_thigh", "left_shin", "left_foot")
 SIDES = ("left", "right")
 SPAN, AT = (0, 12), 5
 FILM = Filmed(moving())
@@ -126,6 +128,22 @@ def test_a_limb_set_in_one_segment_changes_no_other(person: Case) -> None:
     settings = TrackSettings(quality="fast")
     with_parts = run(person.tracker(0, 6, 12, keyed_parts=(key,)), settings, (6, 12))
     assert same(with_parts, run(person.tracker(0, 6, 12), settings, (6, 12)))
+
+
+def test_an_arm_set_right_changes_nothing_of_a_leg_that_was_set_right_before(person: Case) -> None:
+    skeleton, settings = person.skeleton, TrackSettings(quality="fast")
+    wrong = person.truth.pose(AT).writable()[0]
+    for name, turn in ((ARM[0], [0.2, 0.0, 0.15]), (LEG[0], [0.1, 0.0, 0.1])):
+        wrong[skeleton.body.index(name)] @= exp_rotation(np.array(turn))
+    pose = Pose(wrong, person.truth.pose(AT).p_camera_root)
+    leg = KeyedParts.of(skeleton, AT, LEG, pose)
+    arm = KeyedParts.of(skeleton, AT + 3, ARM, pose)
+    alone, both = (
+        run(person.tracker(*SPAN, keyed_parts=keyed), settings).trajectory.Rs_parent_part
+        for keyed in ((leg,), (leg, arm))
+    )
+    np.testing.assert_array_equal(both[:, leg.parts], alone[:, leg.parts])
+    assert np.abs(both[:, arm.parts] - alone[:, arm.parts]).max() > 0.05
 
 
 # --- pictures that tell nothing, and keypoints
