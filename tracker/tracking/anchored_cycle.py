@@ -141,7 +141,8 @@ def cycle(
     refined = present
     if not correction.open_end:
         others = correction.problem(measured, Cauchy(), bends=False)
-        refined = refine(free, segment.clip, present, method.refinement, others)
+        given = (free, segment.clip, present, method.refinement, others)
+        refined = refine(*given, even=segment.own is None)
     if refined is not present and is_sound(free, segment, refined):
         present = refined
         measured, drift, score = _measure(free, segment, method, present)

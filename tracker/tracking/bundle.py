@@ -53,14 +53,17 @@ def refine(
     start: Trajectory,
     how: Refinement,
     others: SegmentPoses | None = None,
+    *,
+    even: bool = True,
 ) -> Trajectory:
     """The refined trajectory; its ends stay exactly where they are.
 
-    others: what the motion is compared with besides the pictures.
+    others: what the motion is compared with besides the pictures.  even: whether it is to be smooth
+    by itself, where the others do not say how it changes.
     """
     if len(start) < 3 or not scene.skeleton.dof_count:
         return start
-    pictures = _Pictures.of(scene, clip, start, how, others)
+    pictures = _Pictures.of(scene, clip, start, how, others, even)
     R, t = least_squares(pictures, start.writable(), replace(CRITERIA, most_steps=how.solves)).state
     return Trajectory(start.first_frame, R, t)
 
@@ -95,15 +98,17 @@ class _Pictures(Problem[Poses, "_Point"]):
         start: Trajectory,
         how: Refinement,
         others: SegmentPoses | None,
+        even: bool,
     ) -> _Pictures:
         """The pictures at the start."""
         frames, pictures = len(start), clip.levels[0]
         slots = clip.slots(start.first_frame, start.last_frame)
+        smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
         return cls(
             scene, pictures, slots,
             _keyframe_textures(scene, pictures, slots, *start.writable(), how.stride),
             scene.information(how.stride),
-            scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
+            smooth if even else np.zeros_like(smooth),
             np.zeros((frames, len(scene.points.points)), np.uint8),
             np.full((2, frames), FIRST_SIGMA), start.first_frame, others,
         )  # fmt: skip

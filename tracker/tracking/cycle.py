@@ -9,6 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
@@ -16,6 +17,7 @@ from keypose.tracker.tracking.drift import Corrected, Motions, correct_drift
 from keypose.tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
 from keypose.tracker.tracking.initial.choose import Starts, printed_start, starts
 from keypose.tracker.tracking.method import Keypose, Method, Paper
+from keypose.tracker.tracking.own_motion import own_motion_links
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.score import best_of, capped_score, keyframe_difference
 from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
@@ -123,9 +125,12 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
     best = best_of(tried)
     refined = _refine(scene, segment, method, tried[best])
     if refined is not None:
+        unrefined = tried[best]
         tried.append(refined)
         yield refined
-        best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
+        taken = segment.own is not None  # it keeps to that one, which no score knows
+        if taken or _is_better(scene, segment, method, refined, unrefined):
+            best = len(tried) - 1
     chains = begun.chains
     apart = _zeros_px(scene, present) if chains is None else distance_px(scene, *chains)
     return Outcome(
@@ -134,7 +139,11 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
 
 
 def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
-    trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
+    others, own = None, segment.own
+    if own is not None:
+        others = SegmentPoses(scene.skeleton, scene.arrays, (), own_motion_links(scene, own))
+    given = (scene, segment.clip, start.trajectory, method.refinement, others)
+    trajectory = refine(*given, even=own is None)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
     judged = method.judged

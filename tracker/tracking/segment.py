@@ -24,6 +24,8 @@ class Segment:
     """The frames between two keyframes, with their pictures.
 
     imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
+    own: the film's own motion of before, that meets both keyframes: where tracking starts, and what
+        counts where the film shows nothing; None without one.
     """
 
     first_frame: int
@@ -32,6 +34,7 @@ class Segment:
     end: Pose
     clip: Clip
     imported: Trajectory | None = None
+    own: Trajectory | None = None
 
     @property
     def damaged(self) -> frozenset[int]:

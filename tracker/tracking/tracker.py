@@ -205,14 +205,16 @@ class Tracker:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
-        imported, known = None, self._first_motion
+        imported, own, known = None, None, self._first_motion
         if known is not None and any(a <= first and last <= b for a, b in self._own):
             imported = displaced(known, start, end, first, last)
             if settings.initial == "auto":
                 settings = settings.model_copy(update={"initial": "import"})
+            own = imported if settings.initial == "import" else None
         elif known is not None:
             imported = fit_to_keyframes(known, start, end, first, last)
-        segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
+        clip = self.loader(span).load(first, last)
+        segment = Segment(first, last, start, end, clip, imported, own)
         method = method_of(settings)
         scene = self.scene(span, method.density)
         work, number = self._corrected_work(scene, segment, settings, emit), 0

@@ -27,6 +27,7 @@ from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.terms import JointLimits, Term
 from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
+from keypose.tracker.tracking.own_motion import own_motion_links
 
 if TYPE_CHECKING:
     from keypose.tracker.tracking.cues.anchors import Anchors
@@ -63,11 +64,14 @@ class Correction:
         return least_squares(self.problem(measured, kernel), present, CRITERIA).state
 
     def problem(self, measured: Link, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
-        """All terms; without `bends` smoothness is left to somebody else."""
+        """All terms; without `bends` smoothness is left to somebody else, unless a motion of before
+        says how it goes."""
         scene, skeleton = self.scene, self.scene.skeleton
         terms = self.frame_terms(slice(1, None if self.open_end else -1), kernel)
         links: tuple[Link, ...] = (measured,)
-        if bends:
+        if self.segment.own is not None:
+            links = (measured, *own_motion_links(scene, self.segment.own))
+        elif bends:
             inner = self.segment.last_frame - self.segment.first_frame - 1
             bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
             even = np.zeros((inner, skeleton.dof_count))
