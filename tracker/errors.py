@@ -91,6 +91,6 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
-def spoken(name: str) -> str:
+def readable(name: str) -> str:
     """A part's name in a sentence: "left hand"."""
     return name.replace("_", " ")

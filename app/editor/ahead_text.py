@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.session.ahead import Ahead, Stop, StopCause
 
 if TYPE_CHECKING:
@@ -55,8 +55,8 @@ def found_sentence(found: FoundAhead) -> str:
 
 
 def _named(stop: Stop, forward: bool) -> dict[str, str]:
-    part = spoken(stop.part or "the body")
-    hidden = f"hidden behind the {spoken(stop.behind)}" if stop.behind else "out of the picture"
+    part = readable(stop.part or "the body")
+    hidden = f"hidden behind the {readable(stop.behind)}" if stop.behind else "out of the picture"
     capital = part[:1].upper() + part[1:]
     return {
         "part": part, "Part": capital, "hidden": hidden, "ends": "ends" if forward else "begins"

@@ -14,7 +14,7 @@ from keypose.app.editor.verdict_text import (
     short_sentence,
 )
 from keypose.app.posing import part_label
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.session.verdict import Verdict
 
 PASSES: Final = "forward and backward passes differ"
@@ -86,7 +86,7 @@ def _short(value: float) -> str:
 
 def _hidden(found: Problem) -> str:
     if found.behind is not None:
-        return f"hidden behind the {spoken(found.behind)}"
+        return f"hidden behind the {readable(found.behind)}"
     return "partly hidden" if found.partly else "hidden"
 
 

@@ -9,7 +9,7 @@ from keypose.app.editor.problem_words import reason_of, size_of
 from keypose.app.editor.problems import Problem
 from keypose.app.editor.review import Place, Review
 from keypose.app.posing import part_label
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.session import drafted
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.session.reviewed import Reviewed
@@ -37,7 +37,7 @@ def reason_of_place(place: Place) -> str:
         return reason_of(place.why)
     if isinstance(place.why, SpaceFinding):
         return f"leaves the floor by {100 * abs(place.why.amount):.0f} cm"
-    return _DRAFTS[place.why.reason](spoken(place.part) if place.part else "the body")
+    return _DRAFTS[place.why.reason](readable(place.part) if place.part else "the body")
 
 
 def left_words(count: int, goal_px: float) -> str:
@@ -63,5 +63,5 @@ def answers_words(answered: Sequence[Reviewed]) -> str:
     counted = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
     if not left:
         return counted
-    places = ", ".join(f"{spoken(one.part)} at {one.frame}" for one in left)
+    places = ", ".join(f"{readable(one.part)} at {one.frame}" for one in left)
     return f"{counted} Nobody can tell: {places}."

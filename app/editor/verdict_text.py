@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.session.verdict import Cause, Verdict
 
 _REASONS: Final[Mapping[Cause, str]] = {
@@ -64,7 +64,7 @@ def reason(verdict: Verdict, capital: bool = False) -> str:
     """Why: "right hand hidden". capital: as the beginning of a sentence."""
     first, last = verdict.frames or (None, None)
     frames = "" if first is None or last is None else _are(first, last)
-    named = {"part": spoken(verdict.part or ""), "first": first, "last": last, "frames": frames}
+    named = {"part": readable(verdict.part or ""), "first": first, "last": last, "frames": frames}
     is_other = verdict.cause == "other"
     words = verdict.text if is_other else _REASONS[verdict.cause].format(**named)
     return words[:1].upper() + words[1:] if capital else words

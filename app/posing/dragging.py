@@ -36,7 +36,7 @@ def drag(
     body: Body,
     pose_before: Pose,
     gesture: Gesture,
-    sights: Mapping[str, PointerView],
+    views: Mapping[str, PointerView],
     *,
     limits_on: bool = True,
     axes_frame: AxesFrame = "part",
@@ -48,7 +48,7 @@ def drag(
 ) -> Posed:
     """The pose, or the body, that a gesture makes of the pose before it.
 
-    sights: the four views by name.  limits_on: joint limits count, unless the gesture is free.
+    views: the four views by name.  limits_on: joint limits count, unless the gesture is free.
     axes_frame: whose axes the rings turn about.  linked: sizes of both sides change together.
     angle_before: the readout's angle_rad after the move before this one, if there was one.
     held: the ends that stay where they are.  placed_corners: those of boxes that stay.
@@ -57,7 +57,7 @@ def drag(
     """
     skeleton = Skeleton.of(body)
     context = GestureContext.of(skeleton, pose_before, limits_on and not gesture.free)
-    view, handle = sights[gesture.view], gesture.handle
+    view, handle = views[gesture.view], gesture.handle
     if isinstance(handle, SizeHandle):
         return resize_by_drag(context, view, gesture, handle, linked)
     if isinstance(handle, BoxCorner):

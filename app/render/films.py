@@ -28,9 +28,9 @@ from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import (
     Ground,
     Viewpoint,
-    calm,
     least_distance,
     round_trip,
+    smoothed,
     view_from,
 )
 from keypose.tracker.body.pose import Pose
@@ -44,7 +44,7 @@ Draw: TypeAlias = Callable[[int, Picture | None], Picture]
 """The picture of a frame; the video's own is given where it is seen."""
 
 THREADS = min(4, os.cpu_count() or 1)
-CALM_SECONDS = 0.5
+SMOOTHED_SECONDS = 0.5
 """An orbiting camera follows the body this slowly."""
 
 
@@ -81,11 +81,11 @@ def film_pictures(
     SessionError when no frame of the film has one.
     """
     studio, size = Studio.of(session, poses.skeleton), film_size(session, poses, film)
-    sights = SurfaceLayers.of(session, video, film.tint)
-    draw = _artist(studio, poses, film, size, fps, sights)
+    layers = SurfaceLayers.of(session, video, film.tint)
+    draw = _artist(studio, poses, film, size, fps, layers)
     numbers = range(film.first, film.last + 1)
     images: Iterable[tuple[int, Picture | None]] = ((number, None) for number in numbers)
-    if video is not None and film.needs_video and (sights is None or sights.is_clay):
+    if video is not None and film.needs_video and (layers is None or layers.is_clay):
         images = video.frames(film.first, film.last + 1)
     return _ahead(draw, images)
 
@@ -101,7 +101,7 @@ def _artist(
     film: Film,
     size: Size,
     fps: float,
-    sights: SurfaceLayers | None,
+    layers: SurfaceLayers | None,
 ) -> Draw:
     """What draws the frames of a film; all that is common to them is found out before."""
     view, paint = film.view, film.paint
@@ -113,12 +113,12 @@ def _artist(
         )
 
     def ground(frame: int, image: Picture | None) -> Picture | None:
-        if sights is not None and not sights.is_clay:
-            return sights.picture(frame, poses.pose(frame))
+        if layers is not None and not layers.is_clay:
+            return layers.picture(frame, poses.pose(frame))
         return None if image is None else studio.session.camera.rectify(image)
 
     def layer_at(frame: int) -> SurfaceLayer | None:
-        return None if sights is None else sights.at(frame, poses.pose(frame))
+        return None if layers is None else layers.at(frame, poses.pose(frame))
 
     if view == "main":
 
@@ -165,7 +165,7 @@ def _new_camera(
     level, count = studio.Rs["front"], film.last - film.first + 1
     if film.view == "orbit":
         viewpoints = round_trip(count)
-        centres = calm(_middles(studio, poses, film, frames), CALM_SECONDS * fps)
+        centres = smoothed(_middles(studio, poses, film, frames), SMOOTHED_SECONDS * fps)
     else:
         assert isinstance(film.view, Viewpoint)
         viewpoints = [film.view] * count

@@ -44,11 +44,11 @@ def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look
     camera, skeleton = session.camera.without_distortion(), Skeleton.of(session.body)
     size = (camera.width, camera.height)
     Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
-    sights = SurfaceLayers.of(session, video, look.tint)
-    surface = None if sights is None or look.view == "main" else sights.at(frame, pose)
+    layers = SurfaceLayers.of(session, video, look.tint)
+    surface = None if layers is None or look.view == "main" else layers.at(frame, pose)
     if look.view != "main" and look.view != "all":
         return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, surface=surface)
-    image = background(session, video, sights, frame, pose)
+    image = background(session, video, layers, frame, pose)
     label = f"Frame {frame}" + (" is missing" if image is None else "")
     ground = ground_of(camera, image)
     if look.view == "main":
@@ -85,15 +85,15 @@ def png(picture: Picture | CutOut) -> bytes:
 def background(
     session: Session,
     video: Video | None,
-    sights: SurfaceLayers | None,
+    layers: SurfaceLayers | None,
     frame: int,
     pose: Pose | None,
 ) -> Picture | None:
     """What the camera sees behind the body: of observed surfaces the tinted one; None where the
     frame is lost."""
-    if sights is None or sights.is_clay:
+    if layers is None or layers.is_clay:
         return rectified(session, video, frame)
-    return sights.picture(frame, pose)
+    return layers.picture(frame, pose)
 
 
 def rectified(session: Session, video: Video | None, frame: int) -> Picture | None:

@@ -68,16 +68,16 @@ def still(
     size = _size(studio, wanted)
     if wanted.on_nothing:
         return _on_nothing(studio, pose, wanted, size)
-    sights = SurfaceLayers.of(session, video, wanted.tint)
+    layers = SurfaceLayers.of(session, video, wanted.tint)
     if wanted.view == "main":
-        image = background(session, video, sights, frame, pose)
+        image = background(session, video, layers, frame, pose)
         return studio.main(image, frame, pose, size, wanted.paint)
-    surface = None if sights is None else sights.at(frame, pose)
+    surface = None if layers is None else layers.at(frame, pose)
     if isinstance(wanted.view, Viewpoint):
         return _from_viewpoint(studio, poses, pose, wanted.view, size, surface)
     if wanted.view != "all":
         return studio.parallel(wanted.view, pose, size, surface=surface)
-    image = background(session, video, sights, frame, pose)
+    image = background(session, video, layers, frame, pose)
     return studio.four(image, frame, pose, size, wanted.paint, surface=surface)
 
 

@@ -104,7 +104,7 @@ def round_trip(count: int) -> list[Viewpoint]:
     return [Viewpoint(360.0 * i / count) for i in range(count)]
 
 
-def calm(places: Array, sigma: float) -> Array:
+def smoothed(places: Array, sigma: float) -> Array:
     """Places (N, 3), smoothed over about `sigma` frames, for a camera to look at."""
     if len(places) < 2 or sigma < 0.5:
         return places

@@ -74,7 +74,7 @@ class Surfaces:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="surfaces")
         self._opened: OpenSession | None = None
         self._observed: Observed | None = None
-        self._wish: Look | None = None
+        self._wanted: Look | None = None
         self._done: Look | None = None
         self._stale: asyncio.TimerHandle | None = None
         self._later: asyncio.TimerHandle | None = None
@@ -92,9 +92,9 @@ class Surfaces:
             return
         self._observed.follow(edit.settled)
         key = _key(edit)
-        if self._wish is not None and self._wish.key == key:
+        if self._wanted is not None and self._wanted.key == key:
             return
-        self._wish = Look(self._observed, edit, key, self._loop.time())
+        self._wanted = Look(self._observed, edit, key, self._loop.time())
         self._plan()
         if self._stale is None:
             self._stale = self._loop.call_later(STALE_S, self._drop_stale)
@@ -131,13 +131,13 @@ class Surfaces:
         self._leave_frames()
         has_surface = opened is not None and opened.session.evidence.has_surface
         self._opened, self._observed = opened, Observed(opened) if has_surface and opened else None
-        self._wish, self._done, self._known = None, None, SurfaceSeen()
+        self._wanted, self._done, self._known = None, None, SurfaceSeen()
         self._has_glanced = False
 
     def _plan(self) -> None:
         """Look once the playhead rests, or when it is long ago."""
         known = None if self._done is None else self._done.key
-        if self._busy or self._wish is None or self._wish.key == known:
+        if self._busy or self._wanted is None or self._wanted.key == known:
             return
         if self._later is not None:
             self._later.cancel()
@@ -147,28 +147,28 @@ class Surfaces:
 
     def _look(self) -> None:
         self._later = None
-        wish = self._wish
-        if wish is None or self._busy:
+        wanted = self._wanted
+        if wanted is None or self._busy:
             return
         self._busy, self._looked_at = True, self._loop.time()
-        looking = self._loop.run_in_executor(self._thread, _sample, wish, self._known)
-        looking.add_done_callback(lambda done: self._on_sampled(wish, done))
+        looking = self._loop.run_in_executor(self._thread, _sample, wanted, self._known)
+        looking.add_done_callback(lambda done: self._on_sampled(wanted, done))
 
-    def _on_sampled(self, wish: Look, done: asyncio.Future[Found | None]) -> None:
+    def _on_sampled(self, wanted: Look, done: asyncio.Future[Found | None]) -> None:
         self._busy = False
-        if wish.observed is self._observed and not done.cancelled():
+        if wanted.observed is self._observed and not done.cancelled():
             fault = done.exception()
             if fault is not None:  # of ours: what is wished next is looked at all the same
                 traceback.print_exception(fault)
-                self._done = wish
+                self._done = wanted
                 self._show(None)
             elif (found := done.result()) is not None:
                 glb, self._known = found
-                self._done = wish
+                self._done = wanted
                 self._show(glb)
                 self._loop.call_later(SETTLE_S, self._settle)
                 self._seen(self._known)
-                self._check_all_steps(wish.observed)
+                self._check_all_steps(wanted.observed)
         self._plan()
 
     def _check_all_steps(self, observed: Observed) -> None:
@@ -192,8 +192,8 @@ class Surfaces:
     def _drop_stale(self) -> None:
         """Meshes that are slow to read come late: rather none than that of another step."""
         self._stale = None
-        wish, done = self._wish, self._done
-        if wish is None or done is None or done.edit.frame == wish.edit.frame:
+        wanted, done = self._wanted, self._done
+        if wanted is None or done is None or done.edit.frame == wanted.edit.frame:
             return
         left = done.at_s + STALE_S - self._loop.time()
         if left > 0:
@@ -221,10 +221,10 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     return (*key, doc.body, doc.model_keyframe, doc.surface, *pose_key)
 
 
-def _sample(wish: Look, known: SurfaceSeen) -> Found | None:
+def _sample(wanted: Look, known: SurfaceSeen) -> Found | None:
     """The surface as it is sent to the small views, and what was seen of it; None where it lies
     elsewhere by now."""
-    observed, edit, frame = wish.observed, wish.edit, wish.edit.frame
+    observed, edit, frame = wanted.observed, wanted.edit, wanted.edit.frame
     rims = None
     try:
         with suppress(SurfaceError):  # of the step whose surface moves

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.session.verdict import Cause, Verdict
 
 _REASONS: Final[Mapping[Cause, str]] = {
@@ -34,7 +34,7 @@ def verdict_words(verdict: Verdict) -> str:
     if verdict.cause == "good":
         return "good"
     first, last = verdict.frames or (None, None)
-    named = {"part": spoken(verdict.part or ""), "first": first, "last": last}
+    named = {"part": readable(verdict.part or ""), "first": first, "last": last}
     reason = _REASONS[verdict.cause].format(**named)
     return f"{verdict.kind}{_at(verdict)}: {reason}"
 

@@ -26,7 +26,7 @@ from keypose.tracker.geometry.rotations import Array
 
 STEP: Final = 0.06
 """What is a step, as a share of the body's height."""
-CALM: Final = 0.5
+WITHIN: Final = 0.5
 """How far, of the smaller step, anything moves in a frame before, between and after. It comes back
 nearer to where it was than it went away: meanwhile the limb has moved on."""
 LONGEST: Final = 8
@@ -91,15 +91,15 @@ def _is_there_and_back(places: Array, moved: Array, out: int, back: int) -> bool
     """Whether the steps after the frames `out` and `back` are all that one keypoint moves there."""
     step, farther = sorted((moved[out], moved[back]))
     apart = float(np.linalg.norm(places[back + 1] - places[out]))
-    return bool(apart < farther and _otherwise(moved, out, back) < CALM * step)
+    return bool(apart < farther and _otherwise(moved, out, back) < WITHIN * step)
 
 
 def _goes_along(moved: Array, out: int, back: int) -> NDArray[np.bool_]:
     """(K,) which keypoints take one of the steps, or both, such as the knee of that foot."""
     steps = np.sort(moved[[out, back]], axis=0)[::-1]
-    calm = _otherwise(moved, out, back) < CALM * steps[0]
-    once, twice = steps[1] < CALM * steps[0], steps[1] > STEP
-    return np.asarray((steps[0] > STEP) & calm & (once | twice))
+    returns = _otherwise(moved, out, back) < WITHIN * steps[0]
+    once, twice = steps[1] < WITHIN * steps[0], steps[1] > STEP
+    return np.asarray((steps[0] > STEP) & returns & (once | twice))
 
 
 def _otherwise(moved: Array, out: int, back: int) -> Array:

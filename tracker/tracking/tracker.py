@@ -48,7 +48,7 @@ class _Prepared:
     def __init__(
         self, video: Video, camera: Camera, masks: Sequence[IgnoreMask], static: bool, memory: int
     ) -> None:
-        self._given = (masks, static, memory)
+        self._loading = (masks, static, memory)
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
@@ -60,13 +60,13 @@ class _Prepared:
     @property
     def has_static_camera(self) -> bool:
         """Whether pictures are compared with one of the empty scene."""
-        return self._given[1]
+        return self._loading[1]
 
     def loader(self, longest: int) -> ClipLoader:
         """The loader for segments of up to this many frames."""
         size = WorkingSize.for_camera(self._camera, longest, self._memory)
         if size not in self._loaders:
-            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._given)
+            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._loading)
         return self._loaders[size]
 
 
@@ -101,7 +101,7 @@ class Tracker:
         self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
-        self._laid: dict[float, SurfacePoints] = {}
+        self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 
     def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose], fewest: int) -> None:
@@ -132,7 +132,7 @@ class Tracker:
         other._first_motion, other._own, other._keypoints = first_motion, tuple(own), keypoints
         other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
-            other._laid = {}
+            other._points_by_spacing = {}
         other._pose(skeleton, keyposes, fewest)
         return other
 
@@ -158,9 +158,9 @@ class Tracker:
 
     def _sample(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
         """Surface points, cached by spacing."""
-        if spacing_m not in self._laid:  # what is free to turn does not matter
-            self._laid[spacing_m] = sample_points(skeleton, spacing_m)
-        return self._laid[spacing_m]
+        if spacing_m not in self._points_by_spacing:  # what is free to turn does not matter
+            self._points_by_spacing[spacing_m] = sample_points(skeleton, spacing_m)
+        return self._points_by_spacing[spacing_m]
 
     @property
     def frame_count(self) -> int:

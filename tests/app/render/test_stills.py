@@ -14,7 +14,7 @@ from keypose.app.render.poses import KnownPoses
 from keypose.app.render.snapshots import Look, snapshot
 from keypose.app.render.stills import Still, still
 from keypose.app.render.studio import Paint, Size, Studio
-from keypose.app.render.viewpoints import Ground, Viewpoint, calm, least_distance, view_from
+from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, smoothed, view_from
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.geometry.rotations import apply_transform
@@ -224,10 +224,10 @@ def test_the_floor_lies_under_the_lowest_of_all_poses() -> None:
 
 def test_calm_places_follow_slow_ways_and_shrug_at_quick_ones() -> None:
     straight = np.linspace([0.0, 0.0, 0.0], [10.0, 0.0, 0.0], 200)
-    assert np.abs(calm(straight, 10.0) - straight)[40:-40].max() < 1e-9
+    assert np.abs(smoothed(straight, 10.0) - straight)[40:-40].max() < 1e-9
     shaken = straight + np.where(np.arange(200) % 2, 0.1, -0.1)[:, None]
-    assert np.abs(calm(shaken, 10.0) - straight)[40:-40].max() < 0.005
-    np.testing.assert_array_equal(calm(straight[:1], 10.0), straight[:1])
+    assert np.abs(smoothed(shaken, 10.0) - straight)[40:-40].max() < 0.005
+    np.testing.assert_array_equal(smoothed(straight[:1], 10.0), straight[:1])
 
 
 @pytest.mark.parametrize(

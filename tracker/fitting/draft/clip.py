@@ -185,11 +185,11 @@ class _Work:
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(with_free_joints(self.skeleton))
         first = self._first(joints, seen)
-        scene, calm = self._scene(joints.skeleton, first), self._calm(seen, first)
-        motion = Whole.of_joints(scene, joints, calm, first).solve(self._report)
+        scene, steady = self._scene(joints.skeleton, first), self._without_jumps(seen, first)
+        motion = Whole.of_joints(scene, joints, steady, first).solve(self._report)
         return _Solved(seen, Whole.of_joints(scene, joints, seen, first), motion)
 
-    def _calm(self, seen: Observed, motion: Trajectory) -> Observed:
+    def _without_jumps(self, seen: Observed, motion: Trajectory) -> Observed:
         """What poses are found from: without keypoints that jump."""
         return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
@@ -200,7 +200,7 @@ class _Work:
         if not len(joints.ends[0]):
             return found.motion
         scene = self._scene(skeleton, found.motion)
-        seen = self._calm(found.seen, found.motion)
+        seen = self._without_jumps(found.seen, found.motion)
         problem = Whole.of_ends(scene, joints, seen, found.motion)
         return problem.solve(lambda done: self._report(int(found.seen.usable.sum())))
 

@@ -112,14 +112,14 @@ class _Stretch:
         ends = {0: frames.start - 1, len(frames) - 1: frames.stop}
         stay = {*posed_rows, *(row for row, beyond in ends.items() if beyond in self.known)}
         joints = Joints.of(self.skeleton)
-        seen = self._calm(joints, first)
+        seen = self._without_jumps(joints, first)
         motion = self._limbs(joints, seen, first, posed_rows, stay).solve(_ignored)
         turning = Joints.of(turning_ends(joints))
         if not len(turning.ends[0]):
             return motion
         return self._ends(turning, seen, first, motion, posed_rows, stay).solve(_ignored)
 
-    def _calm(self, joints: Joints, first: Trajectory) -> Observed:
+    def _without_jumps(self, joints: Joints, first: Trajectory) -> Observed:
         """Left and right as the poses have them, without keypoints that jump."""
         pixels = height_px(self.skeleton, self.camera, middle(first))
         ways = [self.seen]

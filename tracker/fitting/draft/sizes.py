@@ -42,12 +42,12 @@ def with_proportions(body: Body, observed: Observed) -> Body:
         return body
     common = float(np.median(known))
     factors = {
-        name: _believed(ratio / common) for name, ratio in ratios.items() if ratio is not None
+        name: _toward_preset(ratio / common) for name, ratio in ratios.items() if ratio is not None
     }
     return with_height(_scaled(body, joints, factors), height(body))
 
 
-def _believed(factor: float) -> float:
+def _toward_preset(factor: float) -> float:
     share = USUAL**2 / (USUAL**2 + DOUBT**2)
     return float(np.exp(np.clip(share * np.log(factor), -LARGEST, LARGEST)))
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.errors import listed, spoken
+from keypose.tracker.errors import listed, readable
 from keypose.tracker.geometry.rotations import Array
 
-WORTH_A_WORD_PX = 1.0
+LEAST_REPORTED_PX = 1.0
 MOST = 3
 UNDECIDED = 0.15
 """Share decided by the picture, below which a part practically stays as posed."""
@@ -46,18 +46,18 @@ def _moved(moves: Moves) -> str:
     """The parts that moved most; what is only carried along is not named."""
     own = moves.tracked & ~moves.hidden & (moves.decided >= UNDECIDED)
     px = np.where(own, moves.moved_px, 0.0)
-    most = [i for i in np.argsort(-px, kind="stable")[:MOST] if px[i] >= WORTH_A_WORD_PX]
+    most = [i for i in np.argsort(-px, kind="stable")[:MOST] if px[i] >= LEAST_REPORTED_PX]
     if not most:
         return "No part moved by more than a pixel."
     first, *others = most
-    text = f"{spoken(moves.names[first])} moved {moves.moved_px[first]:.0f} px"
-    rest = (f", {spoken(moves.names[i])} {moves.moved_px[i]:.0f} px" for i in others)
+    text = f"{readable(moves.names[first])} moved {moves.moved_px[first]:.0f} px"
+    rest = (f", {readable(moves.names[i])} {moves.moved_px[i]:.0f} px" for i in others)
     return f"{_capital(text)}{''.join(rest)}."
 
 
 def _staying(moves: Moves, which: NDArray[np.intp], why: str) -> str:
     """That some parts stay, and why."""
-    names = [spoken(moves.names[i]) for i in which[:MOST]]
+    names = [readable(moves.names[i]) for i in which[:MOST]]
     more = len(which) - len(names)
     if more:
         names.append(f"{more} more")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.errors import listed, spoken
+from keypose.tracker.errors import listed, readable
 from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.shared import Shared
 
@@ -54,7 +54,7 @@ def describe_sizes(found: SizesFound) -> str:
         text = " and ".join(left)
         sentences.append(f"{text[:1].upper()}{text[1:]} could not be estimated. Unchanged.")
     implausible = [
-        f"{spoken(found.proportions.names[s // 2])}'s {WHAT[s % 2]}"
+        f"{readable(found.proportions.names[s // 2])}'s {WHAT[s % 2]}"
         for s in np.flatnonzero(found.implausible[:-2]).tolist()
     ]
     if implausible:
@@ -89,7 +89,7 @@ def _unobservable(found: SizesFound) -> NDArray[np.bool_]:
 
 def _changed(found: SizesFound) -> str:
     some = [
-        f"{spoken(found.proportions.names[s // 2])} {_by(found.shared.sizes[s], s % 2)}"
+        f"{readable(found.proportions.names[s // 2])} {_by(found.shared.sizes[s], s % 2)}"
         for s in np.flatnonzero(found.changed[:-2]).tolist()
     ]
     if not some:
@@ -119,4 +119,4 @@ def _focal(found: SizesFound) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    return listed([spoken(name) for name in names])
+    return listed([readable(name) for name in names])

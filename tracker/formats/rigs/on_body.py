@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import FormatError, spoken
+from keypose.tracker.errors import FormatError, readable
 from keypose.tracker.formats.axes import flipped
 from keypose.tracker.formats.end_sites import end_site
 from keypose.tracker.formats.rigs import OWN
@@ -43,7 +43,7 @@ def require_person(skeleton: Skeleton, rig: str) -> None:
     if missing:
         raise FormatError(
             f"The rig {rig} is for a person, and the body {skeleton.body.name!r} has no "
-            f"{spoken(missing[0])}: choose the rig {OWN}, its own names."
+            f"{readable(missing[0])}: choose the rig {OWN}, its own names."
         )
 
 

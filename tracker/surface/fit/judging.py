@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.errors import listed, spoken
+from keypose.tracker.errors import listed, readable
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.surface.fit.chain import Link
@@ -103,7 +103,7 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
         return ()
     unseen = np.mean([step.least_seen < UNSEEN for step in steps], axis=0) > 0.5
     unseen &= _carries_surface(model)
-    names = [spoken(n) for n, no in zip(model.skeleton.body.names, unseen, strict=True) if no]
+    names = [readable(n) for n, no in zip(model.skeleton.body.names, unseen, strict=True) if no]
     if not names:
         return ()
     return (

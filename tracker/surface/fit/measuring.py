@@ -54,7 +54,7 @@ def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
     square = np.minimum(pairs.square, (FAR_SHARE * model.size_m) ** 2)
     sides = (
         (square[: pairs.forward], pairs.clear),
-        (square[pairs.forward :], observed.believed),
+        (square[pairs.forward :], observed.weights),
     )
     return float(sum(side @ weight / max(weight.sum(), 1e-12) for side, weight in sides))
 
@@ -74,7 +74,7 @@ def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
         frozen(turns.certainty.min(axis=1)),
         frozen(np.sqrt(np.maximum(information, 0.0))),
         int((information > SHOWN * model.size_m**2).sum()),
-        _share(back, observed.believed),
+        _share(back, observed.weights),
         _share(there, pairs.clear),
         _rms(pairs),
     )

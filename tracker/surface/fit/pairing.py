@@ -30,10 +30,10 @@ CONTACT_SHARE = 0.015
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """One step's surface, ready to be paired with.  believed: (N,) ρ_p of its points."""
+    """One step's surface, ready to be paired with.  weights: (N,) ρ_p of its points."""
 
     samples: SurfaceSamples
-    believed: Array
+    weights: Array
     grid: Any
 
     @classmethod
@@ -41,8 +41,8 @@ class Observed:
         """Of a mesh in the camera frame, metres."""
         samples = SurfaceSamples.of(mesh, options.points)
         photo = options.photo and mesh.consistency is not None
-        believed = photo_weights(samples.consistency) if photo else np.ones(len(samples.p))
-        return cls(samples, believed, grid_of(samples.p, 2 * samples.spacing_m))
+        weights = photo_weights(samples.consistency) if photo else np.ones(len(samples.p))
+        return cls(samples, weights, grid_of(samples.p, 2 * samples.spacing_m))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +74,8 @@ def pairs_of(
     to_seen, far_there = _nearest(posed, seen, observed.grid, reach, options)
     to_model, far_back = _nearest(seen, posed, grid, reach, options)
     own = clear * model.trust
-    there = own * observed.believed[to_seen] * (to_seen >= 0)
-    back = own[to_model] * observed.believed * (to_model >= 0)
+    there = own * observed.weights[to_seen] * (to_seen >= 0)
+    back = own[to_model] * observed.weights * (to_model >= 0)
     if options.mutual:
         near = (SPURIOUS_SHARE * model.size_m) ** 2
         there = there * _mutual(far_there, far_back[to_seen], near)

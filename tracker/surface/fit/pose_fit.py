@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.fit.measuring import measure
@@ -18,7 +18,7 @@ from keypose.tracker.surface.fit.pairing import Observed
 from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh
 
-WORTH_A_WORD_M = 0.005
+LEAST_REPORTED_M = 0.005
 MOST = 3
 
 MUCH = 0.25
@@ -64,10 +64,10 @@ def fit_solids_to_surface(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> 
 def _describe_moves(skeleton: Skeleton, before: Pose, after: Pose) -> str:
     """Such as "Right forearm moved 6 cm, head 2 cm."."""
     moved = np.linalg.norm(_middles(skeleton, after) - _middles(skeleton, before), axis=1)
-    most = [i for i in np.argsort(-moved, kind="stable")[:MOST] if moved[i] >= WORTH_A_WORD_M]
+    most = [i for i in np.argsort(-moved, kind="stable")[:MOST] if moved[i] >= LEAST_REPORTED_M]
     if not most:
         return "No part moved by more than half a centimetre."
-    names = [spoken(skeleton.body.names[i]) for i in most]
+    names = [readable(skeleton.body.names[i]) for i in most]
     first, *rest = (f"{100 * moved[i]:.0f} cm" for i in most)
     words = [f"{names[0]} moved {first}", *map(" ".join, zip(names[1:], rest, strict=True))]
     text = ", ".join(words)

@@ -279,12 +279,12 @@ def _limbs(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     motion, size = problem.motion, (len(problem.motion), skeleton.part_count)
     uv, depth, precision = np.zeros((*size, 2)), np.zeros(size), np.zeros(size)
     for keyed in problem.keyed_parts:
-        row, hangs = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
-        there = pose_transforms(skeleton, keyed.pose)[hangs, :3, 3]
-        uv[row, hangs] = image_points(problem.camera, there)
-        depth[row, hangs] = there[:, 2] - keyed.pose.p_camera_root[2]
-        sigma = np.where(np.isin(hangs, skeleton.parents), BETWEEN_M, END_M)
-        precision[row, hangs] = 1 / sigma
+        row, parts = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
+        there = pose_transforms(skeleton, keyed.pose)[parts, :3, 3]
+        uv[row, parts] = image_points(problem.camera, there)
+        depth[row, parts] = there[:, 2] - keyed.pose.p_camera_root[2]
+        sigma = np.where(np.isin(parts, skeleton.parents), BETWEEN_M, END_M)
+        precision[row, parts] = 1 / sigma
     known = np.flatnonzero(precision.any(axis=0))
     points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known))
     depth, precision = depth[:, known], precision[:, known]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewCamera
 from keypose.tracker.tracking.initial.templates.follow_template import TurnAt, follow_template
@@ -53,7 +53,7 @@ class FirstKeyframe:
 
     def name(self, part: int) -> str:
         """What a person calls a part."""
-        return spoken(self.scene.skeleton.body.names[part])
+        return readable(self.scene.skeleton.body.names[part])
 
     def template(self, part: int, uv: Array, also: Collection[int] = ()) -> Rotatable:
         """What the first keyframe shows of a part, and of others that go with it."""

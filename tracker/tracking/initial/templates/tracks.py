@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.raster import BodyMesh, Raster, raster
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.errors import spoken
+from keypose.tracker.errors import readable
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewCamera
 from keypose.tracker.tracking.initial.chains import Chain, Chains, blend_chains, follow_both
@@ -136,7 +136,7 @@ def _words(view: _View, point: Followed, uv: Array) -> list[str]:
     lost = 1 + np.flatnonzero(np.isnan(uv[:, 1:-1, 0]).all(axis=0))  # the ends are posed
     if not len(lost) or point.part in view.scene.skeleton.parents:
         return []
-    name, first = spoken(view.scene.skeleton.body.names[point.part]), view.base.first_frame
+    name, first = readable(view.scene.skeleton.body.names[point.part]), view.base.first_frame
     if len(lost) >= uv.shape[1] - 2:
         return [f"{name} was not found between the keyframes: {INSTEAD}"]
     at = f"{name} lost at frame {first + int(lost[0])}"
