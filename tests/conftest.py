@@ -16,9 +16,15 @@ if TYPE_CHECKING:
     from xdist.scheduler import LoadFileScheduling
     from xdist.workermanage import WorkerController
 
-# No deadlines: the first example of a test may compile a loop.
-settings.register_profile("here", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
+EXAMPLES = 40
+"""Of a property, unless a test says otherwise."""
+
+# No deadlines: the first example of a test may compile a loop. Fewer examples than usual: they are
+# others in every run, and many of them are drags, or bodies that are drawn.
+settings.register_profile("here", deadline=None, max_examples=EXAMPLES)
+settings.register_profile(
+    "ci", deadline=None, max_examples=EXAMPLES, derandomize=True, print_blob=True
+)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 BROWSER = "tests/browser/"

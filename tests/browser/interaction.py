@@ -37,14 +37,17 @@ def section(page: Page, path: str) -> Any:
 
 
 def until(there: Callable[[], Any], what: str = "it", seconds: float = LONGEST_S) -> Any:
-    """Wait until something is so. The page allows no scripts from strings, hence from outside."""
+    """Wait until something is so. The page allows no scripts from strings, hence from outside:
+    soon at first, then more seldom, as every look costs the page time."""
     end = time.monotonic() + seconds
+    pause = 0.01
     while True:
         found = there()
         if found:
             return found
         assert time.monotonic() < end, f"{what} never came"
-        time.sleep(0.03)
+        time.sleep(pause)
+        pause = min(1.5 * pause, 0.1)
 
 
 def until_state(

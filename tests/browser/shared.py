@@ -165,13 +165,16 @@ class Office:
         return cls(folder, keypose, browser)
 
     @contextmanager
-    def desk(self, name: str, *, size: tuple[int, int], late: bool) -> Iterator[Desk]:
-        """A page with a session of its own; there is one desk at a time."""
-        session = copied(self.folder / name / "person")
+    def desk(
+        self, source: Path, *, size: tuple[int, int] = SIZE, late: bool = True
+    ) -> Iterator[Desk]:
+        """A page of a session or film in the folder; there is one desk at a time."""
         visitor = Visitor(self.keypose)
+        before = visitor.seen["file"]
         # The folder that Keypose runs in is 0, that of the session it was begun with 1.
-        visitor.do(do="open", kind="file", id=f"1/{name}/person/{session.name}")
-        visitor.until(lambda: (visitor.seen["file"] or {}).get("path") == str(session))
+        visitor.do(do="open", kind="file", id=f"1/{source.relative_to(self.folder)}")
+        visitor.until(lambda: visitor.seen["file"] not in (None, before))
+        session = Path(visitor.seen["file"]["path"])
         context, complaints = self._context(late)
         page = context.new_page()
         page.set_viewport_size({"width": size[0], "height": size[1]})
@@ -199,8 +202,15 @@ class Office:
 _offices: dict[Browser, Office] = {}
 
 
+def office(browser: Browser, folder: Path) -> Office:
+    """That of this browser, which begins in a folder beside this one."""
+    if browser not in _offices:
+        _offices[browser] = Office.opened(browser, folder.parent / "office")
+    return _offices[browser]
+
+
 def close_office(browser: Browser) -> None:
-    """The server and the pages of all desks of this browser, where there are any."""
+    """Its end, where it has begun."""
     if browser in _offices:
         _offices.pop(browser).close()
 
@@ -221,9 +231,9 @@ def desk(
     another desk.
     """
     if not (own or drawn):
-        if browser not in _offices:
-            _offices[browser] = Office.opened(browser, folder.parent / "office")
-        with _offices[browser].desk(folder.name, size=size, late=late) as made:
+        place = office(browser, folder)
+        source = copied(place.folder / folder.name / "person")
+        with place.desk(source, size=size, late=late) as made:
             yield made
         return
     with (

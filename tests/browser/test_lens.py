@@ -21,7 +21,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import let_in, office, opened
 
 FILM = ROOT / "sample_videos" / "person" / "person.mp4"
 TAGS = {
@@ -34,11 +34,7 @@ TAGS = {
 @contextmanager
 def new_film(browser: Browser, folder: Path, tags: dict[str, str] | None = None) -> Iterator[Page]:
     """The page of a film that nobody has opened before."""
-    film = folder / ("film.mov" if tags else "film.mp4")
-    if tags:
-        with_tags(film, tags)
-    else:
-        shutil.copy(FILM, film)
+    film = copied_film(folder, tags)
     keypose = Keypose(str(film), "--workspace", str(folder / "workspace"))
     try:
         with let_in(browser, drawn=False, size=(1440, 900)) as context:
@@ -48,6 +44,15 @@ def new_film(browser: Browser, folder: Path, tags: dict[str, str] | None = None)
     finally:
         code, words = keypose.end()
     assert code == 0, words
+
+
+def copied_film(folder: Path, tags: dict[str, str] | None = None) -> Path:
+    film = folder / ("film.mov" if tags else "film.mp4")
+    if tags:
+        with_tags(film, tags)
+    else:
+        shutil.copy(FILM, film)
+    return film
 
 
 def with_tags(film: Path, tags: dict[str, str]) -> None:
@@ -64,8 +69,21 @@ def with_tags(film: Path, tags: dict[str, str]) -> None:
 
 @pytest.fixture
 def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
-    with new_film(browser, tmp_path) as made:
+    with another_film(browser, tmp_path) as made:
         yield made
+
+
+@contextmanager
+def another_film(
+    browser: Browser, folder: Path, tags: dict[str, str] | None = None
+) -> Iterator[Page]:
+    """The same at a server that other films were opened with."""
+    place = office(browser, folder)
+    inside = place.folder / folder.name
+    inside.mkdir()
+    with place.desk(copied_film(inside, tags), size=(1440, 900)) as made:
+        until(lambda: title(made.page) == "Which lens?", "the guide")
+        yield made.page
 
 
 def title(page: Page) -> str:
@@ -116,7 +134,7 @@ def test_the_wheel_on_the_slider_is_one_millimetre(page: Page) -> None:
 def test_what_the_file_says_is_chosen_already_and_comes_back(
     browser: Browser, tmp_path: Path
 ) -> None:
-    with new_film(browser, tmp_path, TAGS) as page:
+    with another_film(browser, tmp_path, TAGS) as page:
         assert chosen(page) == "Phone, main"
         assert "26 mm, Google Pixel 7" in page.locator("#guide .filesays.good").inner_text()
         assert section(page, "camera.lens_source") == "file"

@@ -30,7 +30,7 @@ from tests.browser.interaction import (
 from tests.browser.shared import Desk, let_in, opened
 
 SAMPLE = ROOT / "sample_videos" / "arms"
-SIZE = (1440, 900)
+SIZE = (1120, 640)
 SMALL = ("top", "side", "front")
 
 _SKINS = """
@@ -317,41 +317,43 @@ def test_the_page_is_as_clear_on_a_small_screen_and_by_day(at: Desk) -> None:
     page.set_viewport_size({"width": SIZE[0], "height": SIZE[1]})
 
 
-def test_a_step_that_cannot_be_used_is_reported_at_its_frame(
-    browser: Browser, tmp_path: Path
-) -> None:
-    shutil.copytree(SAMPLE, tmp_path / "arms")
-    (tmp_path / "arms" / "meshes" / "step_0004.ply").write_bytes(b"")
-    with arms(browser, tmp_path, drawn=False) as desk:
-        page = desk.page
-        assert page.locator("#mproblem").count() == 0
-        desk.visitor.do(do="go", frame=4)
-        problem = page.locator("#mproblem")
-        problem.wait_for()
-        assert "step_0004.ply" in problem.inner_text()
-        page.wait_for_selector("#main canvas.vid[data-frame='4']")
-        screen(page, "surface-problem")
-        desk.visitor.do(do="go", frame=5)
-        until(lambda: problem.count() == 0, "no problem any more")
-
-
-def test_steps_that_cannot_be_used_are_reported_before_they_are_met(
-    browser: Browser, tmp_path: Path
-) -> None:
-    shutil.copytree(SAMPLE, tmp_path / "arms")
+@pytest.fixture(scope="module")
+def torn(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    """The arms, of which two steps cannot be read."""
+    folder = tmp_path_factory.mktemp("torn")
+    shutil.copytree(SAMPLE, folder / "arms")
     for step in (7, 12):
-        (tmp_path / "arms" / "meshes" / f"step_{step:04}.ply").write_bytes(b"")
-    with arms(browser, tmp_path, drawn=False) as desk:
-        page = desk.page
-        page.locator("#insp [role=tab]").last.click()
-        reported = page.locator("#insp .note.warned")
-        reported.wait_for()
-        assert reported.inner_text().startswith(
-            "Steps 7 and 12 cannot be used. The first of them: Step 7"
-        )
-        assert section(page, "view.frame") == 0
-        reported.scroll_into_view_if_needed()
-        screen(page, "surface-unusable")
+        (folder / "arms" / "meshes" / f"step_{step:04}.ply").write_bytes(b"")
+    with arms(browser, folder, drawn=False) as made:
+        yield made
+
+
+def test_steps_that_cannot_be_used_are_reported_before_they_are_met(torn: Desk) -> None:
+    page = torn.page
+    page.locator("#insp [role=tab]").last.click()
+    reported = page.locator("#insp .note.warned")
+    reported.wait_for()
+    assert reported.inner_text().startswith(
+        "Steps 7 and 12 cannot be used. The first of them: Step 7"
+    )
+    assert section(page, "view.frame") == 0
+    reported.scroll_into_view_if_needed()
+    screen(page, "surface-unusable")
+
+
+def test_a_step_that_cannot_be_used_is_reported_at_its_frame(torn: Desk) -> None:
+    page = torn.page
+    torn.visitor.do(do="go", frame=6)
+    page.wait_for_selector("#main canvas.vid[data-frame='6']")
+    problem = page.locator("#mproblem")
+    assert problem.count() == 0
+    torn.visitor.do(do="go", frame=7)
+    problem.wait_for()
+    assert "step_0007.ply" in problem.inner_text()
+    page.wait_for_selector("#main canvas.vid[data-frame='7']")
+    screen(page, "surface-problem")
+    torn.visitor.do(do="go", frame=8)
+    until(lambda: problem.count() == 0, "no problem any more")
 
 
 def test_surfaces_are_a_sample_of_the_start_screen(browser: Browser, tmp_path: Path) -> None:

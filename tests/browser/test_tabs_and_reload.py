@@ -54,6 +54,10 @@ if (window === top) {
 """As if ten seconds passed between any two looks at the clock."""
 
 
+SMALL = (1100, 480)
+"""Software draws all that is seen, four times."""
+
+
 @pytest.fixture(scope="module")
 def wired(
     browser: Browser, tmp_path_factory: pytest.TempPathFactory
@@ -62,7 +66,7 @@ def wired(
     with (
         proxy() as relay,
         served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
-        let_in(browser, drawn=True, proxy={"server": relay.address}) as context,
+        let_in(browser, drawn=True, size=SMALL, proxy={"server": relay.address}) as context,
     ):
         visitor = Visitor(keypose)
         page = opened(context, keypose)
@@ -81,7 +85,7 @@ def at(wired: tuple[Desk, Proxy]) -> Desk:
 @pytest.fixture
 def other(browser: Browser, at: Desk) -> Iterator[Page]:
     """Another tab, in a browser of its own."""
-    with let_in(browser, drawn=False) as context:
+    with let_in(browser, drawn=False, size=SMALL) as context:
         yield opened(context, at.keypose)
 
 
@@ -248,7 +252,7 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
 def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
     browser: Browser, at: Desk
 ) -> None:
-    with let_in(browser, drawn=True) as context:
+    with let_in(browser, drawn=True, size=SMALL) as context:
         context.add_init_script(SLOW)
         page = opened(context, at.keypose)
         until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
