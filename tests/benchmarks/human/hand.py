@@ -203,7 +203,9 @@ class Hand:
             turns = [turn for turn in self._turned(part) if abs(turn[1]) >= SEEN_DEG]
             if not turns:
                 break
-            ring, deg, _ = self._best_turn(part, turns, joints)
+            ring, deg, gain = self._best_turn(part, turns, joints)
+            if self.by_picture and gain < -LIMB_GAIN:
+                break  # what is seen would no longer be where it is
             if not selected:
                 self.desk.act("click", f"select the {part}", do.Select(part=part))
                 selected = True

@@ -54,6 +54,15 @@ ELSEWHERE = 0.10
 
 
 @dataclass(frozen=True, eq=False)
+class KnownLimb:
+    """Parts (k,) that are known at a frame between keyframes, as a pose of the body has them."""
+
+    frame: int
+    parts: NDArray[np.int64]
+    pose: Pose
+
+
+@dataclass(frozen=True, eq=False)
 class Anchors:
     """Where the joints of the N frames of a segment are, as far as a detector saw them.
 
@@ -153,14 +162,14 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 def anchors_of(
     scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
-    *, open_end: bool = False,
+    *, open_end: bool = False, limbs: Sequence[KnownLimb] = (),
 ) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     weight: what standard deviations are divided by, but for what a person set.
-    open_end: the first keyframe alone is posed.
+    open_end: the first keyframe alone is posed.  limbs: what is known between the keyframes.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -175,7 +184,7 @@ def anchors_of(
     swapped = exchanged_sides(seen, index, nominal, height)
     if swapped is not None:
         candidates.append(swapped)
-    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
+    found = [_anchors(scene, k, index, parts, points, keyed, height, limbs) for k in candidates]
     return tuple(
         replace(anchors, exchanged=k > 0).weighted(weight)
         for k, anchors in enumerate(found)
@@ -249,7 +258,7 @@ def _sigma_px(height: float, visibility: Array) -> Array:
 
 def _anchors(
     scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
-    points: Array, keyed: dict[int, Pose], height: float,
+    points: Array, keyed: dict[int, Pose], height: float, limbs: Sequence[KnownLimb],
 ) -> Anchors | None:  # fmt: skip
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
     uv = seen.uv[:, index]
@@ -268,12 +277,16 @@ def _anchors(
         return None
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
-    at_keys = list(keyed)
+    known_limbs = [(limb.frame - seen.first_frame, limb) for limb in limbs]
+    at_keys = [*keyed, *(row for row, _ in known_limbs)]
+    sure = scale[at_keys]
+    for n, (_, limb) in enumerate(known_limbs, len(keyed)):
+        sure[n, ~np.isin(parts, limb.parts)] = 0.0
     loose = np.array([name in FACE for name in names])
     sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
-    poses = list(keyed.values())
+    poses = [*keyed.values(), *(limb.pose for limb in limbs)]
     joints = BodyPoints.single(scene.skeleton, parts, points)
-    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
+    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], sure)
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND * height)

@@ -1,9 +1,9 @@
 """The keypoints of a limb that was set right, as anchors between two frames at which it is known.
 
-What a detector makes of a joint is calibrated by the keyframes of the whole segment: a limb that
-was put where it is seen in one picture says little of the body far from there. Near by it says
-much, for what a detector misses a joint by changes slowly. A moderate miss is taken off the
-keypoints of the frames near it, and keypoints that are elsewhere count for little there.
+Where on its part a detector puts a joint the keyframes of the whole segment show as well. What it
+misses the joint by beside that changes slowly from frame to frame: where a limb was set right this
+is known, so near by it is taken off the keypoints, and keypoints that are elsewhere count for
+little there. Far from there nothing of the limb is known that was not known before.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.posed import image_points
@@ -24,7 +25,7 @@ from keypose.tracker.tracking.segment import Segment
 PLAINLY = 4.0
 """By how much more a frame's keypoints are contradicted, as a loss, to be taken for those of the
 other side: as of one that lies two standard deviations off."""
-FADES = 5.0
+FADES = 6.0
 """Frames over which what keypoints miss falls to 1/e."""
 ELSEWHERE = 0.08
 """A keypoint farther than this share of the body's height from where the joint was set shows
@@ -41,12 +42,7 @@ def limb_anchors(
     first = segment.first_frame - whole.first_frame
     rows = slice(first, first + len(segment.given))
     anchors = resolve_sides([each.of_rows(rows) for each in candidates], segment, scene)
-    ends = {whole.first_frame, whole.last_frame}
-    set_right = [
-        row
-        for row, frame in ((0, segment.first_frame), (-1, segment.last_frame))
-        if frame not in ends
-    ]
+    set_right = [limb.frame - segment.first_frame for limb in segment.set_right(whole)]
     return _missing_as_near(anchors, segment, scene, set_right)
 
 
@@ -57,20 +53,25 @@ def _missing_as_near(
     there."""
     p = anchors.where(segment.given.transforms(scene.skeleton))
     miss = (anchors.uv - image_points(scene.camera, p))[set_right]
-    deeper = anchors.depth - (p[..., 2] - segment.given.ps_camera_root[:, None, 2])
+    deeper = (anchors.depth - (p[..., 2] - segment.given.ps_camera_root[:, None, 2]))[set_right]
     own = np.isin(anchors.parts, segment.parts) & (anchors.scale[set_right] > 0)
     away = np.linalg.norm(miss, axis=-1) > ELSEWHERE * anchors.height_px
-    count = len(anchors.uv)
-    near = np.stack([np.exp(-np.abs(np.arange(count) - row % count) / FADES) for row in set_right])
-    taken = np.where((own & ~away)[..., None], miss, 0.0)
-    detected = anchors.scale > 0
-    doubt = (near[:, :, None] * (own & away)[:, None]).max(axis=0)
+    near = _alike(np.arange(len(anchors.uv)), set_right)
+    doubt = (near[:, :, None] * (own & away)).max(axis=1)
+    share = np.linalg.solve(_alike(set_right, set_right), near.T)  # exact at each
+    miss = np.where((own & ~away)[..., None], miss, 0.0)
+    detected = (anchors.scale > 0)[..., None]
     return replace(
         anchors,
-        uv=anchors.uv - detected[..., None] * np.einsum("rn,rkc->nkc", near, taken),
+        uv=anchors.uv - detected * np.einsum("rn,rkc->nkc", share, miss),
         scale=anchors.scale * (1 - doubt),
-        depth=anchors.depth - np.einsum("rn,rk->nk", near, own * deeper[set_right]),
+        depth=anchors.depth - share.T @ (own * deeper),
     )
+
+
+def _alike(rows: Sequence[int] | NDArray[np.int64], others: Sequence[int]) -> Array:
+    """(N, R) correlation of what keypoints miss at rows and at others: a Markov process."""
+    return np.asarray(np.exp(-np.abs(np.subtract.outer(rows, others)) / FADES))
 
 
 def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Scene) -> Anchors:

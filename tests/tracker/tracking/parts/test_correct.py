@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,12 +11,9 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
 from keypose.tracker.tracking.parts.keyed import KeyedParts
-from keypose.tracker.tracking.parts.limb_anchors import resolve_sides
-from keypose.tracker.tracking.parts.limb_segment import LimbSegment
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video.clip_loader import ClipLoader
@@ -27,7 +23,6 @@ from tests.tracker.tracking_cases import Case, case
 
 ARM = ("right_upper_arm", "right_forearm", "right_hand")
 LEG = ("left_thigh", "left_shin", "left_foot")
-SIDES = ("left", "right")
 SPAN, AT = (0, 12), 5
 FILM = Filmed(moving())
 WAYS: dict[str, TrackSettings] = {
@@ -200,22 +195,3 @@ def test_where_a_limb_was_set_right_nothing_of_it_is_in_doubt_any_more() -> None
     assert after[6, hand] <= before[6, hand]
     others = [i for i in range(SKELETON.part_count) if i not in key.parts]
     np.testing.assert_array_equal(after[:, others], before[:, others])
-
-
-def test_in_each_frame_the_other_leg_tells_which_foot_is_which() -> None:
-    (right,) = FILM.anchors()
-    legs = [JOINTS.index(f"{side}_{joint}") for joint in ("knee", "ankle") for side in SIDES]
-    other = [JOINTS.index(f"{side}_{joint}") for joint in ("knee", "ankle") for side in SIDES[::-1]]
-    candidates = []
-    for frames in ([4, 5], [6, 7, 8]):  # the one is wrong where the other is right
-        uv = right.uv.copy()
-        uv[np.ix_(frames, legs)] = right.uv[np.ix_(frames, other)]
-        candidates.append(replace(right, uv=uv))
-    segment, leg = FILM.segment, ("right_thigh", "right_shin", "right_foot")
-    parts = np.array([SKELETON.body.index(name) for name in leg])
-    limb = LimbSegment(
-        segment.first_frame, segment.last_frame, segment.start, segment.end, segment.clip,
-        given=FILM.truth, parts=parts,
-    )  # fmt: skip
-    for some in (candidates, candidates[::-1]):
-        np.testing.assert_array_equal(resolve_sides(some, limb, FILM.free).uv, right.uv)
