@@ -24,6 +24,8 @@ LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""
 LEAST_APART_M = 0.5
 """Feet that stand nearer to each other than this do not determine what is level."""
+STEEP = 0.15
+"""Feet that differ more in height, as a share of how far apart they are, stand on no common floor."""
 SHORTEST_PX = 5
 
 
@@ -40,11 +42,26 @@ def set_floor(state: EditorState, action: do.Floor) -> Session:
     return _with_floor(state, action.height_m)
 
 
+def uneven_feet_m(state: EditorState) -> float | None:
+    """By how much pinned feet differ in height while nobody has said what is up, metres; None where
+    that is no more than where one stands on a slope."""
+    if state.doc.up_camera is not None or not state.doc.pins:
+        return None
+    places, apart = _places_of_feet(state)
+    rise = float(np.ptp(places @ np.array(up_of(state.doc)))) if len(places) else 0.0
+    return rise if apart > LEAST_APART_M and rise > STEEP * apart else None
+
+
+def _places_of_feet(state: EditorState) -> tuple[Array, float]:
+    """(feet, 3) where the pinned ones stand, camera frame, and how far apart they are, metres."""
+    places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
+    return places, float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0
+
+
 def set_up_from_feet(state: EditorState) -> Session:
     """Up so that the pinned feet stand level; what they do not determine stays as it is."""
-    places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
-    apart = np.ptp(places, axis=0) if len(places) else np.zeros(3)
-    if np.linalg.norm(apart) < LEAST_APART_M:
+    places, apart = _places_of_feet(state)
+    if apart < LEAST_APART_M:
         raise Refused("Pin two steps first, at least half a metre apart.")
     x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
     levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})

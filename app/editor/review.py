@@ -37,7 +37,7 @@ class Place:
     part: None where it is about the whole body.  frames: first and last frame it is about.
     px, cm: by which it is expected to be off: pixels of the video; None where nobody knows.
     end_m: (3,) where the part's far end lies, camera frame.  px_per_m: there.
-    limb_m: (K, 3) the joints and the end of its limb.
+    limb_m: (K, 3) the joints and the end of its limb, or of all where it is about the whole body.
     """
 
     why: Reason
@@ -188,7 +188,7 @@ def _place(
     assert known.camera is not None
     body, index = known.skeleton.body, known.index(part)
     Ts = pose_transforms(known.skeleton, pose)
-    limb = known.limb_of(part)
+    limb = tuple(range(len(body.parts))) if part is None else known.limb_of(part)
     ends = [Ts[k, :3, :3] @ far_end(body, k) + Ts[k, :3, 3] for k in limb]
     end = Ts[index, :3, :3] @ far_end(body, index) + Ts[index, :3, 3]
     depth = float(known.camera.depth(end))

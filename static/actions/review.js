@@ -14,6 +14,7 @@ import { answered, currentRow, listOf, openRows, placesAbove, turned, withUndone
 const PAUSE_MS = 400;
 /** The limb takes this share of the picture. */
 const LIMB_SHARE = 1 / 3;
+const BODY_SHARE = 0.75;
 
 /** The window of the picture before the review, and the path of the film it was of. */
 let before = null;
@@ -125,7 +126,7 @@ function show(row) {
   keyedBefore = keyedAt(row.frame);
   stopPlaying();
   goTo(row.frame);
-  if (row.part) select(row.part);
+  select(row.part);
   zoomTo(row);
 }
 
@@ -173,10 +174,11 @@ function putBack() {
   main.redraw();
 }
 
-/** The limb, or at least what its crop shows, in a third of the picture. */
-function zoomTo({ box: [left, top, right, bottom], crop }) {
+/** The limb, or at least what its crop shows, in a third of the picture; the whole body in most of it. */
+function zoomTo({ part, box: [left, top, right, bottom], crop }) {
   const [x, y] = [(left + right) / 2, (top + bottom) / 2];
-  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / LIMB_SHARE / 2);
+  const share = part === null ? BODY_SHARE : LIMB_SHARE;
+  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / share / 2);
   const main = view('main');
   main.window.showBox([x - wide, y - high, x + wide, y + high]);
   main.window.chosen = true;
@@ -210,7 +212,7 @@ export function reviewHints() {
   if (!isReviewing() || ui.dragging) return null;
   if (!place()) return [['Esc', 'close review']];
   return [
-    ['Enter', 'accept'], ['Drag', 'correct, keys this limb only'], ['N', 'next'], ['Shift N', 'previous'],
+    ['Enter', 'accept'], ['Drag', place().kind === 'draft' ? 'correct' : 'correct, keys this limb only'], ['N', 'next'], ['Shift N', 'previous'],
     ['Shift Enter', 'cannot tell'], ['Esc', 'close review'],
   ];
 }

@@ -60,7 +60,8 @@ export const IN_FILM = [
     text: 'Review leads through the places where the draft is unsure: Enter accepts, N goes on.',
     done: () => isDrafted() && placesToConfirm().length === 0,
     again: true,
-    content: reviewButton,
+    content: placesLine,
+    next: () => (placesToConfirm().length ? { label: labelOf('review'), act: review } : null),
   },
 ];
 
@@ -107,8 +108,6 @@ function review() {
   if (!isReviewing()) toggleReview();
 }
 
-function reviewButton() {
-  const places = placesToConfirm();
-  if (!places.length) return nothing;
-  return html`<button type="button" class="btn pri full" @click=${review}>${placesWords()}: review</button>`;
+function placesLine() {
+  return placesToConfirm().length ? html`<p class="num">${placesWords()}.</p>` : nothing;
 }

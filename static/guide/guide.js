@@ -145,10 +145,17 @@ function onKey(event) {
   if (!goesOn && !step.key?.(key)) return;
   event.preventDefault();
   event.stopImmediatePropagation();
-  if (goesOn) goOn();
+  if (goesOn) goFirst();
 }
 
 const isTyping = ({ target }) => target.matches?.('input, textarea, select, [contenteditable]');
+
+/** What the step's first button does. */
+function goFirst() {
+  const first = currentStep()?.next?.();
+  if (first) first.act();
+  else goOn();
+}
 
 /** On to the next step by hand. */
 function goOn() {
@@ -244,8 +251,9 @@ function stepFoot(step) {
 
 /** The step's own button is the first where it has one. */
 function continueButton(step) {
-  const isFirst = step.beside || isDone(step);
-  const { label, act } = step.next?.() ?? { label: isFirst ? 'Continue' : 'Skip', act: goOn };
+  const own = step.next?.();
+  const isFirst = own || step.beside || isDone(step);
+  const { label, act } = own ?? { label: isFirst ? 'Continue' : 'Skip', act: goOn };
   return html`<button class="btn sm ${isFirst ? 'pri' : ''}" @click=${act}>
     ${label}<kbd>Enter</kbd>
   </button>`;

@@ -114,6 +114,11 @@ function doneRow(list) {
 
 function ending(list) {
   if (!list.done.length && !hasMotion()) return html`<div class="ended none"><p>Nothing to review. Track first.</p>${track('pri')}</div>`;
+  if (!hasMotion()) {
+    return html`<div class="ended" role="status">
+      <p class="row b">${icon('check')}<b>${doneWords(list)}</b></p>
+      <p>What lies between the keyframes shows once it is tracked.</p><div class="row">${track('pri')}</div></div>`;
+  }
   const soFar = server.review?.untracked ? ' so far' : '';
   return html`<div class="ended" role="status">
     <p class="row b">${icon('check')}<b>Nothing left above ${goal()} px${soFar}</b></p>

@@ -41,6 +41,7 @@ const REMEDIES = {
     },
   },
   soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
+  level: { label: 'Level the feet', act: () => send({ do: 'up_from_feet' }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
 };
@@ -63,7 +64,7 @@ function card(found) {
     <p>${found.words}</p>
     <div class="row">
       ${remedy ? button({ name: '', label: remedy.label, kind: 'sm', act: () => remedy.act(found) }) : nothing}
-      ${found.kind === 'lens' ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
+      ${['lens', 'up'].includes(found.kind) ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
     </div>
   </div>`;
 }

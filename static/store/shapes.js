@@ -247,7 +247,7 @@
  * @property {number} first
  * @property {number} last
  * @property {number} go  The frame to look at.
- * @property {'pin' | 'floor' | 'turn' | 'soften' | 'smooth' | 'lens' | ''} remedy  What mends it with one press.
+ * @property {'pin' | 'floor' | 'turn' | 'soften' | 'smooth' | 'level' | 'lens' | ''} remedy  What mends it with one press.
  */
 
 /**

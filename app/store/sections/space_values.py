@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from keypose.app.editor.floor_edits import uneven_feet_m
 from keypose.app.editor.judged import Judged
 from keypose.app.editor.space_words import pin_sentence, space_sentence
 from keypose.app.editor.state import EditorState
@@ -48,7 +49,25 @@ def space(app_state: AppState) -> Json:
     rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)
     share = edit.settled.depth_share
-    return [*rows, _guessed_lens(edit, share)] if is_known and share is not None else rows
+    rise_m = uneven_feet_m(edit) if is_known else None
+    first = [] if rise_m is None else [_guessed_up(edit, rise_m)]
+    last = [_guessed_lens(edit, share)] if is_known and share is not None else []
+    return [*first, *rows, *last]
+
+
+def _guessed_up(edit: EditorState, rise_m: float) -> Json:
+    """A floor that slopes since nobody knows how the camera tilts: what else is found rests on it."""
+    pins = edit.settled.pins
+    return {
+        "kind": "up",
+        "words": f"Pinned feet differ by {100 * rise_m:.0f} cm in height: how the camera tilts is a "
+        "guess.",
+        "part": pins[0].part,
+        "first": pins[0].first_frame,
+        "last": pins[-1].last_frame,
+        "go": pins[0].first_frame,
+        "remedy": "level",
+    }
 
 
 def _is_accepted(known: Judged, found: SpaceFinding) -> bool:

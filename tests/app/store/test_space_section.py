@@ -101,3 +101,14 @@ def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() 
     assert f"may be off by {100 * share:.0f} %." in reported[-1]["words"]
     assert Sections().changed(AppState(edit=guessed))["space"] == []
     assert [one["kind"] for one in solved(known(guessed), found("slides", 0.06))] == ["slides"]
+
+
+def test_pinned_feet_on_a_slope_that_nobody_has_spoken_of_are_levelled_with_one_press() -> None:
+    """Everything else in space rests on what is up: it is told first."""
+    uneven = known(climbing())
+    reported = solved(uneven, found("slides", 0.06))
+    assert [one["kind"] for one in reported] == ["up", "slides"]
+    assert reported[0]["remedy"] == "level"
+    assert "cm in height: how the camera tilts is a guess." in reported[0]["words"]
+    level = after(uneven, {"do": "up_from_feet"})
+    assert [one["kind"] for one in solved(level, found("slides", 0.06))] == ["slides"]
