@@ -155,7 +155,7 @@ def test_the_order_holds_the_motion_and_the_reports_its_progress(path: Path) -> 
         (order,) = desk.worker.fits
         assert isinstance(order, ReduceOrder)
         assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
-        assert (order.tolerance.metres, order.tolerance.pixels) == (0.06, 9.0)
+        assert (order.goal.metres, order.goal.pixels) == (0.06, 9.0)
         *progress, last = worked(desk)
         assert isinstance(last, Reduced)
         assert {10, 24, 48, 50} <= set(last.reduction.frames)
