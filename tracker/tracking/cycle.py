@@ -104,7 +104,8 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
 def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -> Work:
     """The same from these starts."""
     (first, *others), clip = begun.ways, segment.clip
-    tried = others[::-1]  # the better, the later
+    # the better, the later; what is known of the motion excludes those that lead elsewhere
+    tried = others[::-1] if segment.own is None else []
     yield from tried
     present, what = first.trajectory, first.what
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
@@ -123,10 +124,7 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = best_of(tried)
-    if segment.own is None:
-        refined = _refine(scene, segment, method, tried[best])
-    else:
-        refined = _refine_own(scene, segment, method, tried[best], first)
+    refined = _refine(scene, segment, method, tried[best])
     if refined is not None:
         unrefined = tried[best]
         tried.append(refined)
@@ -139,19 +137,6 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
     return Outcome(
         tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes
     )  # fmt: skip
-
-
-def _refine_own(
-    scene: Scene, segment: Segment, method: Keypose, best: Pass, own: Pass
-) -> Pass | None:
-    """The better refinement of the best motion and of the one of before, since a pass may have lost
-    a limb that this one still has; of the best alone where nothing is judged."""
-    if not method.judged:
-        return _refine(scene, segment, method, best)
-    starts = (best,) if best.trajectory is own.trajectory else (best, own)
-    refined = [_refine(scene, segment, method, start) for start in starts]
-    found = [each for each in refined if each is not None]
-    return min(found, key=lambda each: each.score_or_nan) if found else None
 
 
 def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
