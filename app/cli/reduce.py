@@ -60,7 +60,7 @@ def add(commands: Subcommands) -> None:
         metavar="N",
         type=_every,
         default=str(EVERY),
-        help=f"one keyframe in so many frames, or fewer; default: {EVERY}",
+        help=f"one keyframe in about so many frames; default: {EVERY}",
     )
     goal.add_argument(
         "--tolerance",

@@ -37,7 +37,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Every:
-    """One keyframe in at least so many frames, where interpolation misses the motion least."""
+    """One keyframe in about so many frames, where interpolation misses the motion least."""
 
     frames: int
 
