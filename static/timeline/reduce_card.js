@@ -57,7 +57,7 @@ function card() {
     ${goal()}
     <p class="found" aria-live="polite">${found()}</p>
     ${limb()}${replacing()}
-    <div class="row"><span class="dim hint">${limbs.length ? '' : 'Stays as it is between them; Track refines it.'}</span><span class="sp"></span>
+    <div class="row"><span class="dim hint">${limbs.length ? '' : 'The motion between them stays as it is.'}</span><span class="sp"></span>
       <button class="btn sm ghost" @click=${discardReduction}>Cancel<kbd>Esc</kbd></button>
       <button class="btn sm pri ${busy ? 'off' : ''}" aria-disabled=${busy ? 'true' : nothing} @click=${applyReduction}>Reduce<kbd>Enter</kbd></button></div>
   </div>`;
@@ -92,9 +92,9 @@ function found() {
   if (!frames.length) return 'Working…';
   const yours = kept ? ` (${kept} yours)` : '';
   const off = cm === null ? `${px?.toFixed(1)} px` : `${cm.toFixed(1)} cm`;
-  const alone = `${limbs.length ? 'off' : 'interpolated alone off'} by ${off} at most`;
+  const alone = limbs.length ? `Off by ${off} at most.` : `Interpolation alone would be off by ${off} at most.`;
   const bridged = gaps ? ` ${count(gaps, 'frame')} without a pose.` : '';
-  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames, ${alone}.${bridged}${busy ? ' …' : ''}`;
+  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames. ${alone}${bridged}${busy ? ' …' : ''}`;
 }
 
 /** The selected limb by itself, as part keyframes between the keyframes. */
