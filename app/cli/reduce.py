@@ -1,4 +1,4 @@
-"""`keypose reduce`: a dense motion as the fewest keyframes that interpolation needs for it."""
+"""`keypose reduce`: a dense motion as a few keyframes to edit it by."""
 
 from __future__ import annotations
 
@@ -10,14 +10,23 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json, add_session, frames_asked
+from keypose.app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_session,
+    frames_asked,
+    whole_number,
+)
 from keypose.app.cli.json_output import print_json
 
 if TYPE_CHECKING:
     from keypose.app.editor.reduced import Reducible
-    from keypose.tracker.reduction.result import Reduction, Tolerance
+    from keypose.tracker.reduction.result import Every, Reduction, Tolerance
     from keypose.tracker.session import Session
 
+EVERY = 20
+"""Frames that one keyframe stands for, where nothing else is asked for."""
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _SOURCES = ("tracked", "drafts", "imported")
 """As in app.editor.reduced, which would load more than help needs."""
@@ -25,28 +34,41 @@ _FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
 _EXAMPLES = """\
   keypose reduce jump.keypose
-  keypose reduce jump.keypose --tolerance 5cm --frames 40-120
+  keypose reduce jump.keypose --every 40 --frames 40-120
+  keypose reduce jump.keypose --tolerance 2cm
   keypose reduce jump.keypose --tolerance 4px --from drafts
   keypose reduce jump.keypose --limb left_forearm --dry-run
 """
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Reduce a dense motion to the fewest keyframes"
+    summary = "Reduce a dense motion to a few keyframes"
     details = (
-        "The motion that was tracked, drafted or imported becomes keyframes: no fewer of its poses "
-        "lead, interpolated, to every joint and side of the body within the tolerance. Your own "
-        "keyframes stay. What lay between is kept beside the session, and tracking starts from it: "
-        "with a large tolerance there are few keyframes, and tracking finds the rest again."
+        "The motion that was tracked, drafted or imported becomes keyframes to edit it by: one in "
+        "20 frames, where it bends most. What lies between stays as it is, beside the session: a "
+        "keyframe you correct bends the two segments beside it and nothing else, and tracking "
+        "starts from it and keeps to it where the film shows nothing. With --tolerance there are "
+        "the fewest from which interpolation alone gives the motion back, for programs that know "
+        "nothing else. Your own keyframes stay."
     )
     command = add_command(commands, "reduce", run, summary, details, _EXAMPLES)
     add_session(command)
-    command.add_argument(
+    goal = command.add_mutually_exclusive_group()
+    goal.add_argument(
+        "--every",
+        dest="goal",
+        metavar="N",
+        type=_every,
+        default=str(EVERY),
+        help=f"one keyframe in about so many frames; default: {EVERY}",
+    )
+    goal.add_argument(
         "--tolerance",
+        dest="goal",
         metavar="DISTANCE",
         type=_tolerance,
-        default="2cm",
-        help="in space, such as 2cm, in the picture, such as 5px, or both, 2cm,5px; default: 2cm",
+        help="instead as many as interpolation needs to stay so near to the motion: in space, such "
+        "as 2cm, in the picture, such as 5px, or both, 2cm,5px",
     )
     command.add_argument(
         "--frames",
@@ -113,7 +135,7 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     skeleton, camera = Skeleton.of(session.body), session.camera
     with _progress() as progress:
         reduction = reduce_motion(
-            skeleton, camera, found.motion, arguments.tolerance, found.required, found.parts,
+            skeleton, camera, found.motion, arguments.goal, found.required, found.parts,
             progress,
         )  # fmt: skip
     return found, reduction
@@ -157,7 +179,7 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 def _print(
     session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
 ) -> None:
-    facts = _facts(session, found, reduction, arguments.tolerance)
+    facts = _facts(session, found, reduction)
     if arguments.json:
         print_json({**facts, "written": None if arguments.dry_run else str(arguments.session)})
         return
@@ -169,7 +191,9 @@ def _print(
         f"{yours}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
     print(f"Frames: {', '.join(map(str, reduction.frames))}")
-    print(f"Interpolated, no point of the body is off by more than {_off(facts)}.")
+    if found.parts is None:
+        print("The motion between them stays as it is, for tracking to start from.")
+    print(f"Interpolated alone, no point of the body is off by more than {_off(facts)}.")
     if facts["frames_without_a_pose"]:
         print(f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them.")
     if not arguments.dry_run:
@@ -177,30 +201,31 @@ def _print(
 
 
 def _off(facts: dict[str, Any]) -> str:
-    asked = {"cm": facts["tolerance_cm"], "px": facts["tolerance_px"]}
-    return " and ".join(
-        f"{facts['worst_share'] * value:.2g} {unit}" for unit, value in asked.items() if value
-    )
+    off = {"cm": facts["off_cm"], "px": facts["off_px"]}
+    return " and ".join(f"{value:.2g} {unit}" for unit, value in off.items() if value is not None)
 
 
-def _facts(
-    session: Session, found: Reducible, reduction: Reduction, tolerance: Tolerance
-) -> dict[str, Any]:
+def _facts(session: Session, found: Reducible, reduction: Reduction) -> dict[str, Any]:
     posed = session.keyframes if found.parts is None else session.part_keyframes
-    own = {keyframe.frame for keyframe in posed}
+    own, tolerance = {keyframe.frame for keyframe in posed}, reduction.tolerance
     return {
         "source": found.source,
         "frames": list(reduction.frames),
         "kept": sum(frame in own for frame in reduction.frames),
         "frames_per_keyframe": reduction.frames_per_keyframe,
-        "tolerance_cm": None if math.isinf(tolerance.metres) else 100 * tolerance.metres,
-        "tolerance_px": None if math.isinf(tolerance.pixels) else tolerance.pixels,
-        "worst_share": reduction.worst,
+        "off_cm": None if math.isinf(tolerance.metres) else 100 * reduction.worst_m,
+        "off_px": None if math.isinf(tolerance.pixels) else reduction.worst_px,
         "frames_without_a_pose": len(reduction.misses) - reduction.known_count,
     }
 
 
 # --- arguments
+
+
+def _every(text: str) -> Every:
+    from keypose.tracker.reduction.result import Every
+
+    return Every(whole_number(1)(text))
 
 
 def _tolerance(text: str) -> Tolerance:

@@ -182,7 +182,7 @@ class Fit:
                 self._send(Reducing(order.job, done, expected))
 
         found, skeleton = order.found, Skeleton.of(session.body)
-        given = (found.motion, order.tolerance, found.required, found.parts)
+        given = (found.motion, order.goal, found.required, found.parts)
         return Reduced(order.job, reduce_motion(skeleton, session.camera, *given, report))
 
     def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.reduced import Reducible
     from keypose.tracker.fitting.draft import Proposal
     from keypose.tracker.fitting.sizes import Proposal as SizesProposal
-    from keypose.tracker.reduction.result import Reduction, Tolerance
+    from keypose.tracker.reduction.result import Goal, Reduction
     from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 Wanted: TypeAlias = tuple[int, int, str]
@@ -121,7 +121,7 @@ class ReduceOrder:
     session: bytes
     video_path: str
     found: Reducible
-    tolerance: Tolerance
+    goal: Goal
     job: int = 0
 
 

@@ -16,7 +16,7 @@ from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import AheadOrder, DraftOrder, FitOrder, PoseOrder, ReduceOrder, SizesOrder
 from keypose.app.store.identity import unchanged
-from keypose.app.store.reduction import reducible_as_asked, tolerance_of
+from keypose.app.store.reduction import goal_of, reducible_as_asked
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
@@ -153,7 +153,7 @@ def _reduce_order(
 ) -> ReduceOrder:
     found = reducible_as_asked(edit, action, opened.session_path.absolute().parent)
     bare = edit.doc.model_copy(update={"keyframes": (), "part_keyframes": ()})
-    return ReduceOrder(_content(bare), path, found, tolerance_of(action))
+    return ReduceOrder(_content(bare), path, found, goal_of(action))
 
 
 def _content(doc: Session) -> bytes:

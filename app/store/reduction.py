@@ -11,7 +11,7 @@ from keypose.app.editor.reduced import Reducible, reducible, with_reduction
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.errors import SessionError
-from keypose.tracker.reduction.result import Reduction, Tolerance
+from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.first_motion import kept_beside, save_own_motion
 
@@ -52,8 +52,10 @@ class ReductionPreview:
         return with_reduction(edit, self.found, frames, own, replacing=replacing)
 
 
-def tolerance_of(asked: do.Reduce) -> Tolerance:
-    """In metres and pixels."""
+def goal_of(asked: do.Reduce) -> Goal:
+    """So many frames, or metres and pixels."""
+    if asked.every is not None:
+        return Every(asked.every)
     metres = math.inf if asked.cm is None else asked.cm / 100
     return Tolerance(metres, math.inf if asked.px is None else asked.px)
 

@@ -8,8 +8,8 @@ import { isSurface } from '../store/subject.js';
 import { isTracked } from './tracking.js';
 import { isRoot } from './reasons.js';
 
-/** The tolerances to begin with, in space and in the picture. */
-export const USUAL = { cm: 2, px: 5 };
+/** What to begin with: one keyframe in so many frames, a tolerance in space, or in the picture. */
+export const USUAL = { every: 20, cm: 2, px: 5 };
 
 export const isReducing = () => Boolean(server.reduction);
 
@@ -23,16 +23,16 @@ export function whyNotReduce() {
 /** Between the in and the out point, where these are set. */
 export function beginReduction() {
   const { first, last } = ui.span;
-  send({ do: 'reduce', cm: USUAL.cm, ...(first === null ? {} : { first }), ...(last === null ? {} : { last }) });
+  send({ do: 'reduce', every: USUAL.every, ...(first === null ? {} : { first }), ...(last === null ? {} : { last }) });
 }
 
 /**
  * What is asked for next: as shown, but for what changed.
- * @param {Partial<{ cm: number | null, px: number | null, limbs: string[], replacing: boolean }>} changed
+ * @param {Partial<{ every: number | null, cm: number | null, px: number | null, limbs: string[], replacing: boolean }>} changed
  */
 export function reductionMessage(changed) {
-  const { from, to, cm, px, limbs, replacing } = server.reduction;
-  return { do: 'reduce', first: from, last: to, cm, px, limbs, replacing, ...changed };
+  const { from, to, goal, cm, px, limbs, replacing } = server.reduction;
+  return { do: 'reduce', first: from, last: to, every: goal, cm, px, limbs, replacing, ...changed };
 }
 
 /** The part whose limb may be reduced by itself, or null. */

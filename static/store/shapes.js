@@ -382,6 +382,7 @@
  * @property {number} last
  * @property {number | null} from  Of the frames that were asked for; null for those of the video.
  * @property {number | null} to
+ * @property {number | null} goal  One keyframe in so many frames was asked for; null for a tolerance.
  * @property {number | null} cm  The tolerance, in space or in the picture.
  * @property {number | null} px
  * @property {string[]} limbs  Names of parts whose limbs are keyed alone; none for the whole body.
@@ -391,7 +392,7 @@
  * @property {number[]} frames  None while nothing is known.
  * @property {number} kept  How many of them are keyframes already.
  * @property {number} every  Frames from one to the next, on average.
- * @property {number | null} off_cm  How far a point of the body is off at most.
+ * @property {number | null} off_cm  How far a point of the body is off at most, interpolated alone.
  * @property {number | null} off_px
  * @property {number} gaps  Frames without a pose.
  */

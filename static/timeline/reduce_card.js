@@ -1,5 +1,5 @@
-// The card of a reduction, over the timeline that shows its keyframes: how far they may be off, what
-// there would be, and the answer.
+// The card of a reduction, over the timeline that shows its keyframes: how many there may be, or how
+// far they may be off, what there would be, and the answer.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import {
@@ -15,9 +15,14 @@ import { server, watch } from '../store/state.js';
 
 const ABOVE_PX = 8;
 const SOURCES = { tracked: 'Tracked', drafts: 'Drafted', imported: 'Imported' };
+const OFF = 'How far any point of the body may be off where keyframes alone are interpolated';
 const UNITS = {
-  cm: { id: 'cm', label: 'cm', title: 'In space', least: 0.5, most: 50 },
-  px: { id: 'px', label: 'px', title: 'In the picture', least: 0.5, most: 200 },
+  every: {
+    id: 'every', label: 'Frames', name: 'One keyframe in', title: 'As few as you like: the motion stays as it is between them',
+    least: 2, most: 200, of: 'frames', about: 'How many frames one keyframe stands for',
+  },
+  cm: { id: 'cm', label: 'cm', name: 'Tolerance', title: 'As many as interpolation needs, in space', least: 0.5, most: 50, of: 'cm', about: OFF },
+  px: { id: 'px', label: 'px', name: 'Tolerance', title: 'As many as interpolation needs, in the picture', least: 0.5, most: 200, of: 'px', about: OFF },
 };
 
 let place = null;
@@ -45,45 +50,51 @@ function put() {
 }
 
 function card() {
-  const { first, last, source, busy } = server.reduction;
+  const { first, last, source, busy, limbs } = server.reduction;
   return html`<div class="menu reducecard" role="dialog" aria-label="Reduce to keyframes">
     <div class="row"><span class="i14">${icon('mid')}</span><b>Reduce to keyframes</b><span class="sp"></span>
       <span class="dim num">${SOURCES[source]} ${range(first, last)}</span></div>
-    ${tolerance()}
+    ${goal()}
     <p class="found" aria-live="polite">${found()}</p>
     ${limb()}${replacing()}
-    <div class="row"><span class="dim hint">What lies between is kept: tracking starts from it.</span><span class="sp"></span>
+    <div class="row"><span class="dim hint">${limbs.length ? '' : 'The motion between them stays as it is.'}</span><span class="sp"></span>
       <button class="btn sm ghost" @click=${discardReduction}>Cancel<kbd>Esc</kbd></button>
       <button class="btn sm pri ${busy ? 'off' : ''}" aria-disabled=${busy ? 'true' : nothing} @click=${applyReduction}>Reduce<kbd>Enter</kbd></button></div>
   </div>`;
 }
 
-/** The unit that counts: both are possible from the command line alone. */
-const unit = () => (server.reduction.cm === null ? UNITS.px : UNITS.cm);
+/** What counts: two tolerances at once are possible from the command line alone. */
+function unit() {
+  const { goal: every, cm } = server.reduction;
+  if (every !== null) return UNITS.every;
+  return cm === null ? UNITS.px : UNITS.cm;
+}
 
-function tolerance() {
-  const { id, least, most } = unit();
+function goal() {
+  const { id, name, least, most, of, about } = unit();
+  const whole = id === 'every';
   const spec = {
-    key: `reduce.${id}`, label: 'Tolerance', value: server.reduction[id], unit: id, decimals: 1,
-    step: 0.1, coarse: 1, perPixel: 0.1, min: least, max: most,
-    edit: (value) => reductionMessage({ [id]: value }),
+    key: `reduce.${id}`, label: name, value: whole ? server.reduction.goal : server.reduction[id], unit: of,
+    decimals: whole ? 0 : 1, step: whole ? 1 : 0.1, coarse: whole ? 10 : 1, perPixel: whole ? 0.5 : 0.1, min: least, max: most,
+    edit: (value) => reductionMessage({ [id]: whole ? Math.round(value) : value }),
   };
-  return html`<div class="row tolerance"><label>Tolerance</label>
-    ${slider({ ...spec, zero: least, tick: false, log: true, title: 'How far any point of the body may be off' })}
+  return html`<div class="row tolerance"><label>${name}</label>
+    ${slider({ ...spec, zero: least, tick: false, log: true, title: about })}
     ${numberField(spec)}
     ${segmented({
-      label: 'Tolerance in', value: id, options: Object.values(UNITS),
-      act: (other) => send(reductionMessage({ cm: null, px: null, [other]: USUAL[other] })),
+      label: 'Asked for in', value: id, options: Object.values(UNITS),
+      act: (other) => send(reductionMessage({ every: null, cm: null, px: null, [other]: USUAL[other] })),
     })}</div>`;
 }
 
 function found() {
-  const { frames, kept, every, busy, off_cm: cm, off_px: px, gaps } = server.reduction;
+  const { frames, kept, every, busy, off_cm: cm, off_px: px, gaps, limbs } = server.reduction;
   if (!frames.length) return 'Working…';
   const yours = kept ? ` (${kept} yours)` : '';
   const off = cm === null ? `${px?.toFixed(1)} px` : `${cm.toFixed(1)} cm`;
+  const alone = limbs.length ? `Off by ${off} at most.` : `Interpolation alone would be off by ${off} at most.`;
   const bridged = gaps ? ` ${count(gaps, 'frame')} without a pose.` : '';
-  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames, off by ${off} at most.${bridged}${busy ? ' …' : ''}`;
+  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames. ${alone}${bridged}${busy ? ' …' : ''}`;
 }
 
 /** The selected limb by itself, as part keyframes between the keyframes. */

@@ -77,7 +77,15 @@ class Pass:
 
 def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Trajectory:
     """Each part's one-axis rotation and the root's straight line, divided evenly.  DRIFT §2.2"""
-    shares = np.arange(last_frame - first_frame + 1) / (last_frame - first_frame)
+    return _blended(start, end, first_frame, _shares(first_frame, last_frame))
+
+
+def _shares(first_frame: int, last_frame: int) -> Array:
+    return np.arange(last_frame - first_frame + 1) / (last_frame - first_frame)
+
+
+def _blended(start: Pose, end: Pose, first_frame: int, shares: Array) -> Trajectory:
+    """Poses on the way from one to the other, the first and the last of them exact."""
     Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, shares)
     Rs[0], Rs[-1] = start.Rs_parent_part, end.Rs_parent_part
     step = end.p_camera_root - start.p_camera_root
@@ -90,8 +98,8 @@ def displaced(motion: Trajectory, start: Pose, end: Pose, first: int, last: int)
     """A motion from `first` to `last`, made to meet two poses there and as it was between.
 
     What it misses either pose by is added to it, turns in the parts' frames: all of it at that end,
-    none at the other, and between as `interpolate` leads from one to the other. A motion that has
-    both poses stays as it is.
+    none at the other, and it comes and goes without a kink, at rest at both ends, so that the
+    motion is as smooth beyond them as it was. A motion that has both poses stays as it is.
     """
     rows = slice(first - motion.first_frame, last - motion.first_frame + 1)
     Rs, ps = motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
@@ -99,7 +107,8 @@ def displaced(motion: Trajectory, start: Pose, end: Pose, first: int, last: int)
         Pose(transpose(Rs[n]) @ pose.Rs_parent_part, pose.p_camera_root - ps[n])
         for n, pose in ((0, start), (-1, end))
     ]
-    by = interpolate(misses[0], misses[1], first, last)
+    shares = _shares(first, last)
+    by = _blended(misses[0], misses[1], first, shares**2 * (3 - 2 * shares))
     R, p = Rs @ by.Rs_parent_part, ps + by.ps_camera_root
     R[0], R[-1] = start.Rs_parent_part, end.Rs_parent_part
     p[0], p[-1] = start.p_camera_root, end.p_camera_root

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from itertools import pairwise
 
@@ -12,22 +12,27 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import frozen
-from keypose.tracker.reduction.compare import Comparison
+from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.reduction.compare import Comparison, Frames
 from keypose.tracker.reduction.fewest import fewest_frames
-from keypose.tracker.reduction.result import Reduction, Tolerance
+from keypose.tracker.reduction.result import LEAST_M, Every, Goal, Reduction, Tolerance
+from keypose.tracker.reduction.spread import spread_frames
+
+ANY = Tolerance(1e3)
+"""A tolerance that nothing misses."""
 
 
 def reduce_motion(
     skeleton: Skeleton,
     camera: Camera,
     motion: Trajectory,
-    tolerance: Tolerance,
+    goal: Goal,
     required: Collection[int] = (),
     parts: Collection[int] | None = None,
     progress: Callable[[int, int], None] = lambda done, expected: None,
 ) -> Reduction:
-    """The fewest frames from which `interpolate` makes a motion again, to a tolerance.
+    """The fewest frames from which `interpolate` makes a motion again, to a tolerance; or, of one
+    in so many frames, those from which it does so best.
 
     The first and the last frame with a pose are among them. No fewer keyframes with poses of the
     motion do; of as few, these have the least sum of squared misses. Frames without a pose, NaN in
@@ -40,6 +45,7 @@ def reduce_motion(
     none.
     """
     chosen = None if parts is None else frozenset(parts)
+    tolerance = goal if isinstance(goal, Tolerance) else ANY
     comparison = Comparison(skeleton, camera, motion, tolerance, chosen)
     frames = np.flatnonzero(comparison.known)
     if len(frames) < 2:
@@ -49,21 +55,46 @@ def reduce_motion(
         )
     fixed = _required(comparison, required)
     ends = sorted({int(frames[0]), int(frames[-1]), *fixed})
-    kept, misses = [ends[0]], np.full(len(motion), np.nan)
+    report = partial(_report, progress, len(frames))
+    if isinstance(goal, Every):
+        kept = spread_frames(comparison, frames, ends, goal.frames, report)
+    else:
+        kept = _fewest(comparison, frames, ends, report)
+    misses = _misses(comparison, kept)
+    if isinstance(goal, Every):
+        tolerance = Tolerance(max(ANY.metres * float(np.nanmax(misses)), LEAST_M))
+        misses = misses * (ANY.metres / tolerance.metres)
+    kept = [motion.first_frame + n for n in kept]
+    return Reduction(tuple(kept), motion.first_frame, frozen(misses), tolerance)
+
+
+def _fewest(
+    comparison: Comparison, frames: Frames, ends: Sequence[int], report: Callable[[int], None]
+) -> list[int]:
+    """The fewest frames, through all of the ends."""
+    kept = [ends[0]]
     for a, b in pairwise(ends):
         between = frames[(frames >= a) & (frames <= b)]
         before = int((frames < a).sum())
-        report = partial(_report, progress, before, len(frames))
-        kept += fewest_frames(comparison, between, report)[1:]
+        kept += fewest_frames(comparison, between, partial(_after, report, before))[1:]
+    return kept
+
+
+def _after(report: Callable[[int], None], before: int, reached: int) -> None:
+    report(before + reached)
+
+
+def _misses(comparison: Comparison, kept: Sequence[int]) -> Array:
+    """(N,) of every frame, as a share of the tolerance."""
+    misses, known = np.full(len(comparison.motion), np.nan), comparison.known
     misses[kept] = 0.0
     for a, b in pairwise(kept):
-        misses[a + 1 : b] = np.where(comparison.known[a + 1 : b], comparison.misses(a, b), np.nan)
-    first = motion.first_frame
-    return Reduction(tuple(first + n for n in kept), first, frozen(misses), tolerance)
+        misses[a + 1 : b] = np.where(known[a + 1 : b], comparison.misses(a, b), np.nan)
+    return misses
 
 
-def _report(progress: Callable[[int, int], None], before: int, expected: int, done: int) -> None:
-    progress(before + done, expected)
+def _report(progress: Callable[[int, int], None], expected: int, done: int) -> None:
+    progress(done, expected)
 
 
 def _required(comparison: Comparison, frames: Collection[int]) -> set[int]:

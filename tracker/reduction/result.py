@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -34,6 +35,20 @@ class Tolerance:
             raise ReductionError("The tolerance must be given in space or in the picture.")
 
 
+@dataclass(frozen=True)
+class Every:
+    """One keyframe in about so many frames, where interpolation misses the motion least."""
+
+    frames: int
+
+    def __post_init__(self) -> None:
+        if self.frames < 1:
+            raise ReductionError("One keyframe in how many frames? It must be at least 1.")
+
+
+Goal: TypeAlias = Tolerance | Every
+
+
 @dataclass(frozen=True, eq=False)
 class Reduction:
     """The frames of a motion to keep as keyframes.
@@ -43,6 +58,7 @@ class Reduction:
     misses:    (N,) for every frame of the motion how far the point of the body that is farthest
         off is from the motion where it is interpolated between the keyframes, as a share of the
         tolerance; 0 at keyframes, NaN where the motion has no pose.
+    tolerance: that was asked for; else the largest miss.
     """
 
     frames: tuple[int, ...]
@@ -54,6 +70,16 @@ class Reduction:
     def worst(self) -> float:
         """The largest miss, as a share of the tolerance."""
         return float(np.nanmax(self.misses))
+
+    @property
+    def worst_m(self) -> float:
+        """The largest miss in space, metres; infinite where the tolerance is in the picture."""
+        return self.worst * self.tolerance.metres
+
+    @property
+    def worst_px(self) -> float:
+        """The largest miss in the picture, pixels; infinite where the tolerance is in space."""
+        return self.worst * self.tolerance.pixels
 
     @property
     def known_count(self) -> int:

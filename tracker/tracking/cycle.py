@@ -104,7 +104,8 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
 def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -> Work:
     """The same from these starts."""
     (first, *others), clip = begun.ways, segment.clip
-    tried = others[::-1]  # the better, the later
+    # the better, the later; what is known of the motion excludes those that lead elsewhere
+    tried = others[::-1] if segment.own is None else []
     yield from tried
     present, what = first.trajectory, first.what
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False

@@ -79,14 +79,16 @@ class DiscardSizes(Message):
 class Reduce(Message):
     """The motion as the fewest keyframes, as a preview.
 
-    first, last: of the frames to reduce, those of the video where left out.  cm, px: the tolerance,
-    at least one of them.  limbs: names of parts whose limbs are keyed alone.  replacing: whether
-    keyframes that are there may go.  stroke: of the slider that is dragged, which changes nothing.
+    first, last: of the frames to reduce, those of the video where left out.  every: one keyframe in
+    so many frames; else cm, px: a tolerance, at least one of them.  limbs: names of parts whose
+    limbs are keyed alone.  replacing: whether keyframes that are there may go.  stroke: of the
+    slider that is dragged, which changes nothing.
     """
 
     do: Literal["reduce"] = "reduce"
     first: FrameIndex | None = None
     last: FrameIndex | None = None
+    every: Annotated[int, Field(ge=1, le=10_000)] | None = None
     cm: Annotated[FiniteFloat, Field(ge=0.01, le=10_000)] | None = None
     px: Annotated[FiniteFloat, Field(ge=0.01, le=100_000)] | None = None
     limbs: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
@@ -94,9 +96,9 @@ class Reduce(Message):
     stroke: Stroke | None = None
 
     @model_validator(mode="after")
-    def _has_a_tolerance(self) -> Self:
-        if self.cm is None and self.px is None:
-            raise ValueError("a tolerance is needed, in cm or in px")
+    def _has_one_goal(self) -> Self:
+        if (self.every is None) == (self.cm is None and self.px is None):
+            raise ValueError("a tolerance is needed, in cm or in px, or a number of frames")
         return self
 
 

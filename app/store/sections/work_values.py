@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from keypose.app.editor.drafted import frame_runs, missing_frames
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
@@ -112,12 +114,12 @@ def reduction(app_state: AppState) -> Json:
     posed = edit.doc.keyframes if given.found.parts is None else edit.doc.part_keyframes
     frames = () if known is None else known.frames
     own = {keyframe.frame for keyframe in posed}
-    worst = 0.0 if known is None else known.worst
     return {
         "first": motion.first_frame,
         "last": motion.last_frame,
         "from": asked.first,
         "to": asked.last,
+        "goal": asked.every,
         "cm": asked.cm,
         "px": asked.px,
         "limbs": list(asked.limbs),
@@ -127,10 +129,14 @@ def reduction(app_state: AppState) -> Json:
         "frames": list(frames),
         "kept": len(own.intersection(frames)),
         "every": 0.0 if known is None else known.frames_per_keyframe,
-        "off_cm": None if known is None or asked.cm is None else asked.cm * worst,
-        "off_px": None if known is None or asked.px is None else asked.px * worst,
+        "off_cm": _finite(None if known is None else 100 * known.worst_m),
+        "off_px": _finite(None if known is None else known.worst_px),
         "gaps": 0 if known is None else len(known.misses) - known.known_count,
     }
+
+
+def _finite(figure: float | None) -> float | None:
+    return figure if figure is not None and math.isfinite(figure) else None
 
 
 def _has_sides(doc: Session, part: str) -> bool:

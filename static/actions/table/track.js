@@ -48,7 +48,7 @@ export const TRACK = {
   },
   reduce: {
     label: 'Reduce to keyframes…', icon: 'mid', off: whyNotReduce,
-    title: 'The fewest keyframes that give the motion back to a tolerance, between the in and the out point',
+    title: 'A few keyframes to edit the motion by, which stays as it is between them; between the in and the out point',
     run: beginReduction,
   },
   cancel: {

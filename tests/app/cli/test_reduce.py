@@ -60,10 +60,26 @@ def test_the_session_gets_the_keyframes_that_are_printed(
     assert session.with_name(saved.first_motion.file).is_file()
 
 
+def test_one_keyframe_in_twenty_frames_where_nothing_else_is_asked_for(
+    session: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["reduce", str(session), "--dry-run"]) == 0
+    assert main(["reduce", str(session), "--every", "36", "--dry-run", "--json"]) == 0
+    words, reported = capsys.readouterr().out.split("\n{", 1)
+    assert "4 keyframes for 70 drafted frames, 2 of them yours: one in 24.0 frames." in words
+    assert "The motion between them stays as it is" in words
+    facts = json.loads("{" + reported)
+    assert facts["frames_per_keyframe"] == 36
+    assert facts["off_cm"] > 2
+    assert facts["off_px"] is None
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
         (["--tolerance", "2"], "'2' is not a distance such as 2cm"),
+        (["--every", "0"], "'0' is not a whole number from 1 on"),
+        (["--every", "9", "--tolerance", "2cm"], "not allowed with argument"),
         (["--tolerance", "0cm"], "The tolerance must be at least 0.1 mm"),
         (["--tolerance", "1px,0.02m", "--frames", "70-99"], "The video has frames 0 to 72"),
         (["--frames", "7"], "not a range of frames"),

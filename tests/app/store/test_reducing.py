@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.app.editor.shown import shown_pose
 from keypose.app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
 from keypose.app.jobs.fits import Fit
 from keypose.app.jobs.messages import Report
@@ -17,6 +18,7 @@ from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.reduction.result import Tolerance
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.serving import ROOT
@@ -98,6 +100,25 @@ def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> N
     assert load_session(path).first_motion is not None
 
 
+def test_one_keyframe_in_so_many_frames_leaves_the_motion_as_it_is_between(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before = [shown_pose(desk.edit, frame).pose for frame in range(73)]
+        desk.do({"do": "reduce", "every": 36, "replacing": True})
+        reported = answered(desk)
+        assert (reported["goal"], reported["cm"], reported["every"]) == (36, None, 36.0)
+        assert len(reported["frames"]) == 3
+        assert reported["off_cm"] > 2  # were they interpolated alone
+        assert reported["off_px"] is None
+        assert list(differences(reported, "Reduction", declared(), "reduction")) == []
+        desk.do({"do": "apply_reduction"})
+        for frame, pose in enumerate(before):
+            now = shown_pose(desk.edit, frame).pose
+            np.testing.assert_allclose(now.Rs_parent_part, pose.Rs_parent_part, atol=1e-9)
+            np.testing.assert_allclose(now.p_camera_root, pose.p_camera_root, atol=1e-9)
+
+    at_a_desk(path, work)
+
+
 def test_edits_wait_for_the_answer_and_what_is_discarded_leaves_nothing_behind(path: Path) -> None:
     async def work(desk: Desk) -> None:
         before = desk.edit.doc
@@ -135,6 +156,8 @@ def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(path: Path) ->
 
 def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(path: Path) -> None:
     async def work(desk: Desk) -> None:
+        desk.do({"do": "reduce"}, {**REDUCE, "every": 9})
+        assert all("a tolerance is needed" in words for words in await desk.words())
         desk.do({"do": "reduce"}, {**REDUCE, "first": 70, "last": 99})
         words = await desk.words()
         assert "a tolerance is needed" in words[0]
@@ -155,7 +178,8 @@ def test_the_order_holds_the_motion_and_the_reports_its_progress(path: Path) -> 
         (order,) = desk.worker.fits
         assert isinstance(order, ReduceOrder)
         assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
-        assert (order.tolerance.metres, order.tolerance.pixels) == (0.06, 9.0)
+        assert isinstance(order.goal, Tolerance)
+        assert (order.goal.metres, order.goal.pixels) == (0.06, 9.0)
         *progress, last = worked(desk)
         assert isinstance(last, Reduced)
         assert {10, 24, 48, 50} <= set(last.reduction.frames)

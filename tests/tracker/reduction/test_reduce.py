@@ -17,7 +17,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.reduction.compare import _compared_body
 from keypose.tracker.reduction.reduce import reduce_motion
-from keypose.tracker.reduction.result import Reduction, Tolerance, require_range
+from keypose.tracker.reduction.result import Every, Reduction, Tolerance, require_range
 from tests.rendering import mocap
 from tests.rendering.mocap import needs_mocap
 from tests.tracker.tracking_cases import CAMERA, CAMERAS, deep_chain, random_body
@@ -101,6 +101,48 @@ def test_no_other_frames_are_fewer_or_as_few_and_nearer(seed: int) -> None:
         require_reproduced(skeleton, camera, motion, found)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_one_frame_in_so_many_leaves_the_least_to_be_missed(seed: int) -> None:
+    skeleton, motion = random_body(seed), wandering(random_body(seed), 11, seed)
+    for every, required in ((2, ()), (3, ()), (3, (6, 13)), (9, ()), (20, ())):
+        found = reduce_motion(skeleton, CAMERA, motion, Every(every), required)
+        assert found.frames == best_spread(skeleton, motion, every, required)
+        assert found.worst == pytest.approx(1)
+        require_reproduced(skeleton, CAMERA, motion, found)
+
+
+def best_spread(
+    skeleton: Skeleton, motion: Trajectory, every: int, required: tuple[int, ...]
+) -> tuple[int, ...]:
+    """The best of all sets of frames none of which is too far from the next one."""
+    first, last = motion.first_frame, motion.last_frame
+    cost = {
+        (a, b): float((misses(skeleton, CAMERA, motion, Tolerance(1.0), a, b) ** 2).sum())
+        for a, b in combinations(range(first, last + 1), 2)
+    }
+    for count in range(max((last - first) // every, 1) - 1, last - first):
+        paths = [(first, *inner, last) for inner in combinations(range(first + 1, last), count)]
+        sets = [
+            (sum(cost[pair] for pair in pairwise(path)), path)
+            for path in paths
+            if set(required) <= set(path)
+            and max(b - a for a, b in pairwise(path)) <= math.ceil(1.5 * every)
+        ]
+        if sets:
+            return min(sets)[1]
+    raise AssertionError
+
+
+def test_frames_without_a_pose_are_led_over_however_many_they_are() -> None:
+    skeleton, motion = random_body(4), wandering(random_body(4), 30, 4, turn=0.05)
+    Rs, ps = motion.writable()
+    ps[5:25] = np.nan
+    found = reduce_motion(skeleton, CAMERA, Trajectory(4, Rs, ps), Every(4))
+    assert {8, 29} <= set(found.frames)
+    assert not set(range(9, 29)) & set(found.frames)
+    assert found.known_count == 10
+
+
 def test_a_still_body_and_an_even_motion_need_two_keyframes() -> None:
     skeleton = deep_chain()
     start = wandering(skeleton, 2, 1)
@@ -166,6 +208,11 @@ def test_a_tolerance_that_is_none_is_refused(metres: float, pixels: float, words
         Tolerance(metres, pixels)
 
 
+def test_less_than_one_frame_for_a_keyframe_is_refused() -> None:
+    with pytest.raises(ReductionError, match="at least 1"):
+        Every(0)
+
+
 def test_a_motion_needs_two_poses_and_a_range_lies_within_it() -> None:
     skeleton, motion = random_body(1), wandering(random_body(1), 5, 1)
     one = Trajectory(0, motion.Rs_parent_part[:1], motion.ps_camera_root[:1])
@@ -185,9 +232,10 @@ def test_work_can_be_cancelled_from_its_progress() -> None:
         reported.append((done, expected))
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        reduce_motion(skeleton, CAMERA, motion, Tolerance(0.02), progress=stop)
-    assert reported[0][1] == 30
+    for goal in (Tolerance(0.02), Every(5)):
+        with pytest.raises(KeyboardInterrupt):
+            reduce_motion(skeleton, CAMERA, motion, goal, progress=stop)
+    assert [expected for _, expected in reported] == [30, 30]
     assert reported[0][0] <= 30
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, joined
 from keypose.tracker.errors import SessionError
@@ -93,5 +94,20 @@ def test_a_displaced_motion_meets_both_poses_and_is_what_it_was_where_it_has_the
     assert moved.pose(first).p_camera_root.tobytes() == motion.pose(first).p_camera_root.tobytes()
     middle = len(motion) // 2
     bump = moved.ps_camera_root - plain(session).ps_camera_root[: len(motion)]
-    line = np.linspace(0, 1, len(motion))[:, None] * bump[-1]
-    assert (bump - line)[middle] == pytest.approx((0.0, 0.02, 0.0), abs=1e-9)
+    share = np.linspace(0, 1, len(motion))[:, None]
+    path = (3 - 2 * share) * share**2 * bump[-1]
+    assert (bump - path)[middle] == pytest.approx((0.0, 0.02, 0.0), abs=1e-9)
+
+
+def test_what_a_corrected_keyframe_adds_comes_and_goes_without_a_kink() -> None:
+    session = load_session(PERSON)
+    first, last = session.spans[0]
+    motion = bent(session, first, last)
+    end = motion.pose(last)
+    higher = Pose(end.Rs_parent_part, end.p_camera_root + np.array([0.0, -0.05, 0.0]))
+    moved = displaced(motion, motion.pose(first), higher, first, last)
+    added = (moved.ps_camera_root - motion.ps_camera_root)[:, 1]
+    assert (np.diff(added) <= 1e-12).all()
+    steps, even = np.abs(np.diff(added)), 0.05 / (last - first)
+    assert steps[[0, -1]].max() < 0.2 * even
+    assert steps.max() < 1.6 * even

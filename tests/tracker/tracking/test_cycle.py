@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -172,3 +174,39 @@ def test_frames_are_counted_in_the_video_and_not_in_the_segment(cases: dict[str,
     there = worked(shown, later, FULL)[1].trajectory
     assert (there.first_frame, there.last_frame) == (100, 120)
     np.testing.assert_array_equal(there.Rs_parent_part, here.Rs_parent_part)
+
+
+def own_segment(shown: Case, own: Trajectory, clip: Clip | None = None) -> Segment:
+    """With a motion of before, which meets both keyframes."""
+    return replace(segment_of(shown, clip), imported=own, own=own)
+
+
+@pytest.mark.parametrize("quality", [FULL, PREVIEW])
+def test_where_the_film_shows_nothing_the_motion_of_before_stays(
+    cases: dict[str, Case], quality: Keypose
+) -> None:
+    shown = cases["person"]
+    clip = clip_of(np.full_like(shown.pictures, 128))
+    segment = own_segment(shown, shown.truth, clip)
+    outcome = worked(shown, segment, replace(quality, initial="import"))[1]
+    np.testing.assert_allclose(
+        outcome.trajectory.joints(shown.skeleton), shown.truth.joints(shown.skeleton), atol=1e-3
+    )
+
+
+def test_a_motion_of_before_that_is_wrong_is_corrected_by_the_film(cases: dict[str, Case]) -> None:
+    shown = cases["person"]
+    share = np.linspace(0, 1, len(shown.truth))
+    away = 0.06 * np.sin(np.pi * share)[:, None] * np.array([1.0, 0.5, 0.0])
+    wrong = Trajectory(0, shown.truth.Rs_parent_part, shown.truth.ps_camera_root + away)
+    outcome = worked(shown, own_segment(shown, wrong), replace(FULL, initial="import"))[1]
+    assert shown.error_cm(outcome.trajectory) < 0.2 * shown.error_cm(wrong)
+    assert outcome.passes[outcome.best].what == "refinement"
+
+
+def test_from_a_motion_of_before_no_start_that_leads_elsewhere_is_a_candidate(
+    cases: dict[str, Case],
+) -> None:
+    shown = cases["person"]
+    steps, _ = worked(shown, own_segment(shown, shown.truth), replace(FULL, initial="import"))
+    assert {step.what for step in steps} <= {"import", "pass", "refinement"}
