@@ -25,7 +25,7 @@ LEAST_M = 0.05
 LEAST_APART_M = 0.5
 """Feet that stand nearer to each other than this do not determine what is level."""
 STEEP = 0.15
-"""Feet that differ more in height, as a share of how far apart they are, stand on no common floor."""
+"""Feet that differ more in height, as a share of how far apart they are, stand on no one floor."""
 SHORTEST_PX = 5
 
 

@@ -56,11 +56,11 @@ def space(app_state: AppState) -> Json:
 
 
 def _guessed_up(edit: EditorState, rise_m: float) -> Json:
-    """A floor that slopes since nobody knows how the camera tilts: what else is found rests on it."""
+    """Feet that climb since nobody knows how the camera tilts: what else is found rests on it."""
     pins = edit.settled.pins
     return {
         "kind": "up",
-        "words": f"Pinned feet differ by {100 * rise_m:.0f} cm in height: how the camera tilts is a "
+        "words": f"Pinned feet differ by {100 * rise_m:.0f} cm in height: the camera’s tilt is a "
         "guess.",
         "part": pins[0].part,
         "first": pins[0].first_frame,

@@ -5,18 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from keypose.app.editor.space_words import space_sentence
 from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
+from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.editor.desk import after
-from tests.app.editor.test_pins import stepping
+from tests.app.editor.test_pins import SOLE, stepping
 
 
 def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
@@ -103,12 +105,26 @@ def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() 
     assert [one["kind"] for one in solved(known(guessed), found("slides", 0.06))] == ["slides"]
 
 
+def climbing() -> EditorState:
+    """As one sees somebody walk away who is filmed from above, with two pins of a foot."""
+    edit = stepping((5, 12), m_per_frame=0.1)
+    ((key, one),) = edit.results.by_key.items()
+    path = one.trajectory
+    rise = 0.04 * np.arange(len(path.ps_camera_root))[:, None] * [0.0, -1.0, 0.0]
+    higher = replace(one, trajectory=replace(path, ps_camera_root=path.ps_camera_root + rise))
+    pins = tuple(
+        Pin(part="left_foot", landmarks=SOLE, first_frame=at, last_frame=at) for at in (2, 20)
+    )
+    doc = edit.doc.model_copy(update={"pins": pins})
+    return replace(edit.with_doc(doc), results=Results({key: higher}))
+
+
 def test_pinned_feet_on_a_slope_that_nobody_has_spoken_of_are_levelled_with_one_press() -> None:
     """Everything else in space rests on what is up: it is told first."""
     uneven = known(climbing())
     reported = solved(uneven, found("slides", 0.06))
     assert [one["kind"] for one in reported] == ["up", "slides"]
     assert reported[0]["remedy"] == "level"
-    assert "cm in height: how the camera tilts is a guess." in reported[0]["words"]
+    assert "cm in height: the camera’s tilt is a guess." in reported[0]["words"]
     level = after(uneven, {"do": "up_from_feet"})
     assert [one["kind"] for one in solved(level, found("slides", 0.06))] == ["slides"]
