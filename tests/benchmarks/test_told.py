@@ -68,8 +68,14 @@ def test_probabilities_that_come_true_are_calibrated_and_their_opposites_are_not
     assert miscalibration(1 - p, wrong) == pytest.approx(0.5, abs=0.02)
 
 
-def _record(clip: str, first: int, kind: str, px: float, told: float = 0.0) -> Record:
-    return Record(clip, "row", "way", 0, (first, first + 9), kind, first + 3, "j", px, {"t": told})
+def _record(
+    clip: str, first: int, kind: str, px: float, told: float = 0.0, enlarged: float = 1.0
+) -> Record:
+    """enlarged: pixels of the film to one of a person 400 px tall."""
+    off = px * enlarged, px
+    return Record(
+        clip, "row", "way", 0, (first, first + 9), kind, first + 3, "j", *off, {"t": told}
+    )
 
 
 def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
@@ -81,6 +87,13 @@ def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
     assert (found.count, found.right) == (4, 2)
     assert found.said_good == pytest.approx(0.5)
     assert found.good_is_right == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("enlarged", [0.5, 4.0])
+def test_a_segment_is_right_in_the_film_or_on_a_person_400_pixels_tall(enlarged: float) -> None:
+    nearest = 4.5 / min(enlarged, 1.0)
+    assert by_segment([_record("a", 0, "good", nearest, enlarged=enlarged)]).right == 1
+    assert by_segment([_record("a", 0, "good", nearest + 1.2, enlarged=enlarged)]).right == 0
 
 
 def test_a_telling_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:

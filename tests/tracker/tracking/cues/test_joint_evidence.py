@@ -9,9 +9,9 @@ from keypose.tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERRO
 
 
 def _evidence(
-    distance: float = 0.01, visibility: float = 0.95, apart: float = 0.01
+    distance: float = 0.01, visibility: float = 0.95, apart: float = 0.01, frames: int = 5
 ) -> JointEvidence:
-    shape = (5, 3)
+    shape = (frames, 3)
     return JointEvidence(
         np.array([1, 1, 4]), np.full(shape, distance), np.full(shape, visibility),
         np.full(shape, apart), 200.0,
@@ -61,12 +61,33 @@ def test_at_keyframes_nothing_is_wrong_and_a_part_is_as_doubtful_as_its_worst_jo
 
 
 def test_a_keyframe_is_doubted_where_a_joint_is_seen_well_and_elsewhere() -> None:
-    evidence, limbs = _evidence(), np.array([False, False, False, False, True])
+    evidence, limbs = _evidence(frames=21), np.array([False, False, False, False, True])
     assert evidence.keyed_wrong(limbs) is None
-    evidence.distance[2, 2] = 0.2  # between the keyframes
+    evidence.distance[10, 2] = 0.2  # between the keyframes
     evidence.distance[0, 1] = 0.2  # a shoulder
     assert evidence.keyed_wrong(limbs) is None
-    evidence.distance[4, 2] = 0.06
-    assert evidence.keyed_wrong(limbs) == (4, 2)
-    evidence.visibility[4, 2] = 0.4
+    evidence.distance[20, 2] = 0.06
+    assert evidence.keyed_wrong(limbs) == (20, 2)
+    evidence.visibility[20, 2] = 0.4
     assert evidence.keyed_wrong(limbs) is None
+
+
+def test_a_keyframe_is_not_doubted_where_its_keypoint_stays_elsewhere() -> None:
+    evidence, limbs = _evidence(frames=21), np.array([False, False, False, False, True])
+    evidence.distance[:3, 2] = 0.08, 0.06, 0.01
+    assert evidence.keyed_wrong(limbs) == (0, 2)
+    evidence.distance[2:4, 2] = 0.06
+    assert evidence.keyed_wrong(limbs) is None
+
+
+def test_a_segment_agrees_where_both_starts_led_to_about_the_same_whatever_keypoints_say() -> None:
+    assert _evidence(apart=0.001, frames=21).agreed
+    assert _evidence(distance=0.05, visibility=0.3, apart=0.001, frames=21).agreed
+    assert not _evidence(apart=0.003, frames=21).agreed
+    assert _evidence(apart=0.0014, frames=21).agreed
+    assert not _evidence(apart=0.0014, frames=91).agreed  # errors grow with the distance
+
+
+def test_nothing_is_known_of_agreement_where_there_was_one_start() -> None:
+    assert _evidence(apart=np.nan, frames=21).agreed is None
+    assert _evidence(frames=2).agreed

@@ -13,6 +13,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
 from keypose.tracker.session.verdict import GOOD, Verdict
+from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
 from keypose.tracker.tracking.cycle import Outcome
 from keypose.tracker.tracking.diagnostics.judge import judge
@@ -276,3 +277,31 @@ def test_what_names_a_part_is_reported_before_what_moves_beside_the_body() -> No
     mismatch = silhouette(slice(6, 13), 0.3)
     found = verdict(replace(outcome(), silhouette=mismatch), hidden("left_forearm", 3, 9))
     assert found.cause == "not_seen"
+
+
+def with_joints(apart: float, distance: float = 0.01) -> Outcome:
+    """Tracked with keypoints: a shoulder, an elbow, and a wrist that is less sure than both."""
+    parts = np.array([SKELETON.body.index(f"left_{n}") for n in ("upper_arm", "forearm", "hand")])
+    shape = (N + 1, 3)
+    away, seen = np.full(shape, distance), np.full(shape, 0.9)
+    away[8:12, 2] += 0.03
+    joints = JointEvidence(parts, away, seen, np.full(shape, apart), 200.0)
+    return replace(outcome(), joints=joints)
+
+
+def test_where_both_starts_led_to_the_same_motion_it_is_good_though_keypoints_are_elsewhere() -> (
+    None
+):
+    assert verdict(with_joints(0.001, distance=0.035)) == GOOD
+
+
+def test_where_they_did_not_the_joint_is_named_that_is_wrong_most_likely() -> None:
+    found = verdict(with_joints(0.004))
+    assert (found.kind, found.cause, found.part) == ("check", "uncertain", "left_hand")
+    assert found.frames is not None
+    assert found.frames[0] <= FIRST + 8 <= FIRST + 11 <= found.frames[1]
+
+
+@pytest.mark.parametrize(("distance", "kind"), [(0.004, "good"), (0.2, "lost"), (0.06, "check")])
+def test_from_one_start_keypoints_alone_decide(distance: float, kind: str) -> None:
+    assert verdict(with_joints(np.nan, distance)).kind == kind
