@@ -40,6 +40,11 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
 
+PLAINLY = 15.0
+"""By how much less evidence contradicts a motion that keypoints alone led to, to be taken for a
+better one than that which was about right already: a limb that a detector takes for another one for
+a few frames changes the whole by a tenth of that to as much."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ended:
@@ -72,7 +77,8 @@ def track_anchored(
     two where left and right are in doubt.  brightness: whether it counts as well.
     silhouette: whether what moves counts when the best motion is chosen.
     begun: starts from brightness, where they are known: of a motion that is about right already,
-        which keypoints need not reach from afar.
+        which keypoints need not reach from afar. Where these lead elsewhere alone that counts only
+        if it is plainly better.
     """
     from_afar = begun is None
     if not brightness:
@@ -92,6 +98,8 @@ def track_anchored(
         for start in (alone, *begun.ways[:1]):
             if is_sound(scene, segment, start.trajectory):
                 ended = yield from cycle(correction, method, start, tried)
+                if start is alone and not from_afar:
+                    ended = replace(ended, cost=ended.cost + PLAINLY)
                 ends.append(ended)
     if silhouette:
         ends = [_beside_what_moves(scene, segment, ended) for ended in ends]

@@ -1,0 +1,60 @@
+"""Which of the motions counts that different starts led to."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from keypose.tracker.body.trajectory import Pass, Trajectory
+from keypose.tracker.tracking import anchored_cycle
+from keypose.tracker.tracking.anchored_cycle import PLAINLY, Ended, track_anchored
+from keypose.tracker.tracking.initial.choose import Starts
+from keypose.tracker.tracking.method import FAST
+from tests.tracker.tracking.cues.people import Filmed, moving
+
+FILM = Filmed(moving())
+
+
+def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) -> Trajectory:
+    """The motion that counts, where evidence contradicts the one from keypoints by so much and the
+    other by 100. known: whether the other is one that was about right already."""
+    begun = Starts((Pass("closed", FILM.truth, None),))
+
+    def cycle(
+        correction: Any, _: Any, start: Pass, tried: list[Pass]
+    ) -> Generator[Pass, None, Ended]:
+        tried.append(start)
+        yield start
+        cost = 100.0 if start.trajectory is FILM.truth else by_keypoints
+        nothing = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
+        return Ended(len(tried) - 1, start.trajectory, cost, nothing, correction.anchors)
+
+    monkeypatch.setattr(anchored_cycle, "cycle", cycle)
+    monkeypatch.setattr(anchored_cycle, "starts", lambda *_: begun)
+    work = track_anchored(
+        FILM.free, FILM.free, FILM.segment, FAST, FILM.anchors(), begun=begun if known else None
+    )
+    while True:
+        try:
+            next(work)
+        except StopIteration as done:
+            found: Trajectory = done.value.trajectory
+            return found
+
+
+def test_what_was_about_right_stays_unless_keypoints_lead_to_something_plainly_better(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stays = led_to(100.0 - 0.9 * PLAINLY, monkeypatch, known=True)
+    assert stays is FILM.truth
+    assert led_to(100.0 - 1.1 * PLAINLY, monkeypatch, known=True) is not FILM.truth
+
+
+def test_of_what_nothing_is_known_the_motion_counts_that_is_contradicted_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert led_to(99.0, monkeypatch, known=False) is not FILM.truth
+    assert led_to(101.0, monkeypatch, known=False) is FILM.truth
