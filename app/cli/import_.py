@@ -32,6 +32,8 @@ WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
+LEAST_TRACKED = 2
+"""Keyframes between which something can be tracked."""
 MOST_NAMES = 12
 """Names that are listed as left out; JSON has all of them."""
 
@@ -197,6 +199,10 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
     if session.settings.initial == "linear":
         note("settings.initial is linear: set it to auto or import for the motion to be used.")
+    if len(session.keyframes) < LEAST_TRACKED:
+        note(
+            f"keypose reduce {arguments.session} makes keyframes of it, to edit and to track from."
+        )
 
 
 def _facts(made: MotionImport, written: Path) -> dict[str, Any]:

@@ -22,6 +22,8 @@ from keypose.tracker.video import VideoInfo
 LABEL = "import"
 """What undo calls it."""
 CHANGED = "The body, the camera or a keyframe was changed meanwhile: import again."
+LEAST_TRACKED = 2
+"""Keyframes; with fewer there is nothing between them that would be shown or tracked."""
 SHOWN = 8
 """Frames in a sentence."""
 
@@ -89,7 +91,9 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
         sentences.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
     if found.scale != 1.0:
         sentences.append(f"Scaled to the body: × {found.scale:.3g}.")
-    if doc.settings.initial == "linear":
+    if len(doc.keyframes) < LEAST_TRACKED:
+        sentences.append("Reduce it to keyframes to see it, to edit it and to track from it.")
+    elif doc.settings.initial == "linear":
         sentences.append(
             "Track › Initial guess is Linear: set it to Auto for the motion to be used."
         )

@@ -4,8 +4,9 @@
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { keyHeader } from '../store/key.js';
-import { setUi, ui } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { fetchOk } from './export.js';
+import { beginReduction } from './reducing.js';
 
 const LOOK_MS = 300;
 const PATIENCE = 20; // looks in a row without an answer, before it is given up
@@ -208,14 +209,21 @@ async function follow(id) {
   }
 }
 
+/** Whether there is a motion besides that which was imported. */
+const isPosed = () => (server.keys?.frames.length ?? 0) > 1 || (server.keys?.drafts.length ?? 0) > 1;
+
+/** Before it has keyframes an imported motion is not seen. */
+const REDUCE = { button: { label: 'Reduce to keyframes…', run: beginReduction }, brief: true };
+
 function takeIn(state) {
   if (state.state !== 'done') fail(state.words);
   else if (state.stage === 'reading') show({ ...ui.importing, stage: 'choosing', found: state.found });
   else {
-    const { id } = ui.importing;
+    const { id, found } = ui.importing;
     setUi('importing', null);
     leave(id);
-    toast({ kind: 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}) });
+    const offer = found?.kind === 'motion' && !isPosed() ? REDUCE : {};
+    toast({ kind: 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}), ...offer });
   }
 }
 

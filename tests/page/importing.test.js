@@ -5,8 +5,8 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { USUAL, importFile, isImported, leaveImport, openPoseFile, orderOf, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
-const { setUi, ui } = await import('../../static/store/state.js');
+const { USUAL, beginImport, importFile, isImported, leaveImport, openPoseFile, orderOf, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
+const { server, setUi, ui } = await import('../../static/store/state.js');
 
 const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
 const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
@@ -81,4 +81,20 @@ test('a file brought again under its name is the one that is shown, however late
   await settled();
   assert.equal(ui.importing?.id, 'second');
   setUi('importing', null); // or it would be looked after for ever
+});
+
+test('a motion of which nothing is keyed is offered to be reduced to keyframes, which show it', async () => {
+  globalThis.fetch = /** @type {any} */ (async (path, { method = 'GET' } = {}) => {
+    const state = method === 'GET' ? { state: 'done', stage: 'importing', words: `${path} imported.` } : {};
+    return { ok: true, status: 200, json: async () => state };
+  });
+  const offered = async (id, kind, frames) => {
+    server.keys = /** @type {any} */ ({ frames, drafts: [] });
+    setUi('importing', /** @type {any} */ ({ stage: 'choosing', id, name: 'a', found: { ...MOTION, kind }, choices: USUAL, words: '' }));
+    await beginImport();
+    return ui.toasts.find(({ words }) => words === `/imports/${id} imported.`).button?.label;
+  };
+  assert.equal(await offered('a', 'motion', []), 'Reduce to keyframes…');
+  assert.equal(await offered('b', 'motion', [4, 9]), undefined);
+  assert.equal(await offered('c', 'camera', []), undefined);
 });

@@ -17,7 +17,7 @@ import numpy as np
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.reduction.compare import Comparison, Frames
 
-LONGEST = 1.5
+LONGEST = 1.3
 """Of an interval, as a share of the usual one."""
 AT_A_TIME = 16
 """Frames compared between two looks at whether the work was cancelled."""

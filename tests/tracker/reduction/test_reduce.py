@@ -126,7 +126,7 @@ def best_spread(
             (sum(cost[pair] for pair in pairwise(path)), path)
             for path in paths
             if set(required) <= set(path)
-            and max(b - a for a, b in pairwise(path)) <= math.ceil(1.5 * every)
+            and max(b - a for a, b in pairwise(path)) <= math.ceil(1.3 * every)
         ]
         if sets:
             return min(sets)[1]
