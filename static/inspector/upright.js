@@ -24,7 +24,7 @@ export function upright() {
     })}
     ${drawingButton('horizon', {
       name: 'floor', label: 'Draw the horizon', busy: 'Drag along the horizon',
-      title: 'Where level ground ends far away: tells tilt and roll, and with a standing foot the floor',
+      title: 'Where level ground ends far away: gives tilt and roll, and with a standing foot the floor',
     })}`,
   );
 }

@@ -181,19 +181,19 @@ def _calibrated(one: ElementTree.Element, width: int) -> tuple[Camera, Array, Ar
     lens, placed = (one.find(name) for name in ("intrinsic", "transform"))
     assert lens is not None
     assert placed is not None
-    told = {name: float(value) for name, value in (lens.attrib | placed.attrib).items()}
+    values = {name: float(value) for name, value in (lens.attrib | placed.attrib).items()}
     names = [f"r{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3)]
-    R = np.diag([1.0, -1.0, -1.0]) @ np.reshape([told[name] for name in names], (3, 3))
-    k1, k2 = told["radialDistortion1"], told["radialDistortion2"]
-    p1, p2 = told["tangentalDistortion1"], told["tangentalDistortion2"]
+    R = np.diag([1.0, -1.0, -1.0]) @ np.reshape([values[name] for name in names], (3, 3))
+    k1, k2 = values["radialDistortion1"], values["radialDistortion2"]
+    p1, p2 = values["tangentalDistortion1"], values["tangentalDistortion2"]
     camera = Camera(
         width=width, height=1920,
-        fx=told["focalLengthU"] / 64, fy=told["focalLengthV"] / 64,
-        cx=told["centerPointU"] / 64 - (_CALIBRATED_WIDTH - width) / 2,
-        cy=told["centerPointV"] / 64,
+        fx=values["focalLengthU"] / 64, fy=values["focalLengthV"] / 64,
+        cx=values["centerPointU"] / 64 - (_CALIBRATED_WIDTH - width) / 2,
+        cy=values["centerPointV"] / 64,
         distortion=(k1, k2, p1, p2, 0.0),
     )  # fmt: skip
-    return camera, R, np.array([told[name] for name in "xyz"]) / 1000
+    return camera, R, np.array([values[name] for name in "xyz"]) / 1000
 
 
 def _marked(name: str, path: Path) -> Marks:

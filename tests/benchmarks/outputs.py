@@ -24,7 +24,7 @@ OF_A_PERSON = ("mot", "amass")
 """Formats that refuse any other body."""
 REFERENCES = {"box": "truth.npz", "person": "truth.npz"}
 LATE = ("report.html",)
-"""What says when it was written."""
+"""What names the time it was written at."""
 
 
 def main() -> None:
@@ -41,42 +41,42 @@ def _all() -> Iterator[str]:
             for quality in QUALITIES:
                 out = OUT / f"{sample}-{method}-{quality}"
                 how = ["--method", method, "--quality", quality]
-                yield _said(out, "track", given, "--out", str(out), *how)
-                yield from _taken_home(out, sample)
+                yield _run(out, "track", given, "--out", str(out), *how)
+                yield from _exported(out, sample)
         out = OUT / f"{sample}-templates"
-        yield _said(out, "track", given, "--out", str(out), "--initial", "templates")
-        yield from _taken_home(out, sample)
+        yield _run(out, "track", given, "--out", str(out), "--initial", "templates")
+        yield from _exported(out, sample)
     for sample in SURFACES:
         given = f"sample_videos/{sample}/session.json"
         for weights in ("both", "none"):
             for distance in ("plane", "point"):
                 out = OUT / f"{sample}-{weights}-{distance}"
                 how = ["--weights", weights, "--distance", distance]
-                yield _said(out, "fit", "--session", given, "--out", str(out), *how)
-                yield from _taken_home(out, sample)
+                yield _run(out, "fit", "--session", given, "--out", str(out), *how)
+                yield from _exported(out, sample)
 
 
-def _taken_home(out: Path, sample: str) -> Iterator[str]:
-    """What a person makes of a tracked session, and the digests of all files."""
+def _exported(out: Path, sample: str) -> Iterator[str]:
+    """What the other commands make of a tracked session, and the digests of all files."""
     session = str(out / "session.json")
     formats = [name for name in FORMATS if sample in PEOPLE or name not in OF_A_PERSON]
-    yield _said(out, "export", session, "--format", ",".join(formats), "--out", str(out))
+    yield _run(out, "export", session, "--format", ",".join(formats), "--out", str(out))
     for view in ("all", "main", "orbit:30,20"):
         name = out / f"{view.split(':')[0]}.png"
         given = ["--frame", "3", "--view", view, "--out", str(name)]
-        yield _said(out, "shot", session, *given)
-    yield _said(out, "sheet", session, "--out", str(out / "sheet.png"))
+        yield _run(out, "shot", session, *given)
+    yield _run(out, "sheet", session, "--out", str(out / "sheet.png"))
     if sample in REFERENCES:
         truth = f"sample_videos/{sample}/{REFERENCES[sample]}"
-        yield _said(out, "evaluate", session, "--reference", truth, "--json")
+        yield _run(out, "evaluate", session, "--reference", truth, "--json")
     for path in sorted((ROOT / out).rglob("*")):
         if path.is_file() and path.name not in LATE and not path.name.startswith("."):
             digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
             yield f"{path.relative_to(ROOT / OUT)} {digest}"
 
 
-def _said(out: Path, *words: str) -> str:
-    """Run a command; its exit code and a digest of what it says."""
+def _run(out: Path, *words: str) -> str:
+    """A command's exit code and a digest of what it prints."""
     command = [sys.executable, "-m", "keypose.app", *words]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True)
     if ran.returncode not in (0, 1):

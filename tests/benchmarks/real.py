@@ -1,6 +1,6 @@
 """Real people: pixels at the marked joints between keyframes that were posed on marks alone.
 
-What keyframes are made of says `keyed.py`. Each figure is the median over keyframes disturbed
+`keyed.py` says what keyframes are made of. Each figure is the median over keyframes disturbed
 by 0.5° a joint and 3 mm at the root, with its smallest and largest value beside it; no difference
 smaller than that spread is one. A stance, where a planted ankle must not shake, is given for each
 clip in `clips.py`: frames over which the marks of that ankle move by less than a mark is good to.

@@ -2,11 +2,11 @@
 
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
 give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
-`diagonal` and let `DiagonalTerm` do it. Where points of the body are and how they move says
-`BodyPoints` (`body_points.py`). Put it among the cases of the one test that compares every term
-with finite differences. Residuals are in standard deviations, so that terms of different kinds
-can be summed, and are half squared. Terms here work on one pose or on many at once: batch axes come
-first, equations are those of every pose by itself, and a cost is that of all of them.
+`diagonal` and let `DiagonalTerm` do it. `BodyPoints` (`body_points.py`) says where points of the
+body are and how they move. Put it among the cases of the one test that compares every term with
+finite differences. Residuals are in standard deviations, so that terms of different kinds can be
+summed, and are half squared. Terms here work on one pose or on many at once: batch axes come first,
+equations are those of every pose by itself, and a cost is that of all of them.
 
 What is found at one pose and kept (edges in a picture, pairs of points, noise) belongs to the term:
 terms of pictures and surfaces are made again at every pose, for one pose at a time.
