@@ -11,29 +11,27 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.app.serving import Keypose, Visitor
 from tests.browser.interaction import section, until, until_counted, until_state
-from tests.browser.shared import let_in, opened, served
+from tests.browser.shared import Desk, desk, opened_in
 
 
 @pytest.fixture(scope="module")
-def keypose(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Keypose]:
-    with served(tmp_path_factory.mktemp("free")) as (running, _):
-        yield running
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("free")) as made:
+        yield made
 
 
 @pytest.fixture
-def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
-    visitor = Visitor(keypose)
-    visitor.do(do="go", frame=0)
-    visitor.do(do="display", ghosts=True, trail=True)
-    visitor.leave()
-    with let_in(browser, drawn=False) as context:
-        tab = opened(context, keypose)
-        until_state(tab, "view.frame", lambda frame: frame == 0)
-        tab.keyboard.press("6")
-        tab.wait_for_selector("#free .floor path", state="attached")
-        yield tab
+def page(shared: Desk) -> Page:
+    """The page in the free view, nothing of which is kept from before."""
+    shared.visitor.do(do="go", frame=0)
+    shared.visitor.do(do="display", ghosts=True, trail=True)
+    shared.page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
+    tab = opened_in(shared.page, shared.keypose)
+    until_state(tab, "view.frame", lambda frame: frame == 0)
+    tab.keyboard.press("6")
+    tab.wait_for_selector("#free .floor path", state="attached")
+    return tab
 
 
 def eye(page: Page) -> Any:

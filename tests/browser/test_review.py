@@ -12,9 +12,9 @@ from playwright.sync_api import Browser, Page
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
-from tests.app.serving import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT
 from tests.browser.interaction import screens, section, until, until_counted, until_state
-from tests.browser.shared import Desk, let_in, opened
+from tests.browser.shared import Desk, office
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
 
@@ -22,17 +22,15 @@ PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (1
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     folder = tmp_path_factory.mktemp("review")
-    place = folder / "person"
+    there = office(browser, folder)
+    place = there.folder / folder.name
     place.mkdir()
     shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", place)
     state = doubting(**PLACES)
     path = place / "session.json"
     save_session(save_results(state.doc, path, state.results), path)
-    keypose = Keypose(str(path), "--workspace", str(folder / "workspace"))
-    with keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
-        visitor = Visitor(keypose)
-        yield Desk(opened(context, keypose), visitor, keypose, path)
-        visitor.leave()
+    with there.desk(path, size=(1440, 900)) as made:
+        yield made
 
 
 @pytest.fixture

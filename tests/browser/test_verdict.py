@@ -17,9 +17,9 @@ from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
-from tests.app.serving import ROOT, Keypose
+from tests.app.serving import ROOT
 from tests.browser.interaction import screens, until_counted, until_state
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import office
 
 WORST = {
     "right_upper_arm": (10.4, 12),
@@ -48,7 +48,8 @@ def tracked(session: Session) -> SegmentResult:
 @pytest.fixture(scope="module")
 def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     folder = tmp_path_factory.mktemp("verdict")
-    place = folder / "person"
+    there = office(browser, folder)
+    place = there.folder / folder.name
     place.mkdir()
     for name in ("person.mp4", "session.json"):
         shutil.copy(ROOT / "sample_videos" / "person" / name, place)
@@ -58,13 +59,9 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     found = tracked(session)
     known = save_results(session, place / "session.json", Results({found.key: found}))
     save_session(known, place / "session.json")
-    given = (str(place / "session.json"), "--workspace", str(folder / "workspace"))
-    with Keypose(*given) as keypose:
-        size = (1440, 900)
-        with let_in(browser, drawn=False, size=size) as context:
-            page = opened(context, keypose)
-            page.get_by_role("tab", name="Track").click()
-            yield page
+    with there.desk(place / "session.json", size=(1440, 900)) as made:
+        made.page.get_by_role("tab", name="Track").click()
+        yield made.page
 
 
 def rows(page: Page) -> Locator:
