@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 
 WRONG = 0.0375
-"""Of the body's height in the picture: a joint farther off is wrong. Marks are no more exact."""
+"""Of the body's height in the picture: a joint farther off is wrong. Marks by hand tell no less."""
 LEAST = 0.003
 """Below it differences say nothing."""
 NEAR = 5
