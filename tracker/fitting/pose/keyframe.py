@@ -112,8 +112,8 @@ def fit_pose_to_picture(
     by_joints = None if joints is None else _clear_by_joints(inputs, outline, joints, cancelled)
     if joints is not None and by_joints is not None:
         report(by_joints.pose)
-        found = _with_textures(inputs, outline, joints, by_joints, near, tracked, cancelled)
-        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, found, "joints")
+        refined = _with_textures(inputs, outline, joints, by_joints, near, tracked, cancelled)
+        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, refined, "joints")
     found = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
         return unchanged(CANCELLED)
