@@ -33,6 +33,10 @@ GALLERY_WIDTH, GALLERY_QUALITY = 960, 80
 REPORTED = ("Hip flexion", "Ankle internal rotation")
 """The first and the last chart of the report that are shown."""
 
+CROPPED = """() => [...document.querySelectorAll('#insp .rv-place frame-crop')]
+  .every((crop) => crop.querySelector('canvas'))"""
+"""Whether every place of the review has its small picture."""
+
 Picture: TypeAlias = NDArray[np.uint8]
 
 
@@ -103,6 +107,7 @@ def review(page: Page, session: Path, folder: Path) -> Picture:
     """The places that are least sure, the worst first."""
     page.keyboard.press("Shift+R")
     page.wait_for_selector("#insp .review .rv-place")
+    page.wait_for_function(CROPPED)
     _settle(page)
     picture = _seen(page, "#stage")
     page.keyboard.press("Escape")

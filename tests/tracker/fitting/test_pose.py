@@ -91,12 +91,23 @@ def test_a_pose_that_is_clearly_wrong_goes_where_its_joints_are_seen(person: Cas
     assert off_px(person, reported[0]) < off_px(person, pose)
 
 
-def test_a_right_pose_stays_though_a_detector_sees_its_joints_a_little_elsewhere(
+def test_a_slightly_wrong_pose_goes_where_joints_are_seen_if_its_outline_says_so_too(
     person: Case,
 ) -> None:
-    found = fitted(person, person.truth.pose(HERE), {}, source=Detector(person, 1.5))
-    assert found.way != "joints"
-    assert off_px(person, found.pose) < 1.0
+    pose = rough(person, HERE, 1, 0.9)
+    found = fitted(person, pose, {}, source=Detector(person, 1.0))
+    assert found.way == "joints"
+    assert off_px(person, found.pose) < 0.5 * off_px(person, pose)
+
+
+@pytest.mark.parametrize("off", [1.5, 3.5])
+def test_a_right_pose_stays_though_a_detector_sees_its_joints_elsewhere(
+    person: Case, off: float
+) -> None:
+    pose = person.truth.pose(HERE)
+    found = fitted(person, pose, {}, source=Detector(person, off))
+    assert found.way == "nothing"
+    assert_same(found.pose, pose)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

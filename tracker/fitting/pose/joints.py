@@ -22,9 +22,6 @@ from keypose.tracker.tracking.cues.anchors import frame_anchors
 from keypose.tracker.tracking.cues.sources import FrameSource
 
 CRITERIA = Criteria(most_steps=20, settled=1e-4, damping=Damping(most=1e6))
-CLEARLY = 10.0
-"""What a pose must gain on joints, less what it strays from the one as set, to be moved: nats.
-Poses that were right gain up to 8, those off by 3° mostly 12 and more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +65,3 @@ class Joints:
             Posed.of(self.keyframe.scene.skeleton, some) for some in (self.keyframe.pose, pose)
         )
         return self.term.cost(before) - self.term.cost(after) - self.keyframe.prior.cost(after)
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether the pose as set is clearly not what the detector sees."""
-        return self.gain(self.likely) > CLEARLY

@@ -52,6 +52,10 @@ of the difference that may remain, or nats for each pixel of the outline."""
 BETTER_LIKENESS, BETTER_OUTLINE = 0.9, 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
+CLEARLY, CLEARLY_ALONE, OUTLINE_PIXELS = 16.0, 10.0, 100.0
+"""What a pose must gain on joints, less what it strays from the one as set, with what its outline
+gains, or without one, to be moved by them: nats. The outline counts as so many pixels, since those
+side by side err alike. Poses that were right gain up to 14, those off by 3° 18 and more, mostly."""
 SAME_JOINTS = 2.0
 """What a pose that fits the frames beside it may lose on joints, nats."""
 PRIOR_SHARE = 0.03
@@ -105,10 +109,11 @@ def fit_pose_to_picture(
         return unchanged("Nothing of this frame may be used. Pose unchanged.")
     near = keyframes_near(inputs, keyposes)
     outline, joints = inputs.outline(), Joints.of(inputs, source, near)
-    if joints is not None and joints.is_clear:
-        report(joints.likely)
-        by_joints = _fit_by_joints(inputs, outline, joints, near, tracked, cancelled)
-        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, by_joints, "joints")
+    by_joints = None if joints is None else _clear_by_joints(inputs, outline, joints, cancelled)
+    if joints is not None and by_joints is not None:
+        report(by_joints.pose)
+        refined = _with_textures(inputs, outline, joints, by_joints, near, tracked, cancelled)
+        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, refined, "joints")
     found = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
         return unchanged(CANCELLED)
@@ -117,8 +122,7 @@ def fit_pose_to_picture(
             "No other keyframe is near, and the body’s colours are too close to the background’s. "
             "Pose unchanged."
         )
-    agreed = joints is None or joints.gain(found.refined.pose) > 0
-    if not (agreed and _is_better(inputs, found.likeness, outline, found.refined.pose)):
+    if not _is_better(inputs, found.likeness, outline, found.refined.pose, joints):
         return unchanged("No better fit found. Pose unchanged.")
     return _as_fitted(inputs, found.refined, "outline" if found.likeness is None else "neighbours")
 
@@ -132,33 +136,47 @@ class _Candidate:
     cost: float
 
 
-def _fit_by_joints(
+def _clear_by_joints(
+    inputs: FitInputs, outline: Outline | None, joints: Joints, cancelled: Callable[[], bool]
+) -> RefinedPose | None:
+    """The pose by joints, which are found from afar, refined by the outline; None where they do not
+    clearly speak against the pose as set.
+
+    A detector misses right poses nearly as far as rough ones. Their outlines tell these apart.
+    """
+    refined = refine(
+        inputs.keyframe, joints.likely, None, outline, cancelled, coarsest=1, joints=joints.term
+    )
+    gained = joints.gain(joints.likely)
+    if outline is None:
+        return refined if gained > CLEARLY_ALONE else None
+    gained += OUTLINE_PIXELS * gain(outline, inputs.keyframe.pose, refined.pose)
+    return refined if gained > CLEARLY else None
+
+
+def _with_textures(
     inputs: FitInputs,
     outline: Outline | None,
     joints: Joints,
+    by_joints: RefinedPose,
     near: Mapping[int, Pose],
     tracked: Mapping[int, Pose],
     cancelled: Callable[[], bool],
 ) -> RefinedPose:
-    """Joints are found from afar, with no wrong places close by; the outline refines them.
-
-    So do textures, where the frames beside it are posed so well that joints agree with them.
-    """
-    by_outline = refine(
-        inputs.keyframe, joints.likely, None, outline, cancelled, coarsest=1, joints=joints.term
-    )
+    """The pose by joints refined by textures too, where the frames beside it are posed so well that
+    joints agree with them."""
     textures = textures_near(inputs, near, tracked)
     if not textures:
-        return by_outline
+        return by_joints
     likeness = Likeness(inputs.scene, inputs.pictures, textures)
     by_texture = refine(
-        inputs.keyframe, by_outline.pose, likeness, outline, cancelled, coarsest=1,
+        inputs.keyframe, by_joints.pose, likeness, outline, cancelled, coarsest=1,
         joints=joints.term,
     )  # fmt: skip
     likeness.update_visibility(inputs.keyframe.pose)
     before, after = (likeness.score(p) for p in (inputs.keyframe.pose, by_texture.pose))
-    same = joints.gain(by_texture.pose) > joints.gain(by_outline.pose) - SAME_JOINTS
-    return by_texture if same and after < AGREEING * before else by_outline
+    same = joints.gain(by_texture.pose) > joints.gain(by_joints.pose) - SAME_JOINTS
+    return by_texture if same and after < AGREEING * before else by_joints
 
 
 def _best_candidate(
@@ -250,17 +268,28 @@ def _cost(inputs: FitInputs, likeness: Likeness | None, pose: Pose) -> float:
 
 
 def _is_better(
-    inputs: FitInputs, likeness: Likeness | None, outline: Outline | None, pose: Pose
+    inputs: FitInputs,
+    likeness: Likeness | None,
+    outline: Outline | None,
+    pose: Pose,
+    joints: Joints | None,
 ) -> bool:
-    """Whether a pose fits the picture clearly better than the one as set, on the same pixels."""
+    """Whether a pose fits the picture clearly better than the one as set, on the same pixels.
+
+    Where joints are seen near those of the pose as set, frames beside it must agree beyond doubt.
+    """
+    if joints is not None and joints.gain(pose) <= 0:
+        return False
     if likeness is not None:
         likeness.update_visibility(inputs.keyframe.pose)
         before, after = (likeness.score(p) for p in (inputs.keyframe.pose, pose))
+        if joints is not None:
+            return after < AGREEING * before
         if after < BETTER_LIKENESS * before:
             return True
         if after > before:
             return False
-    if outline is None:
+    if outline is None or joints is not None:
         return False
     return gain(outline, inputs.keyframe.pose, pose) > BETTER_OUTLINE
 
