@@ -54,15 +54,6 @@ ELSEWHERE = 0.10
 
 
 @dataclass(frozen=True, eq=False)
-class KnownLimb:
-    """Parts (k,) that are known at a frame between keyframes, as a pose of the body has them."""
-
-    frame: int
-    parts: NDArray[np.int64]
-    pose: Pose
-
-
-@dataclass(frozen=True, eq=False)
 class Anchors:
     """Where the joints of the N frames of a segment are, as far as a detector saw them.
 
@@ -162,14 +153,14 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 def anchors_of(
     scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
-    *, open_end: bool = False, limbs: Sequence[KnownLimb] = (),
+    *, open_end: bool = False,
 ) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     weight: what standard deviations are divided by, but for what a person set.
-    open_end: the first keyframe alone is posed.  limbs: what is known between the keyframes.
+    open_end: the first keyframe alone is posed.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -184,7 +175,7 @@ def anchors_of(
     swapped = exchanged_sides(seen, index, nominal, height)
     if swapped is not None:
         candidates.append(swapped)
-    found = [_anchors(scene, k, index, parts, points, keyed, height, limbs) for k in candidates]
+    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     return tuple(
         replace(anchors, exchanged=k > 0).weighted(weight)
         for k, anchors in enumerate(found)
@@ -258,7 +249,7 @@ def _sigma_px(height: float, visibility: Array) -> Array:
 
 def _anchors(
     scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
-    points: Array, keyed: dict[int, Pose], height: float, limbs: Sequence[KnownLimb],
+    points: Array, keyed: dict[int, Pose], height: float,
 ) -> Anchors | None:  # fmt: skip
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
     uv = seen.uv[:, index]
@@ -277,16 +268,12 @@ def _anchors(
         return None
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
-    known_limbs = [(limb.frame - seen.first_frame, limb) for limb in limbs]
-    at_keys = [*keyed, *(row for row, _ in known_limbs)]
-    sure = scale[at_keys]
-    for n, (_, limb) in enumerate(known_limbs, len(keyed)):
-        sure[n, ~np.isin(parts, limb.parts)] = 0.0
+    at_keys = list(keyed)
     loose = np.array([name in FACE for name in names])
     sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
-    poses = [*keyed.values(), *(limb.pose for limb in limbs)]
+    poses = list(keyed.values())
     joints = BodyPoints.single(scene.skeleton, parts, points)
-    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], sure)
+    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND * height)

@@ -133,9 +133,7 @@ def _tracked(
     begun = _starts(seen.scene, segment, method)
     if seen.keypoints is not None and seen.free is not None and seen.camera is not None:
         free = _only(seen.free, parts)
-        candidates = anchors_of(
-            free, whole, seen.camera, seen.keypoints, seen.weight, limbs=segment.set_right(whole)
-        )
+        candidates = anchors_of(free, whole, seen.camera, seen.keypoints, seen.weight)
         if candidates:
             anchors = limb_anchors(candidates, segment, whole, free)
             work = track_anchored(

@@ -1,6 +1,6 @@
 """The keypoints of a limb that was set right, as anchors between two frames at which it is known.
 
-Where on its part a detector puts a joint the keyframes of the whole segment show as well. What it
+Where on its part a detector puts a joint the keyframes of the whole segment show alone. What it
 misses the joint by beside that changes slowly from frame to frame: where a limb was set right this
 is known, so near by it is taken off the keypoints, and keypoints that are elsewhere count for
 little there. Far from there nothing of the limb is known that was not known before.
@@ -25,7 +25,7 @@ from keypose.tracker.tracking.segment import Segment
 PLAINLY = 4.0
 """By how much more a frame's keypoints are contradicted, as a loss, to be taken for those of the
 other side: as of one that lies two standard deviations off."""
-FADES = 6.0
+FADES = 5.0
 """Frames over which what keypoints miss falls to 1/e."""
 ELSEWHERE = 0.08
 """A keypoint farther than this share of the body's height from where the joint was set shows
@@ -42,7 +42,7 @@ def limb_anchors(
     first = segment.first_frame - whole.first_frame
     rows = slice(first, first + len(segment.given))
     anchors = resolve_sides([each.of_rows(rows) for each in candidates], segment, scene)
-    set_right = [limb.frame - segment.first_frame for limb in segment.set_right(whole)]
+    set_right = [frame - segment.first_frame for frame in segment.set_right(whole)]
     return _missing_as_near(anchors, segment, scene, set_right)
 
 

@@ -11,7 +11,6 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.tracking.cues.anchors import KnownLimb
 from keypose.tracker.tracking.parts.closing import with_limb
 from keypose.tracker.tracking.segment import Segment
 
@@ -24,11 +23,10 @@ class LimbSegment(Segment):
     given: Trajectory
     parts: NDArray[np.int64]
 
-    def set_right(self, whole: Segment) -> list[KnownLimb]:
-        """Of its ends those that are no keyframes of the whole segment."""
-        ends = {self.first_frame: self.start, self.last_frame: self.end}
+    def set_right(self, whole: Segment) -> list[int]:
+        """The frames of its ends that are no keyframes of the whole segment."""
         keyframes = (whole.first_frame, whole.last_frame)
-        return [KnownLimb(n, self.parts, pose) for n, pose in ends.items() if n not in keyframes]
+        return [n for n in (self.first_frame, self.last_frame) if n not in keyframes]
 
     def interpolated(self) -> Trajectory:
         """The given motion, the limb's turns interpolated."""
