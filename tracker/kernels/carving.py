@@ -1,7 +1,7 @@
 """The compiled loops of visual hulls: how deep places lie within the silhouettes of all views.
 
 A view's map holds the signed distance of every pixel to the silhouette's outline in pixels, inside
-positive, NaN where the view cannot tell. Times z / f it is a length at the place's own depth. Of
+positive, NaN where the view has neither. Times z / f it is a length at the place's own depth. Of
 all views that see a place the smallest counts: a hull is what all silhouettes have in common.
 """
 

@@ -4,7 +4,7 @@ One small rotation X is found for each part with R_1 X R_2 X … R_n X = T_0⁻�
 space the paper's nine equations are three: (Σ_j G_jᵀ) ξ = log(F_nᵀ T), G_j = R_{j+1} … R_n. The
 printed I + Y is not a rotation and cannot meet T to 1e-10; X = exp(ξ) does in a few rounds.
 
-The paper gives every step the same X. Drift gathers where the picture tells least, so a step may
+The paper gives every step the same X. Drift gathers where the picture shows least, so a step may
 take a larger or smaller share of it: R_j X^w_j, with w_j of mean 1.
 """
 

@@ -25,7 +25,7 @@ Found: TypeAlias = tuple[int, int, int, int]
 """Row and column of the template's upper left pixel, the sum there, and template rows looked at."""
 
 UNUSABLE = 16000
-"""Stands for the brightness of a pixel that tells nothing: it is unlike every other."""
+"""Stands for the brightness of an unusable pixel: it is unlike every other."""
 
 
 @compiled

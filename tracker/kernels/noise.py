@@ -1,4 +1,4 @@
-"""What the histogram of residuals tells: their noise, and the score of what they belong to."""
+"""What the histogram of residuals gives: their noise, and the score of what they belong to."""
 
 from __future__ import annotations
 

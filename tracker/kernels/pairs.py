@@ -2,8 +2,8 @@
 
 The motion x of a pair is held to its prediction: (q AᵀWA + Λ) δ = −(q AᵀW r + Λ x), solved again
 and again with the points warped to where they are then. This is DRIFT (10) with the 0/1 choice of
-directions replaced by σ²/(σ² + λ²): what the picture cannot tell follows the prediction, what it
-can tell does not.
+directions replaced by σ²/(σ² + λ²): what the picture does not show follows the prediction, what it
+shows does not.
 """
 
 from __future__ import annotations
@@ -185,7 +185,7 @@ def follow_pairs(
 ):  # fmt: skip
     """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
 
-    R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) tells where each
+    R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) is where each
     frame lies in `pictures`. Every pair starts from the trajectory's own pose, which keeps frames
     independent. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads; turned (n, P)
     and shifted (n,) ← its `doubts`. The mean capped square of the trajectory's own residuals comes
@@ -288,7 +288,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
 def observe_pairs(
     body, lens, sight, pictures, slots, R, t, A, residual, shown, sigma
 ):  # fmt: skip
-    """What every frame pair of a trajectory tells about its motion.
+    """What every frame pair of a trajectory shows of its motion.
 
     A (n, D, D) ← AᵀWA at the trajectory itself, of all seen points; residual (n, P) ← root mean
     square difference of brightness of each part's own points, grey levels, with outliers beyond

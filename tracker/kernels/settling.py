@@ -15,7 +15,7 @@ Array: TypeAlias = NDArray[np.float64]
 Picture: TypeAlias = NDArray[np.float32]
 
 LONGEST_STEP = 2.0
-"""Pixels; a longer step would leave what the gradient tells of."""
+"""Pixels; a longer step would leave what the gradient describes."""
 
 
 @compiled
@@ -125,7 +125,7 @@ def _axis(place: Array) -> tuple[float, float]:
 
 @compiled
 def _sample(picture: Picture, u: float, v: float, sample: Array) -> bool:
-    """All four numbers of the picture at a place between pixels; False where it tells nothing."""
+    """All four numbers of the picture at a place between pixels; False where there are none."""
     if not (u >= 0.0 and v >= 0.0 and u < picture.shape[1] - 1 and v < picture.shape[0] - 1):
         return False
     column, row = int(u), int(v)
