@@ -166,7 +166,8 @@ def test_a_folder_that_may_not_be_written_is_reported_before_the_work(
     with monkeypatch.context() as patch:
         patch.setattr("keypose.tracker.storage.atomic._write_through", forbidden)
         sentence = refused(capsys, session_path.parent, ["track", session_path])
-    assert "cannot be written to: Permission denied" in sentence
+    assert "Permission denied: the folder" in sentence
+    assert "cannot be written to" in sentence
 
 
 @pytest.mark.parametrize("name", ["", "x" * 5000, "a/" * 3000])

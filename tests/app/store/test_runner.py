@@ -206,7 +206,7 @@ def test_segments_that_do_not_follow_one_another_are_counted_in_the_title(runner
     runner.track(PIECE, desk(), "all")
     for number in range(3):
         orders(runner).say(finished(runner, number))
-    turn = {"do": "key_angle", "part": "head", "axis": "x", "deg": 12}
+    turn = {"do": "key_angle", "part": "chest", "axis": "x", "deg": 12}
     edit = replace(desk(), results=runner.results)
     runner.track(PIECE, after(edit, {**turn, "frame": 0}, {**turn, "frame": 72}), "changed")
     assert orders(runner).wanted[1] == [(0, 24), (48, 72)]
