@@ -19,7 +19,7 @@ from keypose.app.cli.arguments import (
 )
 from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
 from keypose.app.cli.json_output import print_json
-from keypose.app.export.import_choices import EVERY, KeypointChoices, MotionChoices
+from keypose.app.export.import_choices import EVERY, LEAST_TRACKED, KeypointChoices, MotionChoices
 from keypose.tracker.errors import FormatError
 from keypose.tracker.keypoints.layouts import LAYOUTS
 
@@ -32,8 +32,6 @@ WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
-LEAST_TRACKED = 2
-"""Keyframes between which something can be tracked."""
 MOST_NAMES = 12
 """Names that are listed as left out; JSON has all of them."""
 

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 EVERY: Final = 24
 """Frames from one draft to the next, when none are named."""
+LEAST_TRACKED: Final = 2
+"""Keyframes; with fewer there is nothing between them that would be shown or tracked."""
 
 
 @dataclass(frozen=True)

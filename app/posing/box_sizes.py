@@ -34,6 +34,7 @@ from keypose.tracker.solver.terms import (
 
 EDGE_SIGMA, VOLUME_SIGMA = 0.5, 1e-3
 """Of the logarithms of an edge's ratio to the one before, and of the volume's."""
+_PRECISION = np.eye(3) / EDGE_SIGMA**2 + np.ones((3, 3)) / VOLUME_SIGMA**2
 CRITERIA = Criteria(
     most_steps=60, longest_step=0.3, settled=1e-6, gain=1e-6, gain_floor=1e-3,
     damping=Damping(least=1e-9),
@@ -125,6 +126,3 @@ class _SizedPoint:
         p = self._seen.points.of(self._posed)
         uv = image_jacobian(self._seen.camera, p, J) * self._seen.scale[:, None, None]
         return np.swapaxes(uv, 1, 2).reshape(-1, 3)
-
-
-_PRECISION = np.eye(3) / EDGE_SIGMA**2 + np.ones((3, 3)) / VOLUME_SIGMA**2

@@ -11,6 +11,7 @@ from keypose.app.editor.documents import require_sound
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
+from keypose.app.export.import_choices import LEAST_TRACKED
 from keypose.app.export.importing import Import, KeypointImport, MotionImport
 from keypose.app.store.identity import unchanged
 from keypose.tracker.errors import SessionError, listed
@@ -22,8 +23,6 @@ from keypose.tracker.video import VideoInfo
 LABEL = "import"
 """What undo calls it."""
 CHANGED = "The body, the camera or a keyframe was changed meanwhile: import again."
-LEAST_TRACKED = 2
-"""Keyframes; with fewer there is nothing between them that would be shown or tracked."""
 SHOWN = 8
 """Frames in a sentence."""
 

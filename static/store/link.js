@@ -8,7 +8,7 @@ import { setUi, applySections, ui } from './state.js';
 const SILENT_MS = 3000; // the server says something every second
 const GIVEN_UP_MS = 10_000; // a line so long silent is laid anew
 const LOOK_MS = 500;
-const AGAIN_MS = 150; // on this computer a refusal costs nothing, and every wait is one of a person
+const AGAIN_MS = 150; // short: on this computer a refused try costs little, and a person is waiting
 
 let socket = null;
 let line = 0;

@@ -120,7 +120,7 @@ def climbing() -> EditorState:
 
 
 def test_pinned_feet_on_a_slope_that_nobody_has_spoken_of_are_levelled_with_one_press() -> None:
-    """Everything else in space rests on what is up: it is told first."""
+    """All else in space depends on which way is up: that is named first."""
     uneven = known(climbing())
     reported = solved(uneven, found("slides", 0.06))
     assert [one["kind"] for one in reported] == ["up", "slides"]
