@@ -20,8 +20,8 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.shapes import Box
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.texture import texture_of
+from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import transform
 from keypose.tracker.geometry.view import ViewCamera
@@ -118,13 +118,13 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
 
 def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:
     """A frame beside its own texture."""
-    likeness = Likeness(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
-    likeness.update_visibility(pose)
+    match = TextureMatch(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
+    match.update_visibility(pose)
     posed = Posed.of(scene.skeleton, pose)
     for level in range(len(pictures)):
         for fine in (False, True):
-            likeness.term(posed, level, fine).equations(posed)
-    likeness.score(pose)
+            match.term(posed, level, fine).equations(posed)
+    match.score(pose)
 
 
 def _match(picture: Picture) -> None:

@@ -14,7 +14,7 @@ from keypose.tracker.geometry.rotations import (
     nearest_rotation,
     rotation_between,
 )
-from keypose.tracker.kernels.layout import BodyArrays, Lens, Sight
+from keypose.tracker.kernels.layout import BodyArrays, Lens, Visibility
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -64,7 +64,13 @@ def in_camera(body: BodyArrays, HR: Floats, Ho: Floats, which: NDArray[np.int64]
 
 
 def see(
-    body: BodyArrays, HR: Floats, Ho: Floats, lens: Lens, sight: Sight, width: int, height: int
+    body: BodyArrays,
+    HR: Floats,
+    Ho: Floats,
+    lens: Lens,
+    visibility: Visibility,
+    width: int,
+    height: int,
 ) -> tuple[Floats, Bools]:
     """Pixel and depth (S, 3) of every point, and which are seen (S,)."""
     part = part_of(body)
@@ -76,16 +82,16 @@ def see(
         uv = project(lens, p)
     inside = (uv >= 0).all(1) & (uv[:, 0] < width - 1) & (uv[:, 1] < height - 1)
     facing = (cosine > 0) & (p[:, 2] > 0.05) & inside
-    cells = np.where(facing[:, None], (uv + 0.5) / sight.cell, 0).astype(int)
+    cells = np.where(facing[:, None], (uv + 0.5) / visibility.cell, 0).astype(int)
     nearest: dict[tuple[int, int], tuple[float, int]] = {}
     for q in np.flatnonzero(facing):
         mine = (p[q, 2], int(part[q]))
         place = (cells[q, 0], cells[q, 1])
         nearest[place] = min(nearest.get(place, mine), mine)
-    seen = facing & (cosine >= sight.facing)
+    seen = facing & (cosine >= visibility.facing)
     for q in np.flatnonzero(seen):
         depth, owner = nearest[cells[q, 0], cells[q, 1]]
-        seen[q] = owner == part[q] or p[q, 2] <= depth + sight.tolerance
+        seen[q] = owner == part[q] or p[q, 2] <= depth + visibility.tolerance
     return np.column_stack([uv, p[:, 2]]), seen
 
 

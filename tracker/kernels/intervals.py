@@ -1,7 +1,7 @@
 """How far interpolation between two frames of a motion leads from the motion between them.
 
 A frame's miss is that of the body point that is farthest off: its distance in space or in the
-picture as a share of what is allowed, whichever is larger, squared; 1 is the limit.
+picture as a share of what is allowed, whichever is larger, squared.
 
 An interval is left at the first point that is off by more. It is remembered as the witness and
 looked at first in the next interval, so that most intervals cost one limb of one pose. Frames are
@@ -97,7 +97,7 @@ def interval_misses(motion, body, limits, lens, a, b, work, out):
 
     work: arrays to write to. Where its `give_up` is set, the interval is left at the first point
         that is off by more than the limit, and `witness` is set to its frame and part.
-    Returns the sum of the misses; infinite where one is above 1.
+    Returns the sum of the misses; infinite where one is above the limit.
     """
     turned, total, count = 0, 0.0, b - a - 1
     step = _stride(count) if count > 0 else 1
@@ -114,11 +114,11 @@ def interval_misses(motion, body, limits, lens, a, b, work, out):
                 turned += 1
             _place(motion, body, a, b, n, part, work)
             worst = max(worst, _part_miss(body, motion.points[n], limits, lens, part, work))
-            if worst > 1.0 and work.give_up[0]:
+            if worst > limits.largest and work.give_up[0]:
                 work.witness[0], work.witness[1] = n, part
                 return math.inf
         out[n - a - 1] = worst
-        total += worst if worst <= 1.0 else math.inf
+        total += worst if worst <= limits.largest else math.inf
     return total
 
 
@@ -139,7 +139,7 @@ def _is_off(motion, body, limits, lens, a, b, work):
     for k in range(depth - 1, -1, -1):
         _turn(motion, a, b, work.way[k], work)
         _place(motion, body, a, b, n, work.way[k], work)
-    return _part_miss(body, motion.points[n], limits, lens, part, work) > 1.0
+    return _part_miss(body, motion.points[n], limits, lens, part, work) > limits.largest
 
 
 @compiled
@@ -160,7 +160,7 @@ def reached_from(motion, body, limits, lens, froms, tos, work, out):
 @compiled
 def interval_costs(motion, body, limits, lens, froms, tos, work, out):
     """out[i, k] = the sum of squared misses between froms[i] and tos[k]; infinite where one is
-    above 1, or tos[k] is not the later one."""
+    above the limit, or tos[k] is not the later one."""
     misses = np.empty(len(motion.ps))
     for k in range(len(tos)):
         for i in range(len(froms) - 1, -1, -1):

@@ -42,7 +42,7 @@ class Lens(NamedTuple):
     distance: float
 
 
-class Sight(NamedTuple):
+class Visibility(NamedTuple):
     """When a surface point counts as seen.
 
     cell: side of the occlusion buffer's cells, pixels (at least 1.5 times the points' spacing).
@@ -95,11 +95,15 @@ class DenseMotion(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """How far a point may be off: metres in space, pixels in the picture; infinite where that does
-    not count."""
+    """By what misses are divided, and how large they may be.
+
+    metres, pixels: of 1 in space and in the picture; infinite where that does not count.
+    largest: the largest squared miss that is within limits; infinite where all are.
+    """
 
     metres: float
     pixels: float
+    largest: float
 
 
 class IntervalWork(NamedTuple):

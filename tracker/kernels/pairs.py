@@ -158,14 +158,14 @@ def solve_pair(
 
 
 @compiled
-def least_shown(body, lens, sight, width, height, R, t):
+def least_shown(body, lens, visibility, width, height, R, t):
     """Half the points that the less showing end of a trajectory shows: less is hardly a body."""
-    HR, Ho, uvz, seen, depth, owner = room(body, sight, width, height)[:6]
+    HR, Ho, uvz, seen, depth, owner = room(body, visibility, width, height)[:6]
     place_parts(body, R[0], t[0], HR, Ho)
-    first = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    first = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
     n = R.shape[0] - 1
     place_parts(body, R[n], t[n], HR, Ho)
-    last = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    last = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
     return 0.5 * min(first, last)
 
 
@@ -180,7 +180,7 @@ def charged(score, shown, least, cap):
 
 @compiled
 def follow_pairs(
-    body, lens, sight, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next, turned,
+    body, lens, visibility, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next, turned,
     shifted,
 ):  # fmt: skip
     """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
@@ -192,14 +192,14 @@ def follow_pairs(
     back.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)
     dofs = body.dof_part.shape[0]
     x, A = np.zeros(dofs), np.empty((dofs, dofs))
-    least = least_shown(body, lens, sight, width, height, R, t)
+    least = least_shown(body, lens, visibility, width, height, R, t)
     score = 0.0
     for j in range(R_next.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
-        shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         R_next[j], t_next[j] = R[j + 1], t[j + 1]
         x[:] = 0.0
@@ -229,7 +229,7 @@ def predict_by_velocity(R, t, j):
 
 @compiled
 def follow_chain(
-    body, lens, sight, prior, levels, finest, slots, R, t, of, inner, stop, turned, shifted
+    body, lens, visibility, prior, levels, finest, slots, R, t, of, inner, stop, turned, shifted
 ):  # fmt: skip
     """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
 
@@ -238,12 +238,12 @@ def follow_chain(
     Fills R[1:], t[1:] and the `doubts` of every step: turned (n, P), shifted (n,).
     """
     height, width = levels[0].shape[1], levels[0].shape[2]
-    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)
     dofs = body.dof_part.shape[0]
     x, A = np.zeros(dofs), np.empty((dofs, dofs))
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
-        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         predict_by_velocity(R, t, j)
         x[:] = 0.0
         for level in range(len(levels) - 1, finest - 1, -1):
@@ -260,7 +260,7 @@ def follow_chain(
 
 
 @compiled
-def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
+def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap):
     """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
 
     r is the difference of brightness between a point seen in frame j and where the trajectory
@@ -268,13 +268,13 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
     charged for it.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)
     histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
-    least = least_shown(body, lens, sight, width, height, R, t)
+    least = least_shown(body, lens, visibility, width, height, R, t)
     score = 0.0
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
-        shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         points = sum_residuals(
@@ -286,7 +286,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
 
 @compiled
 def observe_pairs(
-    body, lens, sight, pictures, slots, R, t, A, residual, shown, sigma
+    body, lens, visibility, pictures, slots, R, t, A, residual, shown, sigma
 ):  # fmt: skip
     """What every frame pair of a trajectory shows of its motion.
 
@@ -296,14 +296,14 @@ def observe_pairs(
     shown (n, P) int64 ← number of points; sigma (n,) ← robust noise of the residuals.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)
     parts, b = body.parents.shape[0], np.empty(body.dof_part.shape[0])
     N = np.empty((parts, 7, 7))
     histogram, squares = np.empty(BINS, np.int32), np.empty(parts)
     landed = np.empty(parts, np.int64)
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
-        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, 1, 1, chosen, grey, starts)
         points = linearise(
             body, chosen, grey, starts, R[j + 1], t[j + 1], pictures[slots[j + 1]], lens,
@@ -323,9 +323,9 @@ def observe_pairs(
 
 
 @compiled
-def view(body, lens, sight, width, height, picture, of, R, t, chosen, grey, starts):
+def view(body, lens, visibility, width, height, picture, of, R, t, chosen, grey, starts):
     """Choose the points that the pose R, t shows, as `pick` does: fills chosen, grey, starts."""
-    HR, Ho, uvz, seen, depth, owner = room(body, sight, width, height)[:6]
+    HR, Ho, uvz, seen, depth, owner = room(body, visibility, width, height)[:6]
     place_parts(body, R, t, HR, Ho)
-    see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
     return pick(body, uvz, seen, picture, 1.0, of, 1, chosen, grey, starts)

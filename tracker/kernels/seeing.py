@@ -16,7 +16,7 @@ X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 
 @compiled
-def nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
+def nearest_parts(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner):
     """Project the points that face the camera; keep the nearest part of every cell.
 
     Fills uvz (S, 3) float32: pixel and z; seen (S,) uint8: 1 where facing and inside the picture;
@@ -24,9 +24,9 @@ def nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, ow
     """
     depth[:] = f4(1e9)
     owner[:] = -1
-    per_cell = f4(1) / f4(sight.cell)
+    per_cell = f4(1) / f4(visibility.cell)
     flat = f4(1) / f4(lens.distance)
-    least = f4(sight.facing) * f4(sight.facing)
+    least = f4(visibility.facing) * f4(visibility.facing)
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
     eye, near = np.empty(3, np.float32), f4(lens.perspective)
     for i in range(body.parents.shape[0]):
@@ -68,10 +68,10 @@ def eye_in_part(R, o, perspective, eye):
 
 
 @compiled
-def see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
+def see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner):
     """`nearest_parts`, then seen ← 0 where another part covers a point; the number still seen."""
-    nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
-    per_cell, tolerance = f4(1) / f4(sight.cell), f4(sight.tolerance)
+    nearest_parts(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
+    per_cell, tolerance = f4(1) / f4(visibility.cell), f4(visibility.tolerance)
     count = 0
     for i in range(body.parents.shape[0]):
         for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1])):
@@ -87,10 +87,10 @@ def see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
 
 
 @compiled
-def room(body, sight, width, height):
+def room(body, visibility, width, height):
     """Arrays to look at a body with: HR, Ho, uvz, seen, depth, owner, chosen, grey, starts."""
     parts, size = body.parents.shape[0], body.points.shape[0]
-    cells = (height // sight.cell + 2, width // sight.cell + 2)
+    cells = (height // visibility.cell + 2, width // visibility.cell + 2)
     return (
         np.empty((parts, 3, 3)), np.empty((parts, 3)),
         np.empty((size, 3), np.float32), np.zeros(size, np.uint8),

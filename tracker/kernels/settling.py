@@ -35,8 +35,8 @@ def settle(
     their brightness. place (4,): the middle's u, v, turn (u towards v) and log scale. hold (4,):
     1/σ² that keeps each where it starts. soft: grey levels beyond which a pixel counts less and
     less. spread (2,): variance of u and v for each grey level² of noise that is not shared by
-    neighbouring pixels. The brightness may differ by a constant. The likeness is the mean weight of
-    all pixels, those beyond the border or ignored weighing nothing.
+    neighbouring pixels. The brightness may differ by a constant. The similarity is the mean weight
+    of all pixels, those beyond the border or ignored weighing nothing.
     """
     begun = place.copy()
     A, b = np.empty((5, 5)), np.empty(5)

@@ -25,12 +25,12 @@ from keypose.tracker.kernels.sums import BLOCK, TUKEY, TUKEY_WIDTH, sum_points
 
 
 @compiled
-def see_all(body, lens, sight, width, height, R, t, seen):
+def see_all(body, lens, visibility, width, height, R, t, seen):
     """seen (n + 1, S) uint8 ← which surface points every pose shows."""
-    HR, Ho, uvz, _, depth, owner = room(body, sight, width, height)[:6]
+    HR, Ho, uvz, _, depth, owner = room(body, visibility, width, height)[:6]
     for j in range(R.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
-        see(body, HR, Ho, lens, sight, width, height, uvz, seen[j], depth, owner)
+        see(body, HR, Ho, lens, visibility, width, height, uvz, seen[j], depth, owner)
 
 
 @compiled

@@ -140,7 +140,7 @@ class _Pictures(Problem[Poses, "_Point"]):
         """Update what the poses show."""
         height, width = self.pictures.shape[1:3]
         scene = self.scene
-        see_all(scene.arrays, scene.lens, scene.sight, width, height, *poses, self.seen)
+        see_all(scene.arrays, scene.lens, scene.visibility, width, height, *poses, self.seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,7 @@ def _keyframe_textures(
     height, width = pictures.shape[1:3]
     for k, j in enumerate((0, len(t) - 1)):
         view(
-            scene.arrays, scene.lens, scene.sight, width, height, pictures[slots[j]],
+            scene.arrays, scene.lens, scene.visibility, width, height, pictures[slots[j]],
             stride, R[j], t[j], chosen[k], grey[k], starts[k],
         )  # fmt: skip
     return _Textures(chosen, grey, starts)

@@ -71,7 +71,7 @@ def least_squares_step(
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
     height, width = source.shape[:2]
     view(
-        scene.arrays, scene.lens, scene.sight, width, height, source, 1,
+        scene.arrays, scene.lens, scene.visibility, width, height, source, 1,
         *before.pose(before.first_frame + j).writable(), chosen, grey, starts,
     )  # fmt: skip
     R, t = before.pose(before.first_frame + j + 1).writable()
@@ -138,7 +138,7 @@ def robust_pass(
     R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.equal(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
-        scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels[0], slots,
+        scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels[0], slots,
         *trajectory.writable(), stride, inner, stop, R, t,
         doubt.turned, doubt.shifted,
     )  # fmt: skip

@@ -15,7 +15,7 @@ from keypose.tracker.body.surface_points import SurfacePoints, sample_points, su
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
-from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Sight
+from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Visibility
 
 POINT_SPACING_PX = 2.3
 MOST_POINTS, FEWEST_POINTS = 14000, 5000
@@ -43,7 +43,7 @@ class Scene:
     points: SurfacePoints
     arrays: BodyArrays
     lens: Lens
-    sight: Sight
+    visibility: Visibility
     pixel_m: float
     marks: tuple[Array, NDArray[np.int64]]
 
@@ -67,10 +67,10 @@ class Scene:
         spacing = _spacing(surface_area(skeleton), pixel_m) / np.sqrt(density)
         cell = int(np.ceil(1.6 * spacing * focal / depths.min()))
         points = sample(skeleton, spacing)
-        sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
+        visibility = Visibility(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
         lens = lens_of(camera)
         return cls(
-            skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m,
+            skeleton, camera, points, _arrays(skeleton, points), lens, visibility, pixel_m,
             _marks(skeleton),
         )  # fmt: skip
 

@@ -50,7 +50,7 @@ def _capped(
 ) -> float:
     return float(
         mean_capped_square(
-            scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
+            scene.arrays, scene.lens, scene.visibility, clip.levels[0], slots,
             *trajectory.writable(), stride, CAP,
         )
     )  # fmt: skip

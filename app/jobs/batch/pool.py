@@ -34,7 +34,7 @@ News: TypeAlias = tuple[int, Step | Summary | WorkerDied]
 
 
 class WorkerPool(Protocol):
-    """Workers. `room`: how many more tasks can be begun now."""
+    """Workers. `free_slots`: how many more tasks can be begun now."""
 
     def free_slots(self) -> int: ...
 

@@ -39,15 +39,15 @@ def sessions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
 
 def meeting(monkeypatch: pytest.MonkeyPatch, befalls: Befalls) -> list[Here]:
-    """From now on tasks meet this; the crews that are hired."""
-    hired: list[Here] = []
+    """From now on tasks meet this; the pools that are made."""
+    made: list[Here] = []
 
-    def hire(processes: int) -> Here:
-        hired.append(Here(processes, befalls))
-        return hired[-1]
+    def make(processes: int) -> Here:
+        made.append(Here(processes, befalls))
+        return made[-1]
 
-    monkeypatch.setattr(pool, "LocalPool", hire)
-    return hired
+    monkeypatch.setattr(pool, "LocalPool", make)
+    return made
 
 
 def root(sessions: list[Path]) -> Path:
@@ -171,10 +171,10 @@ def test_after_an_interruption_the_same_command_goes_on_with_what_was_not_done(
     by: signal.Signals, sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     before = signal.getsignal(by)
-    hired = meeting(monkeypatch, interrupted_after(1, by))
+    made = meeting(monkeypatch, interrupted_after(1, by))
     assert batch(root(sessions), "--workers", "1") == 130
     assert signal.getsignal(by) is before
-    assert hired[0].closed
+    assert made[0].closed
     assert "run the same command to continue" in capsys.readouterr().err
     assert not (root(sessions) / NAME).exists()
     meeting(monkeypatch, lambda number, task: None)
@@ -221,9 +221,9 @@ def test_a_second_ctrl_c_ends_the_batch_at_once(
             signal.raise_signal(signal.SIGINT)
         return number, Step(50)
 
-    hired = meeting(monkeypatch, befalls)
+    made = meeting(monkeypatch, befalls)
     assert batch(root(sessions)) == 130
-    assert hired[0].closed
+    assert made[0].closed
 
 
 def test_killed_midway_it_leaves_no_worker_in_the_way_and_goes_on_when_started_again(
@@ -289,10 +289,10 @@ def test_after_an_interruption_the_batch_s_own_files_are_in_nobody_s_way(
 def test_processes_and_threads_share_out_the_workers(
     sessions: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    hired = meeting(monkeypatch, lambda number, task: None)
+    made = meeting(monkeypatch, lambda number, task: None)
     assert batch(root(sessions), "--workers", "7") == 0
-    assert hired[0].processes == 3
-    assert {task.threads for _, task in hired[0].given} == {2}
+    assert made[0].processes == 3
+    assert {task.threads for _, task in made[0].given} == {2}
 
 
 def test_a_terminal_gets_a_bar_for_the_whole_and_one_for_each_session(

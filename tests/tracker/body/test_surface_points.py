@@ -140,7 +140,7 @@ def test_points_are_seen_where_their_part_owns_the_pixel(name: str, projection: 
         behind = shown.z - drawn.depth[rows, columns]
         seen = clear & shown.seen
         # sunk a little into its neighbour at a joint, a point still counts as seen
-        assert (own | (behind < here.sight.tolerance))[seen].mean() >= 0.97
+        assert (own | (behind < here.visibility.tolerance))[seen].mean() >= 0.97
         assert own[seen].mean() >= 0.94
         bare = clear & own & (np.abs(behind) < 0.004)
         assert shown.seen[bare].mean() >= 0.95  # all but those at a grazing angle
@@ -162,13 +162,14 @@ class Shown:
 
 def looked_at(here: Scene, pose: Pose) -> Shown:
     parts, size = here.skeleton.part_count, len(here.points.points)
-    width, height, cell = here.camera.width, here.camera.height, here.sight.cell
+    width, height, cell = here.camera.width, here.camera.height, here.visibility.cell
     HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
     place_parts(here.arrays, pose.Rs_parent_part, pose.p_camera_root, HR, Ho)
     seen, cells = np.zeros(size, np.uint8), (height // cell + 2, width // cell + 2)
     see(
-        here.arrays, HR, Ho, here.lens, here.sight, width, height, np.empty((size, 3), np.float32),
-        seen, np.empty(cells, np.float32), np.empty(cells, np.int16),
+        here.arrays, HR, Ho, here.lens, here.visibility, width, height,
+        np.empty((size, 3), np.float32), seen,
+        np.empty(cells, np.float32), np.empty(cells, np.int16),
     )  # fmt: skip
     part = np.repeat(np.arange(parts), np.diff(here.points.starts))
     p = np.einsum("nij,nj->ni", HR[part], here.points.points) + Ho[part]

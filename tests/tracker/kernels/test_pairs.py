@@ -53,7 +53,7 @@ def followed(
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int64]]:
     """Points that a pose shows in a picture, their brightness there, and the parts' borders."""
     HR, Ho = plain.place_parts(scene.arrays, pose.Rs_parent_part, pose.p_camera_root)
-    uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.sight, WIDTH, HEIGHT)
+    uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.visibility, WIDTH, HEIGHT)
     picked, starts = plain.pick(scene.arrays, uvz.astype(np.float32), seen, picture, 1.0, of, 1)
     chosen = np.array(picked, np.int32)
     grey = plain.bilinear(picture, uvz[chosen, :2])[:, 0].astype(np.float32)
@@ -114,13 +114,13 @@ def test_the_score_of_a_trajectory_is_the_twins(camera: Camera, of: int) -> None
     scene, path = scene_of(skeleton, camera), random_trajectory(skeleton, 2, 4)
     shown = pictures(6, seed=2)
     found = mean_capped_square(
-        scene.arrays, scene.lens, scene.sight, shown, np.arange(1, 5), path.Rs_parent_part,
+        scene.arrays, scene.lens, scene.visibility, shown, np.arange(1, 5), path.Rs_parent_part,
         path.ps_camera_root, of, 15.0,
     )  # fmt: skip
     scores = []
     for j in range(3):
         HR, Ho = plain.place_parts(scene.arrays, path.Rs_parent_part[j], path.ps_camera_root[j])
-        uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.sight, WIDTH, HEIGHT)
+        uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.visibility, WIDTH, HEIGHT)
         picked, _ = plain.pick(scene.arrays, uvz.astype(np.float32), seen, shown[j + 1], 1.0, of, 1)
         chosen = np.array(picked, np.int32)
         grey = plain.bilinear(shown[j + 1], uvz[chosen, :2])[:, 0].astype(np.float32)
@@ -139,7 +139,7 @@ def test_every_pair_of_a_pass_is_solved_from_the_trajectory_alone() -> None:
         R, t = np.empty((last - first, 5, 3, 3)), np.empty((last - first, 3))
         turned, shifted = np.empty((last - first, 5)), np.empty(last - first)
         follow_pairs(
-            scene.arrays, scene.lens, scene.sight, scene.prior(4), shown,
+            scene.arrays, scene.lens, scene.visibility, scene.prior(4), shown,
             np.arange(first, last + 1), path.Rs_parent_part[first : last + 1],
             path.ps_camera_root[first : last + 1], 4, 5, 1e-3, R, t, turned,
             shifted,
@@ -160,7 +160,7 @@ def test_what_a_trajectory_gives_is_that_of_the_dense_rows(camera: Camera) -> No
     A, residual = np.empty((2, dofs, dofs)), np.empty((2, parts))
     count, sigma = np.empty((2, parts), np.int64), np.empty(2)
     observe_pairs(
-        scene.arrays, scene.lens, scene.sight, shown, np.arange(3), path.Rs_parent_part,
+        scene.arrays, scene.lens, scene.visibility, shown, np.arange(3), path.Rs_parent_part,
         path.ps_camera_root, A, residual, count, sigma,
     )  # fmt: skip
     for j in range(2):
@@ -222,7 +222,7 @@ def test_a_trajectory_of_wild_numbers_harms_nothing_but_itself() -> None:
     ps[1], ps[2] = np.nan, (0.0, 0.0, -1e8)
     wild = Trajectory(0, path.Rs_parent_part, ps)
     found = mean_capped_square(
-        scene.arrays, scene.lens, scene.sight, pictures(4, 5), np.arange(4), wild.Rs_parent_part,
-        wild.ps_camera_root, 4, 15.0,
+        scene.arrays, scene.lens, scene.visibility, pictures(4, 5), np.arange(4),
+        wild.Rs_parent_part, wild.ps_camera_root, 4, 15.0,
     )  # fmt: skip
     assert np.isfinite(found)

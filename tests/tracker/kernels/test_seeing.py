@@ -43,12 +43,12 @@ class Seen:
 
 
 def looked_at(scene: Scene, pose: Pose) -> Seen:
-    size, cell = len(scene.points.points), scene.sight.cell
+    size, cell = len(scene.points.points), scene.visibility.cell
     cells = (HEIGHT // cell + 2, WIDTH // cell + 2)
     uvz, seen = np.full((size, 3), np.nan, np.float32), np.zeros(size, np.uint8)
     HR, Ho = plain.place_parts(scene.arrays, pose.Rs_parent_part, pose.p_camera_root)
     count = see(
-        scene.arrays, HR, Ho, scene.lens, scene.sight, WIDTH, HEIGHT, uvz, seen,
+        scene.arrays, HR, Ho, scene.lens, scene.visibility, WIDTH, HEIGHT, uvz, seen,
         np.empty(cells, np.float32), np.empty(cells, np.int16),
     )  # fmt: skip
     return Seen(uvz, seen, int(count))
@@ -82,7 +82,7 @@ def test_the_same_points_are_seen_as_by_the_twin(
     scene = scene_of(skeleton, camera)
     shown = looked_at(scene, pose)
     HR, Ho = plain.place_parts(scene.arrays, pose.Rs_parent_part, pose.p_camera_root)
-    uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.sight, WIDTH, HEIGHT)
+    uvz, seen = plain.see(scene.arrays, HR, Ho, scene.lens, scene.visibility, WIDTH, HEIGHT)
     differ = (shown.seen == 1) != seen
     assert differ.sum() <= 3  # single precision, at the very border of a rule
     both = seen & ~differ

@@ -165,10 +165,10 @@ def test_what_every_frame_shows_is_what_each_pose_alone_shows() -> None:
     scene, path = p.scene, p.path
     seen = np.zeros((5, len(scene.points.points)), np.uint8)
     see_all(
-        scene.arrays, scene.lens, scene.sight, WIDTH, HEIGHT, path.Rs_parent_part,
+        scene.arrays, scene.lens, scene.visibility, WIDTH, HEIGHT, path.Rs_parent_part,
         path.ps_camera_root, seen,
     )  # fmt: skip
     for j in range(5):
         HR, Ho = plain.place_parts(scene.arrays, path.Rs_parent_part[j], path.ps_camera_root[j])
-        _, twin = plain.see(scene.arrays, HR, Ho, scene.lens, scene.sight, WIDTH, HEIGHT)
+        _, twin = plain.see(scene.arrays, HR, Ho, scene.lens, scene.visibility, WIDTH, HEIGHT)
         assert ((seen[j] == 1) != twin).sum() <= 3

@@ -124,7 +124,7 @@ def test_the_singular_values_are_those_of_the_dense_matrix(person: Case) -> None
     body, R, t = scene.arrays, before.Rs_parent_part[0], before.ps_camera_root[0]
     HR, Ho = plain.place_parts(body, R, t)
     height, width = pictures.shape[1:3]
-    uvz, seen = plain.see(body, HR, Ho, scene.lens, scene.sight, width, height)
+    uvz, seen = plain.see(body, HR, Ho, scene.lens, scene.visibility, width, height)
     picked, _ = plain.pick(body, uvz.astype(np.float32), seen, pictures[1], 1.0, 1, 1)
     chosen = np.array(picked)
     grey = plain.bilinear(pictures[1], uvz[chosen, :2])[:, 0]
@@ -178,8 +178,8 @@ def test_observability_is_the_pictures_share_beside_the_prior(person: Case) -> N
     A, sigma = np.empty((1, dofs, dofs)), np.empty(1)
     residual, shown = np.empty((1, parts)), np.empty((1, parts), np.int64)
     observe_pairs(
-        scene.arrays, scene.lens, scene.sight, clip.levels[0], np.arange(2), path.Rs_parent_part,
-        path.ps_camera_root, A, residual, shown, sigma,
+        scene.arrays, scene.lens, scene.visibility, clip.levels[0], np.arange(2),
+        path.Rs_parent_part, path.ps_camera_root, A, residual, shown, sigma,
     )  # fmt: skip
     precision = scene.prior(1).precision
     data = A[0] * scene.information(1) / sigma[0] ** 2
@@ -386,4 +386,4 @@ def test_a_scene_is_laid_out_for_the_distance_of_its_keyframes() -> None:
     near, far = (scene_of(skeleton, poses=[Pose.rest(skeleton, (0, 0, z))]) for z in (2.0, 8.0))
     assert isinstance(near, Scene)
     assert far.pixel_m > 3 * near.pixel_m
-    assert near.sight.cell >= 1.5 * near.points.spacing_m / near.pixel_m
+    assert near.visibility.cell >= 1.5 * near.points.spacing_m / near.pixel_m

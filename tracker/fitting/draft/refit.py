@@ -42,15 +42,17 @@ def refit_drafts(
     drafts: Mapping[int, Pose],
     posed: Mapping[int, Pose],
     around: Collection[int],
+    changes: Collection[int] = (),
 ) -> dict[int, Pose]:
     """The drafts of the frames near some, solved for anew; those that cannot be are left out.
 
     keypoints: those that the drafts were found from.  camera: of the video, with its distortion.
     drafts, posed: by frame, of this body; posed ones stay, and show where the network puts joints
     and what their depths lack.  around: the posed frames that are new.
+    changes: frames from which on the keypoints may be another person's than before.
     KeypointError for keypoints without depth and for a body that is no person's.
     """
-    observed, known = Observed.of(keypoints, camera), {**drafts, **posed}
+    observed, known = Observed.of(keypoints, camera, changes), {**drafts, **posed}
     skeleton = _free(Skeleton.of(body))
     found: dict[int, Pose] = {}
     for frames in _stretches(observed, known, around):

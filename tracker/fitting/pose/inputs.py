@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.outline import Outline, separation
 from keypose.tracker.fitting.pose.refinement import PosedKeyframe, refine
 from keypose.tracker.fitting.pose.texture import Texture, texture_of, without_parts
+from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.tracking.scene import Scene
@@ -146,9 +146,9 @@ def align_textures(
             texture_of(inputs.scene, _pictures(inputs.loader, f), p, weight)
             for f, p in others.items()
         ]
-        likeness = Likeness(inputs.scene, there.pictures, textures)
+        match = TextureMatch(inputs.scene, there.pictures, textures)
         aligned[frame] = refine(
-            there.keyframe, aligned[frame], likeness, there.outline(), cancelled, coarsest=0
+            there.keyframe, aligned[frame], match, there.outline(), cancelled, coarsest=0
         ).pose
     return aligned
 

@@ -25,11 +25,11 @@ from keypose.tracker.fitting.pose.inputs import (
     textures_near,
 )
 from keypose.tracker.fitting.pose.joints import Joints
-from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.messages import Moves, describe_moves
 from keypose.tracker.fitting.pose.outline import Outline, gain
 from keypose.tracker.fitting.pose.refinement import RefinedPose, decided_share, refine
 from keypose.tracker.fitting.pose.texture import Texture, visible_points
+from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
@@ -49,7 +49,7 @@ AGREEING = 0.6
 BETTER_TIDIED, OTHER_OUTLINE = 0.9, 0.06
 """What must be gained for neighbouring keyframes to be taken otherwise than they were posed: share
 of the difference that may remain, or nats for each pixel of the outline."""
-BETTER_LIKENESS, BETTER_OUTLINE = 0.9, 0.02
+BETTER_MATCH, BETTER_OUTLINE = 0.9, 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
 CLEARLY, CLEARLY_ALONE, OUTLINE_PIXELS = 16.0, 10.0, 100.0
@@ -59,7 +59,7 @@ side by side err alike. Poses that were right gain up to 14, those off by 3° 18
 SAME_JOINTS = 2.0
 """What a pose that fits the frames beside it may lose on joints, nats."""
 PRIOR_SHARE = 0.03
-"""What one σ² of distance from the pose as set costs when poses are chosen by likeness."""
+"""What one σ² of distance from the pose as set costs when poses are chosen by texture."""
 HIDDEN = 0.06
 """Share of a part's surface, all sides, that must be seen; half of it is the most there is."""
 
@@ -122,17 +122,17 @@ def fit_pose_to_picture(
             "No other keyframe is near, and the body’s colours are too close to the background’s. "
             "Pose unchanged."
         )
-    if not _is_better(inputs, found.likeness, outline, found.refined.pose, joints):
+    if not _is_better(inputs, found.match, outline, found.refined.pose, joints):
         return unchanged("No better fit found. Pose unchanged.")
-    return _as_fitted(inputs, found.refined, "outline" if found.likeness is None else "neighbours")
+    return _as_fitted(inputs, found.refined, "outline" if found.match is None else "neighbours")
 
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A refined pose, the likeness it was refined by, and its cost."""
+    """A refined pose, the texture match it was refined by, and its cost."""
 
     refined: RefinedPose
-    likeness: Likeness | None
+    match: TextureMatch | None
     cost: float
 
 
@@ -168,13 +168,13 @@ def _with_textures(
     textures = textures_near(inputs, near, tracked)
     if not textures:
         return by_joints
-    likeness = Likeness(inputs.scene, inputs.pictures, textures)
+    match = TextureMatch(inputs.scene, inputs.pictures, textures)
     by_texture = refine(
-        inputs.keyframe, by_joints.pose, likeness, outline, cancelled, coarsest=1,
+        inputs.keyframe, by_joints.pose, match, outline, cancelled, coarsest=1,
         joints=joints.term,
     )  # fmt: skip
-    likeness.update_visibility(inputs.keyframe.pose)
-    before, after = (likeness.score(p) for p in (inputs.keyframe.pose, by_texture.pose))
+    match.update_visibility(inputs.keyframe.pose)
+    before, after = (match.score(p) for p in (inputs.keyframe.pose, by_texture.pose))
     same = joints.gain(by_texture.pose) > joints.gain(by_joints.pose) - SAME_JOINTS
     return by_texture if same and after < AGREEING * before else by_joints
 
@@ -210,9 +210,9 @@ def _best_candidate(
     if tidied.cost > (1.0 if drawn_better else BETTER_TIDIED) * as_posed.cost:
         return as_posed
     tidy = align_textures(inputs, near, tidy, tidied.refined.pose, cancelled)
-    likeness = Likeness(inputs.scene, inputs.pictures, textures_near(inputs, tidy, tracked))
-    refined = refine(keyframe, tidied.refined.pose, likeness, outline, cancelled, coarsest=0)
-    return _Candidate(refined, likeness, _cost(inputs, likeness, refined.pose))
+    match = TextureMatch(inputs.scene, inputs.pictures, textures_near(inputs, tidy, tracked))
+    refined = refine(keyframe, tidied.refined.pose, match, outline, cancelled, coarsest=0)
+    return _Candidate(refined, match, _cost(inputs, match, refined.pose))
 
 
 def _agree(
@@ -220,7 +220,7 @@ def _agree(
 ) -> bool:
     """Whether a pose fits the frames beside it so well that their poses are beyond doubt, and the
     outline agrees."""
-    if as_posed.cost > AGREEING * _cost(inputs, as_posed.likeness, inputs.keyframe.pose):
+    if as_posed.cost > AGREEING * _cost(inputs, as_posed.match, inputs.keyframe.pose):
         return False
     return gain(outline, as_posed.refined.pose, outlined.pose) < OTHER_OUTLINE
 
@@ -237,15 +237,15 @@ def _fit_from_starts(
 
     Textures have many wrong places close by: the search begins at several.
     """
-    likeness = Likeness(inputs.scene, inputs.pictures, textures)
+    match = TextureMatch(inputs.scene, inputs.pictures, textures)
     starts = _start_poses(inputs, tracked) + ([] if outlined is None else [outlined.pose])
-    alone = [refine(inputs.keyframe, start, likeness, None, cancelled).pose for start in starts]
-    starts = [min(alone, key=lambda pose: _cost(inputs, likeness, pose))]
+    alone = [refine(inputs.keyframe, start, match, None, cancelled).pose for start in starts]
+    starts = [min(alone, key=lambda pose: _cost(inputs, match, pose))]
     starts += [] if outlined is None else [outlined.pose]
-    found = [refine(inputs.keyframe, s, likeness, outline, cancelled, coarsest=1) for s in starts]
-    costs = [_cost(inputs, likeness, refined.pose) for refined in found]
+    found = [refine(inputs.keyframe, s, match, outline, cancelled, coarsest=1) for s in starts]
+    costs = [_cost(inputs, match, refined.pose) for refined in found]
     least = int(np.argmin(costs))
-    return _Candidate(found[least], likeness, costs[least])
+    return _Candidate(found[least], match, costs[least])
 
 
 def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
@@ -258,18 +258,18 @@ def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
     return [keyframe.pose, *(moved(skeleton, keyframe.pose, motion) for motion in motions)]
 
 
-def _cost(inputs: FitInputs, likeness: Likeness | None, pose: Pose) -> float:
+def _cost(inputs: FitInputs, match: TextureMatch | None, pose: Pose) -> float:
     """By which one of several refined poses is chosen; lower is better."""
     away = inputs.keyframe.away(pose) ** 2 @ inputs.keyframe.precision
-    if likeness is None:
+    if match is None:
         return float(away)
-    likeness.update_visibility(inputs.keyframe.pose)
-    return likeness.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(inputs.keyframe.precision))
+    match.update_visibility(inputs.keyframe.pose)
+    return match.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(inputs.keyframe.precision))
 
 
 def _is_better(
     inputs: FitInputs,
-    likeness: Likeness | None,
+    match: TextureMatch | None,
     outline: Outline | None,
     pose: Pose,
     joints: Joints | None,
@@ -280,12 +280,12 @@ def _is_better(
     """
     if joints is not None and joints.gain(pose) <= 0:
         return False
-    if likeness is not None:
-        likeness.update_visibility(inputs.keyframe.pose)
-        before, after = (likeness.score(p) for p in (inputs.keyframe.pose, pose))
+    if match is not None:
+        match.update_visibility(inputs.keyframe.pose)
+        before, after = (match.score(p) for p in (inputs.keyframe.pose, pose))
         if joints is not None:
             return after < AGREEING * before
-        if after < BETTER_LIKENESS * before:
+        if after < BETTER_MATCH * before:
             return True
         if after > before:
             return False

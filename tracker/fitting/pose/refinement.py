@@ -16,8 +16,8 @@ import numpy as np
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
-from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.outline import Colours, Outline
+from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import (
     UNDAMPED,
@@ -103,7 +103,7 @@ class _PictureProblem(Problem[Pose, "_Iterate"]):
     """A pose on picture and prior, at one level of the pyramid."""
 
     keyframe: PosedKeyframe
-    likeness: Likeness | None
+    match: TextureMatch | None
     outlined: _OutlineTerm | None
     joints: Term | None
     level: int
@@ -117,10 +117,10 @@ class _PictureProblem(Problem[Pose, "_Iterate"]):
     def terms(self, pose: Pose, posed: Posed, solve: int, fine: bool) -> list[Term]:
         """Textures and outline linearised about a pose, without the prior."""
         terms: list[Term] = [] if self.joints is None else [self.joints]
-        if self.likeness is not None:
+        if self.match is not None:
             if solve % LOOK_AGAIN == 0:
-                self.likeness.update_visibility(pose)
-            terms.append(self.likeness.term(posed, self.level, fine))
+                self.match.update_visibility(pose)
+            terms.append(self.match.term(posed, self.level, fine))
         if self.outlined is not None:
             terms.append(self.outlined.term(pose, posed, self.level, solve))
         return terms
@@ -156,7 +156,7 @@ class _Iterate:
 def refine(
     keyframe: PosedKeyframe,
     start: Pose,
-    likeness: Likeness | None,
+    match: TextureMatch | None,
     outline: Outline | None,
     cancelled: Callable[[], bool],
     coarsest: int = LEVELS - 1,
@@ -170,11 +170,11 @@ def refine(
     evidence = Equations.none(keyframe.scene.skeleton.dof_count)
     pose = start
     for level in range(coarsest, -1, -1):
-        if likeness is not None:
-            likeness.reset_noise(level)
+        if match is not None:
+            match.reset_noise(level)
         criteria = replace(CRITERIA, most_steps=SOLVES[level])
         found = least_squares(
-            _PictureProblem(keyframe, likeness, outlined, joints, level), pose, criteria, cancelled
+            _PictureProblem(keyframe, match, outlined, joints, level), pose, criteria, cancelled
         )
         if found.solved is None or found.end in ("cancelled", "unsolvable"):
             return RefinedPose(keyframe.pose, np.zeros_like(evidence.A))

@@ -38,9 +38,12 @@ def visible_points(
     scene: Scene, size: tuple[int, int], pose: Pose
 ) -> tuple[NDArray[np.uint8], Picture]:
     """Which surface points (S,) a pose shows in a picture of (height, width), and uvz (S, 3)."""
-    HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.sight, size[1], size[0])[:6]
+    HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
     place_parts(scene.arrays, *pose.writable(), HR, Ho)
-    see(scene.arrays, HR, Ho, scene.lens, scene.sight, size[1], size[0], uvz, seen, depth, owner)
+    see(
+        scene.arrays, HR, Ho, scene.lens, scene.visibility, size[1], size[0],
+        uvz, seen, depth, owner,
+    )  # fmt: skip
     return seen, uvz
 
 

@@ -37,7 +37,7 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     A, sigma = np.empty((n, dofs, dofs)), np.empty(n)
     residual, shown = np.empty((n, parts)), np.empty((n, parts), np.int64)
     observe_pairs(
-        scene.arrays, scene.lens, scene.sight, clip.levels[0],
+        scene.arrays, scene.lens, scene.visibility, clip.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
         *trajectory.writable(), A, residual, shown, sigma,
     )  # fmt: skip

@@ -65,7 +65,7 @@ def follow(
     R[0], t[0] = start.Rs_parent_part, start.p_camera_root
     doubt = Doubt.equal(len(slots) - 1, R.shape[1])
     follow_chain(
-        scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels, finest,
+        scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels, finest,
         slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
         doubt.turned, doubt.shifted,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Small sessions for batches, and a crew that does the work on the spot."""
+"""Small sessions for batches, and a pool that does the work on the spot."""
 
 from __future__ import annotations
 

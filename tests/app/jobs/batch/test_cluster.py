@@ -28,9 +28,9 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
     paths, alone = (write_sessions(tmp_path / where, *NAMES) for where in ("many", "alone"))
     begun, ended = [], {}
     with cluster(tmp_path, 2) as (address, (victim, survivor)):
-        crew = ClusterPool(address)
+        pool = ClusterPool(address)
         try:
-            for event in run([Task(path) for path in paths], crew, Event()):
+            for event in run([Task(path) for path in paths], pool, Event()):
                 if isinstance(event, TaskStarted):
                     begun.append(event.number)
                     if event.number == 1:
@@ -38,7 +38,7 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
                 elif isinstance(event, TaskFinished):
                     ended[event.number] = event.summary.state
         finally:
-            crew.close()
+            pool.close()
         assert set(holders(paths)) == {survivor}
     assert ended == dict.fromkeys(range(len(NAMES)), "tracked")
     for path in alone:
@@ -54,20 +54,20 @@ def test_the_command_works_on_a_cluster_and_one_that_goes_away_is_reported(
         assert main(["batch", str(tmp_path / "all"), "--scheduler", address, "--json"]) == 0
         reported = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
         assert {s["state"] for s in reported[-1]["sessions"]} == {"tracked"}
-        crew = ClusterPool(address)
+        pool = ClusterPool(address)
     try:
         with pytest.raises(KeyposeError, match="is gone; what is finished is kept"):
-            _go_on(crew)
+            _go_on(pool)
     finally:
-        crew.close()
+        pool.close()
 
 
-def _go_on(crew: Any) -> None:
+def _go_on(pool: Any) -> None:
     """Use it until it notices."""
     end = time.monotonic() + LONGEST_S
     while time.monotonic() < end:
-        crew.wait(0.1)
-        crew.free_slots()
+        pool.wait(0.1)
+        pool.free_slots()
 
 
 def test_where_dask_is_not_installed_one_sentence_says_what_to_install(

@@ -24,26 +24,26 @@ from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 
 
 @pytest.fixture
-def crew() -> Iterator[LocalPool]:
+def pool() -> Iterator[LocalPool]:
     hired = LocalPool(2)
     yield hired
     hired.close()
 
 
-def kill(crew: LocalPool, number: int) -> None:
-    os.kill(crew.pids[number], signal.SIGKILL)
+def kill(pool: LocalPool, number: int) -> None:
+    os.kill(pool.pids[number], signal.SIGKILL)
 
 
 def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
-    tmp_path: Path, crew: LocalPool
+    tmp_path: Path, pool: LocalPool
 ) -> None:
     names = ("a", "b", "c", "d")
     paths, alone = (write_sessions(tmp_path / where, *names) for where in ("many", "alone"))
     reported: list[TaskEvent] = []
-    for event in run([Task(path) for path in paths], crew, Event()):
+    for event in run([Task(path) for path in paths], pool, Event()):
         reported.append(event)
         if event == TaskStarted(1, again=False):
-            kill(crew, 1)
+            kill(pool, 1)
     again = [event.number for event in reported if isinstance(event, TaskStarted) and event.again]
     assert again == [1]
     states = {
@@ -57,22 +57,22 @@ def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
 
 
 def test_a_session_that_is_killed_every_time_fails_by_itself(
-    tmp_path: Path, crew: LocalPool
+    tmp_path: Path, pool: LocalPool
 ) -> None:
     paths = write_sessions(tmp_path, "a", "b")
     ended: dict[int, Summary] = {}
-    for event in run([Task(path) for path in paths], crew, Event()):
+    for event in run([Task(path) for path in paths], pool, Event()):
         if isinstance(event, TaskStarted) and event.number == 0:
-            kill(crew, 0)
+            kill(pool, 0)
         if isinstance(event, TaskFinished):
             ended[event.number] = event.summary
     assert ended[0].words == "Its worker process was killed by signal 9, twice."
     assert ended[1].state == "tracked"
 
 
-def test_closed_it_leaves_no_process_behind(tmp_path: Path, crew: LocalPool) -> None:
-    crew.submit(0, Task(write_sessions(tmp_path, "a")[0]))
-    pid = crew.pids[0]
-    crew.close()
+def test_closed_it_leaves_no_process_behind(tmp_path: Path, pool: LocalPool) -> None:
+    pool.submit(0, Task(write_sessions(tmp_path, "a")[0]))
+    pid = pool.pids[0]
+    pool.close()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)

@@ -18,7 +18,7 @@ from keypose.app.jobs.batch.task import Step, Summary, Task
 
 
 class Script:
-    """A crew whose every task meets what the script says, one thing after the other."""
+    """A pool whose every task meets what the script says, one thing after the other."""
 
     def __init__(
         self, processes: int, script: dict[int, list[Step | Summary | WorkerDied]]

@@ -94,5 +94,5 @@ def _seen_count(
     uv = np.rint(np.nan_to_num(scene.camera.project(p_camera), nan=-1.0)).astype(np.int64)
     height, width = depth.shape
     inside = facing & ((uv >= 0) & (uv < (width, height))).all(axis=1)
-    over = depth[uv[inside, 1], uv[inside, 0]] < p_camera[inside, 2] - scene.sight.tolerance
+    over = depth[uv[inside, 1], uv[inside, 0]] < p_camera[inside, 2] - scene.visibility.tolerance
     return int((~over).sum())

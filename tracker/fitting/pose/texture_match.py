@@ -1,4 +1,4 @@
-"""How like a frame is to what other frames, whose poses are known, show of the body.
+"""How well a frame matches what other frames, whose poses are known, show of the body.
 
 Each known pose puts its picture's brightness onto the surface points it shows: a texture. Projected
 into another frame at a pose to be found, the differences of brightness say where it should go.
@@ -26,7 +26,7 @@ FIRST_SIGMA = (6.0, 12.0, 20.0)
 
 
 @dataclass(eq=False)
-class Likeness:
+class TextureMatch:
     """A frame's pyramid beside the textures of others. Keeps the noise of the residuals."""
 
     scene: Scene
