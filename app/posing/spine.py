@@ -20,7 +20,10 @@ FALL = 0.45
 MOST = math.radians(200.0)
 """The head turns no further than this, all in all."""
 
-_ROUNDS = 40
+_ROUNDS = 12
+"""So few that nothing jumps: where the chain, bending, comes ever nearer to its own foot, another
+bend far away solves the same, and the more rounds, the sooner a small move of the pointer changes
+to it. What is left then is done by the lowest part."""
 
 
 class Spine(LimbChain):
@@ -30,7 +33,7 @@ class Spine(LimbChain):
         """Bend the chain about one axis so that its end comes under the pointer.
 
         How far the end is from the lowest joint follows from the bend; it is found together with
-        it. Where limits stop the upper parts, the lowest does the rest.
+        it. What limits of the upper parts, or the rounds, leave undone, the lowest part does.
         """
         levers = self.levers()
         shares = _shares(len(self.parts))
@@ -58,15 +61,12 @@ class Spine(LimbChain):
         context = self.context
         turns = exp_rotation(shares[:, None] * vector)
         rotations: dict[int, Array] = {}
-        R_parent, stopped = context.R_camera_parent(self.parts[0]), False
+        R_parent = context.R_camera_parent(self.parts[0])
         for part, by in zip(self.parts, turns, strict=True):
             R_camera_part = by @ context.R_camera_part(part)
-            R = R_parent.T @ R_camera_part
-            rotations[part] = context.allowed(part, R)
-            stopped = stopped or rotations[part] is not R
+            rotations[part] = context.allowed(part, R_parent.T @ R_camera_part)
             R_parent = R_camera_part
-        if stopped:
-            rotations[self.parts[0]] = self._rest_done(rotations, view, goal, resting)
+        rotations[self.parts[0]] = self._rest_done(rotations, view, goal, resting)
         end = self._end_of(rotations)
         return Reached(rotations, self.centre, length(end - self.centre))
 

@@ -40,6 +40,10 @@ TURN_SIGMA_RAD, SHIFT_SIGMA_M, FARTHER_SIGMA_M = np.radians(12.0), 0.1, 0.03
 """How readily a part of the trunk turns, and the body is carried across the view and along it."""
 DRAGGED_SIGMA_M, KEPT_SIGMA_M = 0.001, 0.01
 LIMIT_SIGMA_RAD = np.radians(2.0)
+LIMIT_ONSET_RAD = np.radians(2.0)
+"""Of `JointLimits`: a limit that holds at once, or not at all, lets the trunk jump where it is just
+met on the way."""
+
 NEAREST_M = 0.05
 YIELD_M = 0.12
 """How far a joint can be dragged before the whole body goes along."""
@@ -95,7 +99,7 @@ class _Trunk:
         skeleton = turning(self.context.skeleton, self.handle.movers)
         terms = [*self._places(skeleton), *self._priors(skeleton)]
         if self.context.limits_on:
-            terms.append(limits_as_posed(self.context))
+            terms.append(limits_as_posed(self.context, LIMIT_ONSET_RAD))
         problem = OnePose(skeleton, terms)
         return self._carried(least_squares(problem, self.context.pose, CRITERIA).state)
 
@@ -150,11 +154,11 @@ class _Trunk:
         ]
 
 
-def limits_as_posed(context: GestureContext) -> JointLimits:
+def limits_as_posed(context: GestureContext, onset_rad: float = 0.0) -> JointLimits:
     """Joint limits, but for what is beyond one already, which may stay there."""
     limits = Limits.of(context.skeleton.body)
     posed, _ = limits.excess(context.pose.Rs_parent_part)
-    return JointLimits(limits, LIMIT_SIGMA_RAD, posed)
+    return JointLimits(limits, LIMIT_SIGMA_RAD, posed, onset_rad)
 
 
 def turning(skeleton: Skeleton, names: tuple[str, ...], shifts: bool = True) -> Skeleton:

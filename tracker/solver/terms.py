@@ -243,11 +243,14 @@ class JointLimits(RowTerm):
     """Joint angles and twists within their limits.
 
     allowed (P, 4): radians, signed, by which a joint may lie outside, as in a posed keyframe.
+    onset_rad:      so far beyond a limit its slope grows from 0 to 1, and the residual lags behind
+                    by half of it: then a descent of few steps depends steadily on where it starts.
     """
 
     limits: Limits
     sigma_rad: float
     allowed: Array | None = None
+    onset_rad: float = 0.0
 
     def excess(self, posed: Posed) -> tuple[Array, Array]:
         """Radians (..., P, 4) beyond what is allowed, and their slopes (..., P, 4, 3)."""
@@ -255,7 +258,11 @@ class JointLimits(RowTerm):
         if self.allowed is not None:
             low, high = np.minimum(self.allowed, 0.0), np.maximum(self.allowed, 0.0)
             outside = outside - np.clip(outside, low, high)
-        return outside, slopes
+        if self.onset_rad == 0.0:
+            return outside, slopes
+        share = np.minimum(np.abs(outside) / self.onset_rad, 1.0)
+        lag = self.onset_rad * (share - share**2 / 2)
+        return np.copysign(np.abs(outside) - lag, outside), slopes * share[..., None]
 
     def cost(self, posed: Posed) -> float:
         return _half_squares(self.excess(posed)[0] / self.sigma_rad)

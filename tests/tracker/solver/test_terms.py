@@ -16,8 +16,8 @@ from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.twist import TwistLimits
 from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
-from keypose.tracker.fitting.pose.likeness import Likeness
 from keypose.tracker.fitting.pose.texture import texture_of
+from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
@@ -84,12 +84,12 @@ def _from_root(kernel: Kernel) -> Callable[[BodyPoints], Term]:
     return lambda points: DepthFromRoot(points, depth, scale, kernel)
 
 
-def _limits(allowed: Floats | None) -> Callable[[BodyPoints], Term]:
+def _limits(allowed: Floats | None, onset_rad: float = 0.0) -> Callable[[BodyPoints], Term]:
     """Narrow ones of every angle and twist, swings counted from all kinds of directions."""
     width, R_rest = np.full((PARTS, 3), 1e-4), _random(9, 0.4).Rs_parent_part
     twists = TwistLimits(-width[:, 0], width[:, 0], R_rest)
     limits = Limits(-width, width, np.arange(PARTS), twists)
-    return lambda points: JointLimits(limits, 0.03, allowed)
+    return lambda points: JointLimits(limits, 0.03, allowed, onset_rad)
 
 
 def _in_sizes(points: BodyPoints) -> Term:
@@ -106,9 +106,9 @@ def _textures(fine: bool, width: float) -> Callable[[BodyPoints], Term]:
     """A picture's own texture laid onto it elsewhere; width: of the robust kernel."""
     scene, pose = _before_picture(), _random(7, 0.1)
     picture = smooth_picture(4, WIDE.width, WIDE.height)
-    likeness = Likeness(scene, [picture], [texture_of(scene, [picture], pose, 1.0)])
-    likeness.update_visibility(pose)
-    made = likeness.term(Posed.of(SKELETON, pose), 0, fine)
+    match = TextureMatch(scene, [picture], [texture_of(scene, [picture], pose, 1.0)])
+    match.update_visibility(pose)
+    made = match.term(Posed.of(SKELETON, pose), 0, fine)
     return lambda points: replace(made, width=np.array([width]), noise=np.array([9.0]))
 
 
@@ -150,6 +150,7 @@ TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "depth from the root": _from_root(Huber(1e9)),
     "depth from the root, far ones pulling no harder": _from_root(Huber()),
     "joint limits": _limits(None),
+    "joint limits that set in slowly": _limits(None, 0.3),
     "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 4), 2e-4)),
     "prior": lambda points: PosePrior.of(
         _random(7, 0.1), np.where(SKELETON.dof_turns == 1, 9.0, 400.0)
