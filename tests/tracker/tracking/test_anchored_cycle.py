@@ -10,7 +10,7 @@ import pytest
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.tracking import anchored_cycle
-from keypose.tracker.tracking.anchored_cycle import PLAINLY, Ended, track_anchored
+from keypose.tracker.tracking.anchored_cycle import START_MARGIN, Ended, track_anchored
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import FAST
 from tests.tracker.tracking.cues.people import Filmed, moving
@@ -48,9 +48,9 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
 def test_what_was_about_right_stays_unless_keypoints_lead_to_something_plainly_better(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    stays = led_to(100.0 - 0.9 * PLAINLY, monkeypatch, known=True)
+    stays = led_to(100.0 - 0.9 * START_MARGIN, monkeypatch, known=True)
     assert stays is FILM.truth
-    assert led_to(100.0 - 1.1 * PLAINLY, monkeypatch, known=True) is not FILM.truth
+    assert led_to(100.0 - 1.1 * START_MARGIN, monkeypatch, known=True) is not FILM.truth
 
 
 def test_of_what_nothing_is_known_the_motion_counts_that_is_contradicted_least(
