@@ -22,7 +22,8 @@ THIRD = (-1, 3, -3, 1)
 class Jerk:
     """Third differences of K points' places in the camera frame, in every direction alike.
 
-    sigma (K,): m/s³. Rows and data both grow with the frame rate, so that it does not matter.
+    sigma (K,), or (N − 3, K) of every difference: m/s³. Rows and data both grow with the frame
+    rate, so that it does not matter.
     """
 
     skeleton: Skeleton
@@ -36,13 +37,14 @@ class Jerk:
         return np.asarray(np.diff(places, 3, axis=0) * self.frames_per_second**3)
 
     def cost(self, motion: Trajectory) -> float:
-        return 0.5 * float(((self.of(motion) / self.sigma[:, None]) ** 2).sum())
+        return 0.5 * float(((self.of(motion) / self.sigma[..., None]) ** 2).sum())
 
     def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
         """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
         posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
-        J = self._rows(posed)
-        r = (self.of(motion) / self.sigma[:, None]).reshape(-1, J.shape[1])
+        J, weights = self._rows(posed), self._weights
+        r = (self.of(motion) / self._widest[:, None]).reshape(-1, J.shape[1])
+        r = r if weights is None else weights * r
         count, dofs, m = len(motion), J.shape[-1], len(r)
         start, stop, _ = unknown.indices(count)
         gradient = np.zeros((count, dofs))
@@ -50,16 +52,40 @@ class Jerk:
             gradient[i : i + m] += share * np.einsum("nmd,nm->nd", J[i : i + m], r)
         banded = np.zeros((len(THIRD) * dofs, (stop - start) * dofs))
         for off in range(min(len(THIRD), stop - start)):
-            products = np.swapaxes(J[: count - off], 1, 2) @ J[off:]
-            blocks = products * _shares(count, off)[:, None, None]
+            blocks = _products(J, off, weights)
             banded = with_blocks(banded, off, blocks[start : stop - off])
         return banded, gradient[unknown]
+
+    @property
+    def _widest(self) -> Array:
+        """(K,) the largest sigma of each point."""
+        return self.sigma if self.sigma.ndim == 1 else self.sigma.max(axis=0)
+
+    @property
+    def _weights(self) -> Array | None:
+        """(N − 3, 3K) by how much more every difference counts than with the largest sigma; None
+        where all are alike."""
+        if self.sigma.ndim == 1:
+            return None
+        return np.repeat((self._widest / self.sigma) ** 2, 3, axis=1)
 
     def _rows(self, posed: Posed) -> Array:
         """(N, 3K, D) how the scaled places of every frame move."""
         _, J = self.points.jacobian(posed)
-        scaled = J * (self.frames_per_second**3 / self.sigma)[:, None, None]
+        scaled = J * (self.frames_per_second**3 / self._widest)[:, None, None]
         return np.asarray(np.swapaxes(scaled, -1, -2).reshape(len(J), -1, J.shape[-2]))
+
+
+def _products(J: Array, off: int, weights: Array | None) -> Array:
+    """(N − off, D, D) JᵀJ of two frames so far apart, over all third differences."""
+    count = len(J) - off
+    if weights is None:
+        products = np.swapaxes(J[:count], 1, 2) @ J[off:]
+        return np.asarray(products * _shares(len(J), off)[:, None, None])
+    total = np.zeros((count, weights.shape[1]))
+    for i in range(len(THIRD) - off):
+        total[i : i + len(weights)] += THIRD[i] * THIRD[i + off] * weights
+    return np.asarray(np.swapaxes(total[..., None] * J[:count], 1, 2) @ J[off:])
 
 
 def _shares(count: int, off: int) -> Array:

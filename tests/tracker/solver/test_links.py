@@ -74,8 +74,12 @@ def difference(value: Callable[[Trajectory], float], at: Trajectory, size: float
     return found
 
 
-def jerk(fps: float = 30.0) -> Jerk:
-    return Jerk(SKELETON, POINTS, np.array([150.0, 1200.0, 750.0]), fps)
+def jerk(fps: float = 30.0, *, varying: bool = False) -> Jerk:
+    """varying: of sigmas that differ from frame to frame."""
+    sigma = np.array([150.0, 1200.0, 750.0])
+    if varying:
+        sigma = sigma * np.random.default_rng(5).uniform(0.2, 1.0, (FRAMES - 3, len(sigma)))
+    return Jerk(SKELETON, POINTS, sigma, fps)
 
 
 # --- moving
@@ -97,40 +101,47 @@ def test_poses_move_along_their_own_axes_and_stay_rotations(turn_rad: float) -> 
 # --- jerk
 
 
-@cache
-def _slope_of_jerk(turn_rad: float) -> Floats:
-    return difference(jerk().cost, motion(turn_rad))
+VARYING = pytest.mark.parametrize("varying", [False, True], ids=["one sigma", "by frame"])
 
 
 @cache
-def _slopes_of_jerk(turn_rad: float) -> Floats:
+def _slope_of_jerk(turn_rad: float, varying: bool) -> Floats:
+    return difference(jerk(varying=varying).cost, motion(turn_rad))
+
+
+@cache
+def _slopes_of_jerk(turn_rad: float, varying: bool) -> Floats:
     """(N D, ·) what every motion of every pose does to the residuals."""
-    link, at = jerk(), motion(turn_rad)
+    link, at = jerk(varying=varying), motion(turn_rad)
     rows = []
     for j in range(FRAMES):
         for d in range(DOFS):
             x = np.zeros((FRAMES, DOFS))
             x[j, d] = 1e-6
             ahead, behind = (link.of(moved_poses(SKELETON, at, s * x)) for s in (1, -1))
-            rows.append(((ahead - behind) / 2e-6 / link.sigma[:, None]).ravel())
+            rows.append(((ahead - behind) / 2e-6 / link.sigma[..., None]).ravel())
     return np.array(rows)
 
 
 @SIZES
 @UNKNOWN
-def test_the_gradient_of_jerk_is_that_of_its_cost(turn_rad: float, unknown: slice) -> None:
-    link, at = jerk(), motion(turn_rad)
+@VARYING
+def test_the_gradient_of_jerk_is_that_of_its_cost(
+    turn_rad: float, unknown: slice, varying: bool
+) -> None:
+    link, at = jerk(varying=varying), motion(turn_rad)
     _, b = link.equations(at, unknown)
-    expected = _slope_of_jerk(turn_rad)[unknown]
+    expected = _slope_of_jerk(turn_rad, varying)[unknown]
     np.testing.assert_allclose(b, expected, atol=1e-6 * np.abs(expected).max())
 
 
 @SIZES
 @UNKNOWN
+@VARYING
 def test_the_equations_of_jerk_are_the_products_of_its_slopes(
-    turn_rad: float, unknown: slice
+    turn_rad: float, unknown: slice, varying: bool
 ) -> None:
-    link, at, J = jerk(), motion(turn_rad), _slopes_of_jerk(turn_rad)
+    link, at, J = jerk(varying=varying), motion(turn_rad), _slopes_of_jerk(turn_rad, varying)
     of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
     banded, _ = link.equations(at, unknown)
     assert banded.shape == (4 * DOFS, len(of))

@@ -115,11 +115,27 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     return Pose(R, t)
 
 
+def with_exact_ends(skeleton: Skeleton, keyed: KeyedParts, solved: Pose) -> Pose:
+    """A pose that was solved for with the keyed parts about where they were set, the last joint of
+    each limb exactly there and its last part turned as it was.
+
+    Elbows and knees stay where they were solved, beside those of the frames before and after: bent
+    by themselves they would leap there and back.
+    """
+    there = pose_transforms(skeleton, keyed.pose)
+    tops = [i for i in keyed.parts if i not in keyed.hanging(skeleton)]
+    bent = _reached(skeleton, keyed, solved, there, tops, ends_alone=True)
+    R, t = solved.writable()
+    R[keyed.parts] = bent.Rs_parent_part[keyed.parts]
+    return Pose(R, t)
+
+
 def _reached(
-    skeleton: Skeleton, keyed: KeyedParts, pose: Pose, there: Array, tops: Sequence[int]
-) -> Pose:
+    skeleton: Skeleton, keyed: KeyedParts, pose: Pose, there: Array, tops: Sequence[int],
+    *, ends_alone: bool = False,
+) -> Pose:  # fmt: skip
     """With the last joints of moved limbs where they were, and their last parts turned as they
-    were."""
+    were. ends_alone: those between are where the pose has them, else about where they were."""
     below = np.asarray(skeleton.below[:, list(tops)].any(axis=1))
     limb = np.array([i for i in keyed.parts if below[i]], dtype=np.int64)
     joints = np.array([i for i in limb if i not in tops], dtype=np.int64)
@@ -129,7 +145,8 @@ def _reached(
         wanted = keyed.joints(skeleton, float(pose.p_camera_root[2]))
         precision = np.full(free.dof_count, TURN_RAD**-2.0)
         terms: list[Term] = [PosePrior.of(pose, precision)]
-        for some, sigma in ((limb[last], END_M), (limb[~last], BETWEEN_M)):
+        sigmas = ((limb[last], END_M), (limb[~last], BETWEEN_M))
+        for some, sigma in sigmas[:1] if ends_alone else sigmas:
             chosen = np.intersect1d(some, joints)
             if len(chosen):
                 places: tuple[BodyPoint, ...] = tuple(((int(i), (0.0, 0.0, 0.0)),) for i in chosen)

@@ -22,7 +22,7 @@ from keypose.tracker.tracking.parts.limb_segment import LimbSegment, other_side
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 
-PLAINLY = 4.0
+SIDES_MARGIN = 4.0
 """By how much more a frame's keypoints are contradicted, as a loss, to be taken for those of the
 other side: as of one that lies two standard deviations off."""
 FADES = 5.0
@@ -86,7 +86,7 @@ def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Sc
     beside = np.isin(parts, other_side(scene.skeleton, segment.parts))
     for k in others:
         lacks = (against[best] - against[k])[:, beside].sum(axis=-1)
-        chosen = chosen.in_rows(lacks > PLAINLY, candidates[k])
+        chosen = chosen.in_rows(lacks > SIDES_MARGIN, candidates[k])
     return chosen
 
 

@@ -66,7 +66,7 @@ def still_ranges(
     p_camera: Array, frames_per_second: float, low: NDArray[np.bool_]
 ) -> list[tuple[int, int]]:
     """First and last rows of the ranges over which a point (N, 3) stands still, low (N,) enough."""
-    v, n = _speed(p_camera, frames_per_second), len(p_camera)
+    v, n = speed_m_s(p_camera, frames_per_second), len(p_camera)
     found: list[tuple[int, int]] = []
     row = 0
     while row < n:
@@ -114,8 +114,8 @@ def _after(
     return found
 
 
-def _speed(p_camera: Array, frames_per_second: float) -> Array:
-    """(N,) m/s"""
+def speed_m_s(p_camera: Array, frames_per_second: float) -> Array:
+    """(N,) how fast a point (N, 3) moves, as far as a picture shows it."""
     z = p_camera[:, 2:]
     ray = _smoothed(p_camera[:, :2] / z, ACROSS_S * frames_per_second)
     depth = _smoothed(z, DEPTH_S * frames_per_second)
@@ -146,7 +146,8 @@ def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> ND
     near = 2 * int(NEAR_S * frames_per_second) + 1
     low = high < minimum_filter1d(high, near, axis=0, mode="nearest") + LOW_M
     still = np.stack(
-        [_speed(places[:, k], frames_per_second) < START_M_S for k in range(high.shape[1])], axis=1
+        [speed_m_s(places[:, k], frames_per_second) < START_M_S for k in range(high.shape[1])],
+        axis=1,
     )
     for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes
         standing = np.where(still[:, kind], high[:, kind], np.inf).min(axis=1, keepdims=True)

@@ -7,8 +7,10 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.tracking.space.contacts import speed_m_s
 
 SIGMAS: Final = {
     "waist": 225.0,
@@ -25,15 +27,40 @@ SIGMAS: Final = {
 """m/s³ at a part's joint, by its name without its side; wide enough for throws, kicks and jumps."""
 OTHER: Final = 750.0
 """Of all other parts: of things that a hand moves."""
+FOOT: Final = "foot"
+FAST_M_S, LEAST_SHARE, NEAR_S = 2.0, 0.2, 0.1
+"""A foot has its jerk at this speed and above, a slower one as much less as it is slower, but no
+less than this share: what stands does not jerk, whatever the tracker's noise. Of the speeds within
+so many seconds the highest counts, so that a landing is as sharp as the step before it."""
 
 
-def jerk_points(skeleton: Skeleton) -> tuple[BodyPoints, Array]:
-    """The joints of a body and its landmarks, and the sigmas (K,) of each, m/s³."""
+def jerk_points(
+    skeleton: Skeleton, motion: Trajectory, frames_per_second: float
+) -> tuple[BodyPoints, Array]:
+    """The joints of a body and its landmarks, and their sigmas, m/s³: (K,), or (N − 3, K) of every
+    third difference of the motion as tracked, N frames, where the body has feet."""
     places: list[BodyPoint] = []
-    sigmas = []
+    names = []
     for i, part in enumerate(skeleton.body.parts):
-        sigma = SIGMAS.get(part.name.removeprefix("left_").removeprefix("right_"), OTHER)
         for p in ((0.0, 0.0, 0.0), *part.landmarks.values()):
             places.append(((i, p),))
-            sigmas.append(sigma)
-    return BodyPoints(skeleton, tuple(places)), np.array(sigmas)
+            names.append(part.name.removeprefix("left_").removeprefix("right_"))
+    points = BodyPoints(skeleton, tuple(places))
+    sigma = np.array([SIGMAS.get(name, OTHER) for name in names])
+    feet = np.array([name == FOOT for name in names])
+    if not feet.any():
+        return points, sigma
+    share = np.ones((len(motion) - 3, len(names)))
+    p_camera = points.at(motion.transforms(skeleton))
+    for k in np.flatnonzero(feet):
+        share[:, k] = _share(speed_m_s(p_camera[:, k], frames_per_second), frames_per_second)
+    return points, sigma * share
+
+
+def _share(speed: Array, frames_per_second: float) -> Array:
+    """(N − 3,) of the jerk of a fast foot, by a foot's speed (N,) m/s; a difference is that of the
+    four frames it is made of."""
+    near = max(1, round(NEAR_S * frames_per_second))
+    padded = np.pad(speed, near, mode="edge")
+    highest = np.lib.stride_tricks.sliding_window_view(padded, 2 * near + 4).max(axis=1)
+    return np.asarray(np.clip(highest / FAST_M_S, LEAST_SHARE, 1.0))

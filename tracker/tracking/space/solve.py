@@ -9,7 +9,8 @@ of the floor:
         + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
 
 with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
-exactly, but for those that are said to be soft, and limbs keyed alone where they were seen.
+exactly, but for those that are said to be soft; of limbs keyed alone the last joints are exactly
+where they were seen, those between nearly.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
     STEP_TURN_RAD,
 )
 from keypose.tracker.tracking.drift import DOUBT_FLOOR
-from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, placed
+from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, with_exact_ends
 from keypose.tracker.tracking.segment import NEAREST_M
 from keypose.tracker.tracking.space.jerk_sigmas import jerk_points
 
@@ -63,6 +64,9 @@ PIN_M, FLOOR_M = 0.001, 0.008
 SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
+BETWEEN_SEEN_M = 0.005
+"""Standard deviation of where an elbow or a knee of a keyed limb was seen: it was put there by
+eye, and its depth follows from the hand's or foot's."""
 KEY_TURN_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
 """Standard deviations of a soft keyframe: turns, shares of the body's height and of its depth."""
 UNKNOWN_SCALE = 0.03
@@ -168,7 +172,7 @@ def _solution(
         R[row], t[row] = problem.motion.Rs_parent_part[row], problem.motion.ps_camera_root[row]
     for keyed in problem.keyed_parts:
         row = keyed.frame - problem.motion.first_frame
-        R[row] = placed(skeleton, keyed, Pose(R[row], t[row])).Rs_parent_part
+        R[row] = with_exact_ends(skeleton, keyed, Pose(R[row], t[row])).Rs_parent_part
     motion = Trajectory(problem.motion.first_frame, R, t)
     places = found.shared[: 3 * len(pins)].reshape(-1, 3)
     there = motion.transforms(skeleton)
@@ -277,22 +281,22 @@ def _limbs(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     if not problem.keyed_parts:
         return ()
     motion, size = problem.motion, (len(problem.motion), skeleton.part_count)
-    uv, depth, precision = np.zeros((*size, 2)), np.zeros(size), np.zeros(size)
+    uv, depth, seen, precision = np.zeros((*size, 2)), *np.zeros((3, *size))
     for keyed in problem.keyed_parts:
         row, parts = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
         there = pose_transforms(skeleton, keyed.pose)[parts, :3, 3]
         uv[row, parts] = image_points(problem.camera, there)
         depth[row, parts] = there[:, 2] - keyed.pose.p_camera_root[2]
-        sigma = np.where(np.isin(parts, skeleton.parents), BETWEEN_M, END_M)
-        precision[row, parts] = 1 / sigma
+        between = np.isin(parts, skeleton.parents)
+        seen[row, parts] = 1 / np.where(between, BETWEEN_SEEN_M, END_M)
+        precision[row, parts] = 1 / np.where(between, BETWEEN_M, END_M)
     known = np.flatnonzero(precision.any(axis=0))
     points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known))
-    depth, precision = depth[:, known], precision[:, known]
     pixel_m = problem.camera.depth(motion.ps_camera_root) / problem.camera.fy
-    seen = precision * pixel_m[:, None]
+    scale = seen[:, known] * pixel_m[:, None]
     return (
-        PointsInPicture(points, problem.camera, uv[:, known], seen, NEAREST_M),
-        DepthFromRoot(points, depth, precision),
+        PointsInPicture(points, problem.camera, uv[:, known], scale, NEAREST_M),
+        DepthFromRoot(points, depth[:, known], precision[:, known]),
     )
 
 
@@ -316,7 +320,7 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
         Smoothness(skeleton, even, bend, SQUARED),
     ]
     if problem.smooth and len(motion) > 3:
-        points, sigma = jerk_points(skeleton)
+        points, sigma = jerk_points(skeleton, motion, problem.frames_per_second)
         links.append(Jerk(skeleton, points, sigma, problem.frames_per_second))
     return tuple(links)
 

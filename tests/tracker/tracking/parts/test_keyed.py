@@ -11,7 +11,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed
+from keypose.tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed, with_exact_ends
 
 SKELETON = Skeleton.of(preset("adult_male"))
 CAMERA = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)
@@ -132,3 +132,27 @@ def test_what_hangs_on_a_part_belongs_to_it_and_limbs_are_apart() -> None:
     (arm,) = (limb for limb in limbs if index("right_hand")[0] in limb.parts)
     assert [each.frame for each in arm.keyed] == [5, 12]
     assert index("right_upper_arm")[0] not in arm.keyed[1].parts
+
+
+def test_of_a_solved_motion_the_ends_of_limbs_are_put_right_and_elbows_hardly_move() -> None:
+    """A hand that was solved to a millimetre where it was set comes there exactly; the elbow stays
+    where it was solved, though it was set elsewhere."""
+    at = pose()
+    solved = placed(SKELETON, keyed(at), moved(at, np.radians(4.0), 0.02))
+    R, t = solved.writable()
+    R[index("right_upper_arm")] @= exp_rotation(np.array([0.002, 0.0, 0.002]))
+    near = Pose(R, t)
+    found = with_exact_ends(SKELETON, keyed(at), near)
+    assert apart_m(found, near, "right_hand")[0] > 5e-4
+    assert off_root_m(found) == pytest.approx(off_root_m(at), abs=2e-4)
+    assert apart_m(found, near, "right_forearm")[0] < 0.002
+    still = [name for name in SKELETON.body.names if name not in ARM]
+    np.testing.assert_array_equal(found.Rs_parent_part[index(*still)], R[index(*still)])
+
+
+def test_a_hand_keyed_alone_faces_its_way_on_a_motion_that_was_solved() -> None:
+    at, solved = pose(), moved(pose(), np.radians(3.0), 0.01)
+    found = with_exact_ends(SKELETON, keyed(at, ("right_hand",)), solved)
+    faces = [pose_transforms(SKELETON, p)[index("right_hand")[0], :3, :3] for p in (found, at)]
+    np.testing.assert_allclose(faces[0], faces[1], atol=1e-9)
+    assert apart_m(found, solved, "right_hand")[0] == 0

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
+from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.geometry.rotations import exp_rotation, transpose
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 from tests.rendering.mocap import needs_mocap
@@ -89,6 +90,24 @@ def test_a_limb_keyed_alone_is_seen_where_it_was_set_and_as_far_from_the_body(
     )
     beside = found.transforms(person.skeleton)[frame - 1 : frame + 2, wrist, :3, 3]
     assert np.linalg.norm(np.diff(beside, 2, axis=0)) < 0.01, "it comes there smoothly"
+
+
+@pytest.mark.parametrize("turn_deg", [10.0, 25.0])
+def test_an_elbow_does_not_leap_where_its_hand_was_keyed_on_a_body_that_stands_otherwise(
+    person: Scene, turn_deg: float
+) -> None:
+    """The hand has to come there and go back; the elbow gives way, and takes its time."""
+    frame, names = FRAMES // 2, person.skeleton.body.names
+    R, t = person.truth.pose(frame).writable()
+    R[names.index("chest")] @= exp_rotation(np.radians([turn_deg, 0.0, turn_deg]))
+    key = KeyedParts.of(person.skeleton, frame, ("right_upper_arm",), Pose(R, t))
+    found = solve_space(problem(person, keyed_parts=(key,))).motion
+    elbow, hand = (names.index(f"right_{part}") for part in ("forearm", "hand"))
+    p = found.transforms(person.skeleton)[frame - 2 : frame + 3, ..., :3, 3][:, [elbow, hand]]
+    leaps = np.linalg.norm(np.diff(p, 2, axis=0), axis=-1).max(axis=0)
+    assert leaps[0] < 0.4 * leaps[1]
+    there = pose_transforms(person.skeleton, key.pose)[hand, :3, 3]
+    assert np.linalg.norm(person.camera.project(p[2, 1]) - person.camera.project(there)) < 0.1
 
 
 # --- pins
@@ -204,6 +223,34 @@ def test_a_shaken_motion_is_less_shaken_and_nearer_to_the_truth(name: str) -> No
     assert abs(acceleration(shown, smooth) - real) < 0.15 * abs(acceleration(shown, tracked) - real)
     assert acceleration(shown, smooth) < acceleration(shown, as_tracked)
     assert errors_m(shown, smooth).mean() < 0.7 * errors_m(shown, tracked).mean()
+
+
+@pytest.mark.parametrize("rate", [30.0, 60.0])
+def test_a_foot_that_stands_keeps_little_of_the_shaking_of_a_tracked_body(
+    person: Scene, rate: float
+) -> None:
+    tracked = shaken(person)
+    found = solve_space(problem(person, tracked, frames_per_second=rate)).motion
+
+    def shaking(motion: Trajectory) -> float:
+        bends = np.diff(places(person, motion), 2, axis=0) * rate**2
+        return float(np.sqrt((bends**2).sum(axis=-1).mean()))
+
+    assert shaking(tracked) > 40
+    assert shaking(found) < 2.5
+
+
+@needs_mocap
+def test_feet_that_whirl_keep_their_peak_speeds() -> None:
+    shown = scene("pirouette")
+    feet = [i for i, name in enumerate(joint_names(shown.skeleton)) if "foot" in name]
+    joints = savgol_filter(shown.truth.joints(shown.skeleton), 7, 3, axis=0)
+    truth = np.linalg.norm(np.diff(joints, axis=0), axis=-1) * fps_of(shown)
+    found = speeds(shown, solve_space(problem(shown)).motion)
+    fastest = truth[:, feet].max(axis=0)
+    assert fastest.min() > 4
+    assert found[:, feet].max() == pytest.approx(fastest.max(), rel=0.03)
+    np.testing.assert_allclose(found[:, feet].max(axis=0), fastest, rtol=0.07)
 
 
 @pytest.mark.parametrize("name", ["throw", "stride", pytest.param("jump", marks=needs_mocap)])
