@@ -84,4 +84,6 @@ def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[
     keypoints = keypoints.corrected(session.keypoint_corrections)
     drafts = {d.frame: d.pose(skeleton) for d in session.drafts if d.drafted}
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
-    return refit_drafts(keypoints, session.camera, session.body, drafts, posed, around)
+    places = session.drafted.places if session.drafted else ()
+    changes = [place.frame for place in places if place.reason == "person"]
+    return refit_drafts(keypoints, session.camera, session.body, drafts, posed, around, changes)

@@ -97,12 +97,22 @@ export function draftedWords({ first, last, drafted, missing }) {
 export function nobodyWords() {
   const runs = [...(server.draft?.missing ?? [])].sort((one, other) => length(other) - length(one));
   if (runs.length === 0) return '';
-  const named = runs.slice(0, RUNS_NAMED).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
-  const more = runs.length - named.length;
-  return `No person found in ${joined(more > 0 ? [...named, `${more} more places`] : named)}.`;
+  return `No person found in ${listed(runs.map(([first, last]) => (first === last ? `${first}` : range(first, last))))}.`;
 }
 
-const RUNS_NAMED = 3;
+/** "The person may change at 96 and 140.": where two people cross; or ''. */
+export function personWords() {
+  const at = placesToConfirm().filter((place) => place.reason === 'person').map((place) => String(place.frame));
+  return at.length === 0 ? '' : `The person may change at ${listed(at)}.`;
+}
+
+/** "3, 9, 14 and 2 more places". @param {string[]} places */
+function listed(places) {
+  const more = places.length - PLACES_NAMED;
+  return joined(more > 0 ? [...places.slice(0, PLACES_NAMED), count(more, 'more place')] : places);
+}
+
+const PLACES_NAMED = 3;
 
 const length = ([first, last]) => last - first;
 

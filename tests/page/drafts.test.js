@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
-  boxFrameFor, draftedWords, draftMessage, draftRange, nobodyWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
+  boxFrameFor, draftedWords, draftMessage, draftRange, nobodyWords, personWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
 } from '../../static/actions/drafting.js';
 import { suggestedFrame } from '../../static/actions/playhead.js';
 import { draftStretches } from '../../static/timeline/draw/drafts.js';
@@ -35,6 +35,18 @@ test('a draft says which frames it found, and where nobody was', () => {
   assert.equal(reported([0, 30], [96, 96]), 'No person found in 0–30 and 96.');
   assert.equal(reported([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 5–6, 8–9 and 2 more places.');
   assert.equal(reported([0, 1], [3, 9], [170, 179]), 'No person found in 170–179, 3–9 and 0–1.');
+});
+
+test('a draft says where the person may change', () => {
+  const reported = (...frames) => {
+    server.draft = { proposals: [{ frame: 3, reason: 'start', parts: [] }, ...frames.map((frame) => ({ frame, reason: 'person', parts: [] }))] };
+    return personWords();
+  };
+  assert.equal(reported(), '');
+  assert.equal(reported(96), 'The person may change at 96.');
+  assert.equal(reported(96, 140), 'The person may change at 96 and 140.');
+  assert.equal(reported(9, 30, 60, 96), 'The person may change at 9, 30, 60 and 1 more place.');
+  assert.equal(reported(9, 30, 60, 96, 140), 'The person may change at 9, 30, 60 and 2 more places.');
 });
 
 test('a box is asked for in the middle of a gap, or where somebody was seen last', () => {

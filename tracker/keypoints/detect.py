@@ -217,13 +217,9 @@ class _Work:
         """The seed's frame, looked at several times; None where nobody is there."""
 
         def look() -> Stretch:
-            rows = Rows(seed.region)
             self._report(seed.frame)
             picture = self.frame(seed.frame)
-            for _ in range(LOOKS_AT_SEED if picture is not None else 1):
-                rows = Rows(rows.region)
-                rows.add(self.network, picture)
-            return rows.stretch()
+            return Rows.begun(seed.region, self.network, picture, LOOKS_AT_SEED).stretch()
 
         stretch = self._kept(("seed", seed.frame, astuple(seed.region)), 1, look)
         return None if stretch.lost_for[0] else _Start(seed.frame, stretch)

@@ -73,6 +73,17 @@ class Rows:
         self._regions: list[Region] = []
         self._lost_for: list[int] = []
 
+    @classmethod
+    def begun(
+        cls, region: Region, network: Looks, picture: NDArray[np.uint8] | None, looks: int
+    ) -> Rows:
+        """One frame, looked at so often, each time where the body was seen the last time."""
+        rows = cls(region)
+        for _ in range(looks if picture is not None else 1):
+            rows = cls(rows.region)
+            rows.add(network, picture)
+        return rows
+
     def add(self, network: Looks, picture: NDArray[np.uint8] | None) -> None:
         """The next frame; None where it cannot be decoded, or is not to be looked at."""
         seen = None

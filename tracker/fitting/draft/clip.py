@@ -8,7 +8,7 @@ of what it is off by all the time, where the poses agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -32,6 +32,7 @@ from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.fitting.draft.sizes import with_proportions
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Box
@@ -99,7 +100,15 @@ def draft_clip(
 
     seed = Seed.of_box(at, box, camera.width, camera.height)
     keypoints = detect(frame, frames, [seed], network, report=looked, film=film, kept=kept)
-    return draft_from_keypoints(keypoints, camera, body, proportions=proportions, report=report)
+    count = frames[1] - frames[0] + 1
+
+    def looked_again(done: int, expected: int) -> None:
+        report(DraftProgress("keypoints", count + done, count + expected))
+
+    changes = person_changes(frame, keypoints, at, network, looked_again)
+    return draft_from_keypoints(
+        keypoints, camera, body, changes=changes, proportions=proportions, report=report
+    )
 
 
 def draft_from_keypoints(
@@ -107,20 +116,23 @@ def draft_from_keypoints(
     camera: Camera,
     body: Body,
     *,
+    changes: Collection[int] = (),
     proportions: bool = True,
     report: Callable[[DraftProgress], None] = lambda progress: None,
 ) -> ClipDraft:
     """Drafts from keypoints with depth; KeypointError where they show nobody well enough.
+
+    changes: frames from which on they may be another person's than before.
 
     Clavicles stay at rest: a few centimetres of a shoulder are within what keypoints are off by.
     """
     if has_clavicles(body):
         plain = without_clavicles(body)
         draft = draft_from_keypoints(
-            keypoints, camera, plain, proportions=proportions, report=report
+            keypoints, camera, plain, changes=changes, proportions=proportions, report=report
         )
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
-    observed, ideal = Observed.of(keypoints, camera), camera.without_distortion()
+    observed, ideal = Observed.of(keypoints, camera, changes), camera.without_distortion()
     Joints.of(Skeleton.of(body))
     runs = observed.runs()
     if not runs:

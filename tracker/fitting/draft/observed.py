@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -34,7 +35,8 @@ class Observed:
     visibility (N, K): 0 where unknown.
     p_hips (N, K, 3): metres in axes parallel to the picture's, NaN where unknown.
     usable (N,): frames that show enough of a person.
-    jumped (N,): frames where they are suddenly elsewhere: this may be another person.
+    jumped (N,): frames from which on this may be another person: they are suddenly elsewhere, or
+    followed back the body comes to another place.
     """
 
     first_frame: int
@@ -49,8 +51,11 @@ class Observed:
         return len(self.uv)
 
     @classmethod
-    def of(cls, keypoints: Keypoints, camera: Camera) -> Observed:
-        """KeypointError where joints or their depths are not known at all."""
+    def of(cls, keypoints: Keypoints, camera: Camera, changes: Collection[int] = ()) -> Observed:
+        """KeypointError where joints or their depths are not known at all.
+
+        changes: frames from which on they may be another person's, besides those they jump at.
+        """
         missing = [name for name in JOINTS if name not in keypoints.names]
         if keypoints.p_hips is None or missing:
             what = missing[0].replace("_", " ") if missing else "depth"
@@ -66,7 +71,7 @@ class Observed:
         usable = (visibility[:, : len(JOINTS)] >= SEEN).sum(axis=1) >= FEWEST_SEEN
         uv = np.where(known[..., None], uv, 0.0)
         usable = np.asarray(usable)
-        jumped = _jumped(uv, known, usable)
+        jumped = _jumped(uv, known, usable) | _begins(changes, keypoints.first_frame, usable)
         return cls(keypoints.first_frame, uv, known, visibility, p_hips, usable, jumped)
 
     def rows(self, rows: slice) -> Observed:
@@ -113,6 +118,14 @@ def _column(keypoints: Keypoints, p_hips: Array, name: str) -> tuple[Array, Arra
         return keypoints.uv[:, k], keypoints.visibility[:, k], p_hips[:, k]
     count = len(keypoints)
     return np.full((count, 2), np.nan), np.zeros(count), np.full((count, 3), np.nan)
+
+
+def _begins(frames: Collection[int], first: int, usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(N,) the first usable frame at or after each of these."""
+    out, rows = np.zeros(len(usable), np.bool_), np.flatnonzero(usable)
+    for frame in frames:
+        out[rows[rows >= frame - first][:1]] = True
+    return out
 
 
 def _jumped(uv: Array, known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:

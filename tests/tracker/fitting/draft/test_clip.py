@@ -10,7 +10,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.fitting.draft import DraftProgress, draft_clip
+from keypose.tracker.fitting.draft import DraftProgress, draft_clip, draft_from_keypoints
 from keypose.tracker.fitting.draft.limbs import Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import JOINTS
@@ -110,3 +110,9 @@ def test_a_filmed_man_is_drafted_onto_his_marked_joints() -> None:
                 away.append(np.linalg.norm(found[place(name)] - uv))
     assert len(away) >= 10
     assert np.median(away) < 12  # of a man who is 400 px tall
+
+
+def test_a_draft_names_where_the_person_may_change_and_goes_on_with_both() -> None:
+    draft = draft_from_keypoints(CLIP.keypoints, CAMERA, CLIP.body, changes=[6])
+    assert [p.frame for p in draft.proposals if p.reason == "person"] == [6]
+    assert sorted(draft.poses) == list(range(12))

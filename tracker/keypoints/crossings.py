@@ -1,0 +1,96 @@
+"""Where a followed body may become another one: two people cross, and the network goes on with the
+wrong one.
+
+Followed back from where it ended, a body comes to where it began, unless it was taken for another
+on the way: at a crossing each way goes straight on, and before it they are two. Only frames between
+which the body has moved are looked at again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.detect import Frame
+from keypose.tracker.keypoints.jumps import TRUNK
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.network import NAMES
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.stretch import Looks, Rows
+
+APART: Final = 0.25
+"""Distance of two trunks, in sides of the region, from which on they are two people's: the length
+of a trunk."""
+MOVED: Final = 0.08
+"""A frame is looked at again where the body has moved so far, in sides of the region, ..."""
+SELDOM: Final = 8
+"""... and one in so many where it stands."""
+FIRST_LOOKS: Final = 2
+"""The region where it begins is mended so often."""
+_TRUNK: Final = [NAMES.index(name) for name in TRUNK]
+
+
+def person_changes(
+    frame: Frame,
+    keypoints: Keypoints,
+    at: int,
+    network: Looks,
+    report: Callable[[int, int], None] = lambda done, expected: None,
+) -> tuple[int, ...]:
+    """The frames from which on the body may be another one than before, ascending.
+
+    keypoints: as `detect` found them from a seed at the frame `at`.
+    report:    frames looked at and to look at, before each; what it raises ends the work.
+    """
+    ways = [_back_to(at, keypoints, step) for step in (1, -1)]
+    changes, done, expected = list[int](), 0, sum(map(len, ways))
+    for way in ways:
+        again: Rows | None = None
+        for k, number in enumerate(way):
+            report(done, expected)
+            picture, done = frame(number), done + 1
+            before = keypoints.uv[number - keypoints.first_frame]
+            if again is None:
+                again = Rows.begun(_region(before), network, picture, FIRST_LOOKS)
+                continue
+            again.add(network, picture)
+            if _are_apart(before, again):
+                changes.append(max(number, way[k - 1]))
+                again = None  # goes on with the body as it was followed
+    return tuple(sorted(set(changes)))
+
+
+def _are_apart(before: Array, again: Rows) -> bool:
+    """Whether a body that is followed again is elsewhere than it was, in its newest frame."""
+    uv = again.stretch().uv[-1]
+    return bool(np.isfinite(uv).all()) and _distance(before, uv) > APART
+
+
+def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
+    """The frames to look at, from the last one that shows the body in this direction."""
+    end = keypoints.last_frame if step > 0 else keypoints.first_frame
+    way: list[int] = []
+    for number in range(at, end + step, step):
+        uv = keypoints.uv[number - keypoints.first_frame]
+        if not np.isfinite(uv).all():
+            continue
+        if way and abs(number - way[-1]) < SELDOM:
+            last = keypoints.uv[way[-1] - keypoints.first_frame]
+            if _distance(last, uv) < MOVED:
+                continue
+        way.append(number)
+    return way[::-1]
+
+
+def _distance(one: Array, other: Array) -> float:
+    """Of two trunks, of keypoints (33, 2), in sides of the region."""
+    side = np.sqrt(_region(one).side * _region(other).side)
+    return float(np.linalg.norm(one[_TRUNK].mean(axis=0) - other[_TRUNK].mean(axis=0)) / side)
+
+
+def _region(uv: Array) -> Region:
+    """Around keypoints (33, 2)."""
+    return Region.of_joints(uv, uv[_TRUNK[:2]].mean(axis=0) - uv[_TRUNK[2:]].mean(axis=0))
