@@ -49,7 +49,7 @@ def add(commands: Subcommands) -> None:
         "keyframe you correct bends the two segments beside it and nothing else, and tracking "
         "starts from it and keeps to it where the film shows nothing. With --tolerance there are "
         "the fewest from which interpolation alone gives the motion back, for programs that know "
-        "nothing else. Your own keyframes stay."
+        "nothing else. Keyframes that are there stay."
     )
     command = add_command(commands, "reduce", run, summary, details, _EXAMPLES)
     add_session(command)
@@ -92,7 +92,7 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--replace-keyframes",
         action="store_true",
-        help="let your own keyframes in these frames go where the motion does not need them",
+        help="let keyframes that are there go where the motion does not need them",
     )
     command.add_argument(
         "--dry-run", action="store_true", help="print what would be, write nothing"
@@ -184,11 +184,11 @@ def _print(
         print_json({**facts, "written": None if arguments.dry_run else str(arguments.session)})
         return
     what = "part keyframes" if found.parts is not None else "keyframes"
-    yours = f", {facts['kept']} of them yours" if facts["kept"] else ""
+    kept = f", {facts['kept']} of them there before" if facts["kept"] else ""
     print(
         f"{len(reduction.frames)} {what} for {reduction.known_count} "
         f"{_FOUND[found.source]} frames"
-        f"{yours}: one in {reduction.frames_per_keyframe:.1f} frames."
+        f"{kept}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
     print(f"Frames: {', '.join(map(str, reduction.frames))}")
     if found.parts is None:

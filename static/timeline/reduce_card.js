@@ -90,11 +90,11 @@ function goal() {
 function found() {
   const { frames, kept, every, busy, off_cm: cm, off_px: px, gaps, limbs } = server.reduction;
   if (!frames.length) return 'Working…';
-  const yours = kept ? ` (${kept} yours)` : '';
+  const before = kept ? ` (${kept} there before)` : '';
   const off = cm === null ? `${px?.toFixed(1)} px` : `${cm.toFixed(1)} cm`;
   const alone = limbs.length ? `Off by ${off} at most.` : `Interpolation alone would be off by ${off} at most.`;
   const bridged = gaps ? ` ${count(gaps, 'frame')} without a pose.` : '';
-  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames. ${alone}${bridged}${busy ? ' …' : ''}`;
+  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${before}, one in ${every.toFixed(1)} frames. ${alone}${bridged}${busy ? ' …' : ''}`;
 }
 
 /** The selected limb by itself, as part keyframes between the keyframes. */
@@ -115,7 +115,7 @@ function replacing() {
   if (!own.length || limbs.length) return nothing;
   return checkbox({
     label: 'May remove keyframes that are there', on,
-    title: `${count(own.length, 'keyframe')} of yours may go where the motion does not need it`,
+    title: `Of ${count(own.length, 'keyframe')}, those that the motion does not need`,
     act: (value) => send(reductionMessage({ replacing: value })),
   });
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,14 +26,15 @@ Frames = NDArray[np.int64]
 class Comparison:
     """Intervals of a motion, each compared with interpolation between its ends.
 
-    Frames here count from the motion's first. parts: those that are interpolated and compared, all
-    where None; the others move as they do.
+    Frames here count from the motion's first. tolerance: None where no miss is too large; they are
+    in metres then, and otherwise shares of the tolerance. parts: those that are interpolated and
+    compared, all where None; the others move as they do.
     """
 
     skeleton: Skeleton
     camera: Camera
     motion: Trajectory
-    tolerance: Tolerance
+    tolerance: Tolerance | None = None
     parts: frozenset[int] | None = None
 
     @cached_property
@@ -48,14 +50,14 @@ class Comparison:
         return found
 
     def costs(self, froms: Frames, tos: Frames) -> Array:
-        """(len(froms), len(tos)) the sum over the frames between of the squared miss, as a share of
-        the tolerance; infinite where a frame is off by more than that."""
+        """(len(froms), len(tos)) the sum over the frames between of the squared miss; infinite
+        where a frame is off by more than the tolerance."""
         found = np.empty((len(froms), len(tos)))
         interval_costs(*self._arrays, froms, tos, self._work(), found)
         return found
 
     def misses(self, first: int, last: int) -> Array:
-        """(last − first − 1,) the miss of each frame between two, as a share of the tolerance."""
+        """(last − first − 1,) the miss of each frame between two."""
         found = np.zeros(max(last - first - 1, 0))
         interval_misses(*self._arrays, first, last, self._work(give_up=False), found)
         return np.sqrt(found)
@@ -74,7 +76,7 @@ class Comparison:
         Rs, ps = self.motion.writable()
         T = self.motion.transforms(self.skeleton)[:, of]
         points = (T[..., :3, :3] @ body.points[..., None])[..., 0] + T[..., :3, 3]
-        camera, tolerance = self.camera, self.tolerance
+        camera = self.camera
         lens = Lens(
             camera.fx, camera.fy, camera.cx, camera.cy,
             int(camera.projection == "perspective"), camera.telephoto_distance_m or 1.0,
@@ -82,9 +84,15 @@ class Comparison:
         return (
             DenseMotion(Rs, ps, np.ascontiguousarray(points), self.known),
             body,
-            Limits(tolerance.metres, tolerance.pixels),
+            _limits(self.tolerance),
             lens,
         )
+
+
+def _limits(tolerance: Tolerance | None) -> Limits:
+    if tolerance is None:
+        return Limits(metres=1.0, pixels=math.inf, largest=math.inf)
+    return Limits(tolerance.metres, tolerance.pixels, largest=1.0)
 
 
 def _compared_body(skeleton: Skeleton, parts: Collection[int] | None) -> ComparedBody:

@@ -18,9 +18,6 @@ from keypose.tracker.reduction.fewest import fewest_frames
 from keypose.tracker.reduction.result import LEAST_M, Every, Goal, Reduction, Tolerance
 from keypose.tracker.reduction.spread import spread_frames
 
-ANY = Tolerance(1e3)
-"""A tolerance that nothing misses."""
-
 
 def reduce_motion(
     skeleton: Skeleton,
@@ -45,7 +42,7 @@ def reduce_motion(
     none.
     """
     chosen = None if parts is None else frozenset(parts)
-    tolerance = goal if isinstance(goal, Tolerance) else ANY
+    tolerance = goal if isinstance(goal, Tolerance) else None
     comparison = Comparison(skeleton, camera, motion, tolerance, chosen)
     frames = np.flatnonzero(comparison.known)
     if len(frames) < 2:
@@ -61,9 +58,9 @@ def reduce_motion(
     else:
         kept = _fewest(comparison, frames, ends, report)
     misses = _misses(comparison, kept)
-    if isinstance(goal, Every):
-        tolerance = Tolerance(max(ANY.metres * float(np.nanmax(misses)), LEAST_M))
-        misses = misses * (ANY.metres / tolerance.metres)
+    if tolerance is None:  # the misses are in metres
+        tolerance = Tolerance(max(float(np.nanmax(misses)), LEAST_M))
+        misses = misses / tolerance.metres
     kept = [motion.first_frame + n for n in kept]
     return Reduction(tuple(kept), motion.first_frame, frozen(misses), tolerance)
 
@@ -85,7 +82,7 @@ def _after(report: Callable[[int], None], before: int, reached: int) -> None:
 
 
 def _misses(comparison: Comparison, kept: Sequence[int]) -> Array:
-    """(N,) of every frame, as a share of the tolerance."""
+    """(N,) of every frame."""
     misses, known = np.full(len(comparison.motion), np.nan), comparison.known
     misses[kept] = 0.0
     for a, b in pairwise(kept):

@@ -32,7 +32,7 @@ def spread_frames(
 ) -> list[int]:
     """The frames of the path, of these ascending ones, from the first of them to the last.
 
-    comparison: to a tolerance that nothing misses.  ends: frames that are on every path, the first
+    comparison: without a tolerance.  ends: frames that are on every path, the first
     and the last among them.  every: frames of an interval, on average at least, where the ends do
     not need more of them.
     progress: is given the number of frames that are compared; what it raises ends the work.

@@ -50,7 +50,8 @@ def test_the_session_gets_the_keyframes_that_are_printed(
     assert (saved.keyframes[0], saved.keyframes[-1]) == before
     assert saved.drafts == ()
     assert (reported["kept"], reported["frames_without_a_pose"]) == (2, 3)
-    assert f"{len(reported['frames'])} keyframes for 70 drafted frames, 2 of them yours" in words
+    count = len(reported["frames"])
+    assert f"{count} keyframes for 70 drafted frames, 2 of them there before" in words
     assert "3 frames have no pose" in words
     assert saved.first_motion is not None
     assert [(run.first_frame, run.last_frame) for run in saved.first_motion.own] == [
@@ -66,7 +67,7 @@ def test_one_keyframe_in_twenty_frames_where_nothing_else_is_asked_for(
     assert main(["reduce", str(session), "--dry-run"]) == 0
     assert main(["reduce", str(session), "--every", "36", "--dry-run", "--json"]) == 0
     words, reported = capsys.readouterr().out.split("\n{", 1)
-    assert "4 keyframes for 70 drafted frames, 2 of them yours: one in 24.0 frames." in words
+    assert "4 keyframes for 70 drafted frames, 2 of them there before: one in 24.0 frames." in words
     assert "The motion between them stays as it is" in words
     facts = json.loads("{" + reported)
     assert facts["frames_per_keyframe"] == 36
