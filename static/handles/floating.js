@@ -27,7 +27,8 @@ export function mountFloating() {
   onRedraw(giveWay);
   onViews(giveWay);
   onInteraction(giveWay);
-  new MutationObserver(giveWay).observe(document.getElementById('screens'), { childList: true, subtree: true });
+  // Words that change alone change the size of a message, too.
+  new MutationObserver(giveWay).observe(document.getElementById('screens'), { childList: true, subtree: true, characterData: true });
 }
 
 function giveWay() {

@@ -19,7 +19,11 @@ class FrameCrop extends HTMLElement {
 
   async load(asked, url, [x, y], crop) {
     const answer = await fetchOwn(url).catch(() => null);
-    if (!answer?.ok || asked !== this.shown) return;
+    if (asked !== this.shown) return;
+    if (!answer?.ok) {
+      this.shown = ''; // asked for again when the list is drawn next
+      return;
+    }
     const picture = await createImageBitmap(await answer.blob());
     if (asked === this.shown) this.draw(picture, x, y, crop);
     picture.close();
