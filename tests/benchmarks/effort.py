@@ -6,8 +6,9 @@ Actions are clicks, keys and drags; looks are counted beside them. The times are
 keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
 frame that is judged, 1/15 s one that is watched. What is done once a clip is given as it is; the
 rest for 1,800 frames. What is begun once a clip and not before the first frame, such as keyframes
-at both ends, weighs a short clip down: a further frame costs what a clip costs beyond its first
-half.
+at both ends, weighs a short clip down. So work is divided into what it consists of, and a clip is
+worked in its first half as well: what the second half costs beyond that is what a film costs for
+each further frame, and what is left is done once a film, however long it is.
 
 "watched" plays the motion and is done when nothing looks wrong (`human/watching.py`); that is how
 it is expected to be worked. "now" goes from place to place as the review lists them, never plays
@@ -35,7 +36,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Keyframe
 from tests.benchmarks.human.at_page import repeated, session_for
 from tests.benchmarks.human.clips import CLIPS, Watched, noisy, watched
-from tests.benchmarks.human.counting import KINDS, Effort, Kind
+from tests.benchmarks.human.counting import KINDS, LONG_FRAMES, SHARES, Effort, Kind
 from tests.benchmarks.human.desk import desk
 from tests.benchmarks.human.first import FIRSTS, first_keyframe
 from tests.benchmarks.human.hand import Hand, px
@@ -145,6 +146,7 @@ def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> 
             continue
         trials = [trial(clip, strategy, seed) for seed in range(seeds)]
         _row(table, strategy, trials)
+        _shares(report, f"{clip.name}, {strategy.name}", trials)
         if strategy in (NOW, WATCHED):
             _causes(report, f"{clip.name}, {strategy.name}", trials)
         if strategy is WATCHED and clip.frames >= LONG_CLIP:
@@ -177,10 +179,23 @@ def _further_frame(report: Report, clip: Watched, seeds: int, trials: list[Trial
     begun = [trial(half, WATCHED, seed) for seed in range(seeds)]
     frames = clip.frames - half.frames
     more = [(a.effort, b.effort) for a, b in zip(trials, begun, strict=True)]
-    table = report.table(f"{clip.name}: what a further frame costs", "seconds", "actions", wide=())
-    seconds = float(np.median([a.seconds - b.seconds for a, b in more])) / frames
-    actions = float(np.median([a.actions - b.actions for a, b in more])) / frames
-    table.row(f"  {half.frames} to {clip.frames} frames", seconds, actions)
+    columns = ("once", "a frame", f"for {LONG_FRAMES}")
+    table = report.table(f"{clip.name}: what a further frame costs", *columns)
+    for what in ("actions", "seconds"):
+        whole = float(np.median([getattr(a, what) for a, _ in more]))
+        each = float(np.median([getattr(a, what) - getattr(b, what) for a, b in more])) / frames
+        once = whole - each * clip.frames
+        name = f"  {what}, {half.frames} to {clip.frames}"
+        table.row(name, once, each, once + each * LONG_FRAMES)
+
+
+def _shares(report: Report, name: str, trials: list[Trial]) -> None:
+    """What the work consists of: its beginning, further keyframes, limbs corrected, and looks."""
+    table = report.table(f"{name}: what it consists of", "actions", "seconds", "s a frame")
+    for share in SHARES:
+        actions, seconds = np.median([t.effort.of_share(share) for t in trials], axis=0).tolist()
+        per_frame = "" if share == "begin" else seconds / trials[0].effort.frames
+        table.row(f"  {share}", actions, seconds, per_frame)
 
 
 def _causes(report: Report, name: str, trials: list[Trial]) -> None:

@@ -78,7 +78,7 @@ def seen_points(scene: Scene, shown: Sequence, clip: Clip, of: int = 1) -> Seen:
     height, width = picture.shape[:2]
     pose = shown.truth.pose(0)
     view(
-        scene.arrays, scene.lens, scene.sight, width, height, picture, of,
+        scene.arrays, scene.lens, scene.visibility, width, height, picture, of,
         *pose.writable(), chosen, grey, starts,
     )  # fmt: skip
     return Seen(chosen, grey, starts)

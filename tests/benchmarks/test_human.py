@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.app.editor.drafted import keeps_proportions
 from keypose.app.posing.gesture import Gesture
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import pointer_angle
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import load_session
-from tests.benchmarks.human.clips import CARRIED_PX, Watched, carried, noisy, of_poses
-from tests.benchmarks.human.counting import SECONDS, Effort, Ledger
+from tests.benchmarks.human.clips import CARRIED_PX, Watched, carried, noisy, of_poses, sized
+from tests.benchmarks.human.counting import SECONDS, SHARES, Effort, Ledger
 from tests.benchmarks.human.desk import desk, ring_way
 from tests.benchmarks.human.hand import LOOKS_RIGHT_PX, Hand, px
 from tests.benchmarks.human.strategies import Outcome
@@ -54,6 +56,28 @@ def test_what_is_done_once_a_clip_is_not_multiplied() -> None:
 def test_causes_are_told_by_the_time_they_take() -> None:
     causes = done("key", "key", "key", "drag").by_cause()
     assert [(why, count) for why, count, _ in causes] == [("drag", 1), ("key", 3)]
+
+
+def test_work_is_divided_without_rest() -> None:
+    ledger = Ledger()
+    ledger.note("drag", "pull a hand", "keyframes")
+    ledger.note("key", "K", "keyframes")
+    ledger.end_first()
+    ledger.note("drag", "pull a hand", "keyframes")
+    ledger.note("drag", "pull a foot", "limbs")
+    ledger.note("key", "play")
+    ledger.note("judged", "judge a frame")
+    work = ledger.effort(100)
+    shares = {share: work.of_share(share) for share in SHARES}
+    assert [actions for actions, _ in shares.values()] == [2, 1, 1, 1]
+    assert sum(seconds for _, seconds in shares.values()) == pytest.approx(work.seconds)
+    assert shares["looks"][1] == pytest.approx(0.28 + 2.0)
+
+
+def test_a_body_that_is_sized_is_drafted_as_it_is() -> None:
+    body = preset("adult_male")
+    kept = [keeps_proportions(Session.model_construct(body=each)) for each in (body, sized(body))]
+    assert kept == [False, True]
 
 
 def test_a_motion_is_right_only_if_median_and_worst_are() -> None:

@@ -28,7 +28,7 @@ class Played:
     frame: int = 0
     clip: Any = field(
         default_factory=lambda: SimpleNamespace(
-            seen=dict.fromkeys(range(FRAMES)), unmeasured=frozenset()
+            seen=dict.fromkeys(range(FRAMES)), unmeasured=frozenset(), first=0, last=FRAMES - 1
         )
     )
 
@@ -118,6 +118,20 @@ def test_one_goes_on_from_where_one_stopped_and_then_back_to_what_changed() -> N
     gone = [i for i, why in enumerate(played.script) if why == "go where to play from"]
     assert gone
     assert min(gone) > played.script.index("put right", played.script.index("put right") + 1)
+
+
+def test_a_motion_played_at_its_end_begins_anew_without_a_click() -> None:
+    near = watch(bump(10, 12, 12, 12), mends=8)
+    assert near.watched > FRAMES
+    assert "go where to play from" not in near.script
+    far = watch(bump(33, 12, 12, 12), mends=5)
+    assert "go where to play from" in far.script
+
+
+def test_a_click_on_the_timeline_stops_it_by_itself() -> None:
+    script = watch(bump(10, 8, 9, 14, 20, 14, 9, 8), mends=5).script
+    assert "go to the worst of it" in script
+    assert "stop" not in script
 
 
 def test_what_nothing_makes_better_is_left_and_the_rest_is_watched() -> None:

@@ -212,7 +212,7 @@ def _rendered(name: str, stretch: tuple[int, int]) -> Watched:
         raise Absent(f"the recorded motion of {name!r}") from None
     video = _film(name, shown)
     with Video.open(video) as opened:
-        session = _session(opened, shown.camera, shown.skeleton.body)
+        session = _session(opened, shown.camera, sized(shown.skeleton.body))
     poses = {frame: shown.truth.pose(frame) for frame in range(len(shown.truth))}
     return of_poses(name, video, session, poses)
 
@@ -227,6 +227,12 @@ def _film(name: str, shown: Scene) -> Path:
         encode(shown.frames(), unfinished, 12)
         unfinished.replace(path)
     return path
+
+
+def sized(body: Body) -> Body:
+    """The body as one that somebody has sized: a preset's sizes would be drafted anew, though they
+    are those of the person."""
+    return body.model_copy(update={"name": "sized"})
 
 
 def of_poses(name: str, video: Path, session: Session, poses: Mapping[int, Pose]) -> Watched:

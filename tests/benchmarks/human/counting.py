@@ -30,6 +30,10 @@ WATCHED_S = 1 / 15
 """A frame of a motion that is played."""
 LOOKED: Final = ("judged", "watched")
 """What is no action: to look."""
+Share: TypeAlias = Literal["begin", "keyframes", "limbs", "looks"]
+SHARES: Final[tuple[Share, ...]] = get_args(Share)
+"""What work consists of: all up to the first keyframe, and what is chosen once; posing at further
+keyframes; correcting single limbs between them; playing, going to frames and judging them."""
 SECONDS: Final[dict[Kind, float]] = {
     "click": POINT_S + 2 * BUTTON_S,
     "key": KEY_S,
@@ -47,6 +51,7 @@ class Act:
 
     kind: Kind
     why: str
+    share: Share = "looks"
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,11 @@ class Effort:
         """After that, for each frame of the clip."""
         return (self.seconds - self.first_seconds) / self.frames
 
+    def of_share(self, share: Share) -> tuple[int, float]:
+        """Actions and seconds of one share of the work."""
+        own = Effort(tuple(act for act in self.acts if act.share == share), self.frames)
+        return own.actions, own.seconds
+
     def by_cause(self) -> list[tuple[str, int, float]]:
         """What for, how many acts and how many seconds, the most seconds first."""
         counts = Counter(act.why for act in self.acts)
@@ -111,8 +121,9 @@ class Ledger:
     setup: int = 0
     first: int = 0
 
-    def note(self, kind: Kind, why: str) -> None:
-        self.acts.append(Act(kind, why))
+    def note(self, kind: Kind, why: str, share: Share = "looks") -> None:
+        """Before the first keyframe stands all work is its beginning."""
+        self.acts.append(Act(kind, why, share if self.first else "begin"))
 
     def end_setup(self) -> None:
         """What was done until now is done once for a clip."""

@@ -54,7 +54,7 @@ from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.storage.space import solved
 from keypose.tracker.video import Video
 from tests.benchmarks.human.clips import Watched
-from tests.benchmarks.human.counting import Kind, Ledger
+from tests.benchmarks.human.counting import Kind, Ledger, Share
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,19 @@ class Desk:
 
     def act(self, kind: Kind, why: str, *messages: Any) -> None:
         """Click, press or drag, and what comes of it."""
-        self.ledger.note(kind, why)
+        self.ledger.note(kind, why, self._share(kind, messages))
         self.script.append(Did(kind, why, messages))
         for message in messages:
             self._send(message)
+
+    def _share(self, kind: Kind, messages: tuple[Any, ...]) -> Share:
+        """Of the work that something is part of."""
+        if any(isinstance(message, do.Live) for message in messages):
+            return "begin"
+        goes = all(isinstance(message, do.Go | do.AcceptPlace) for message in messages)
+        if goes and (messages or kind == "key"):
+            return "looks"
+        return "limbs" if self._alone else "keyframes"
 
     def judge(self) -> None:
         """Look whether the present frame is right."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.tracker.geometry.rotations import Array
+from tests.benchmarks.human.counting import SECONDS
 from tests.benchmarks.human.desk import Desk
 from tests.benchmarks.human.hand import LOOKS_RIGHT_PX, Hand, px
 
@@ -65,13 +66,23 @@ class Watching:
         """Play what is new or changed; the first joint that is seen to be wrong, and the frame at
         which it is worst."""
         for first, last in self._stretches():
-            if self.desk.frame != first:
-                self.desk.act("click", "go where to play from", do.Go(frame=first))
+            begin = self._begin_at(first)
             self.desk.act("key", "play")
-            found = self._played(first, last)
+            found = self._played(begin, last)
             if found is not None:
                 return found
         return None
+
+    def _begin_at(self, first: int) -> int:
+        """Where playing begins so that what is new from a frame on is seen, gone to where it must
+        be: played at its end a motion begins anew."""
+        desk, begin = self.desk, self.desk.clip.first
+        at_end = desk.frame == desk.clip.last
+        if at_end and (first - begin) * SECONDS["watched"] < SECONDS["click"]:
+            return begin
+        if desk.frame != first:
+            desk.act("click", "go where to play from", do.Go(frame=first))
+        return first
 
     def _played(self, first: int, last: int) -> tuple[int, str] | None:
         """Frames one after the other, and soon after something is wrong no further."""
@@ -93,8 +104,10 @@ class Watching:
         return None if worst is None else worst[1:]
 
     def _stop_at(self, frame: int) -> None:
-        self.desk.act("key", "stop")
-        if self.desk.frame != frame:
+        """A click on the timeline stops what plays."""
+        if self.desk.frame == frame:
+            self.desk.act("key", "stop")
+        else:
             self.desk.act("click", "go to the worst of it", do.Go(frame=frame))
         self.desk.judge()
 
