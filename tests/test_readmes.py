@@ -15,6 +15,7 @@ READMES = [
     *(ROOT / folder / "README.md" for folder in ("app", "tracker", "static", "tests")),
 ]
 LARGEST_GALLERY_BYTES = 600_000
+MOST_WORDS = 900  # of the first page a newcomer reads
 NAMED = re.compile(r"`([\w./-]+\.(?:py|js|css))`|\]\(([\w./-]+?)(?:#[\w-]*)?\)")
 
 
@@ -43,3 +44,7 @@ def test_its_gallery_is_what_the_script_makes_and_small() -> None:
     shown = re.findall(r"!\[[^\]]+\]\((sample_videos/walk/gallery/(\w+)\.webp)\)", text)
     assert sorted(name for _, name in shown) == sorted(GALLERY)
     assert sum((ROOT / path).stat().st_size for path, _ in shown) < LARGEST_GALLERY_BYTES
+
+
+def test_the_first_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text("utf-8").split()) <= MOST_WORDS

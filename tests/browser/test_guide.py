@@ -215,6 +215,51 @@ def test_a_pose_that_is_kept_early_ends_the_guide(at: Desk, guided: Page) -> Non
     assert title(guided) == "Drag the waist onto the hips"  # looked up again, it stays
 
 
+# --- of a thing
+
+
+@pytest.fixture
+def thing(request: pytest.FixtureRequest, at: Desk) -> Iterator[Page]:
+    """The guide to a thing's first pose, opened from the help."""
+    at.visitor.do(do="preset", name=request.param)
+    at.agreed("body")
+    page = at.page
+    page.keyboard.press("?")
+    page.get_by_text("Show the first-pose guide").click()
+    until(lambda: title(page) == "Move it onto the thing", "the first step")
+    yield page
+    button(page, "Close guide").click()
+
+
+@pytest.mark.parametrize("thing", ["box", "cylinder"], indirect=True)
+def test_of_a_thing_the_guide_goes_from_its_place_to_its_keyframe(at: Desk, thing: Page) -> None:
+    assert thing.locator("#guide .foot").inner_text().startswith("Step 1 of 4")
+    tools, words = [], thing.locator("#guide").inner_text()
+    for wanted in ("Set its sizes", "Turn it like the thing", "Press K"):
+        up_to(thing, wanted)
+        tools.append(thing.evaluate("() => window.keypose.ui.tool"))
+        words += thing.locator("#guide").inner_text()
+    assert tools[:2] == ["size", "rotate"]
+    assert not any(word in words for word in ("person", "hips", "waist", "head", "Limbs"))
+    at.visitor.do(do="go", frame=5)
+    at.agreed("view")
+    thing.keyboard.press("k")
+    until(lambda: thing.locator("#guide .steps .c").count() == 0, "the end")
+    assert 5 in at.agreed("keys")["frames"]
+
+
+@pytest.mark.parametrize("thing", ["box"], indirect=True)
+def test_a_drag_of_a_thing_ticks_its_step_and_waits_for_next(at: Desk, thing: Page) -> None:
+    root = at.agreed("body")["parts"][0]["name"]
+    pulled(thing, root, (9, 5))
+    until_state(thing, "guide.done", lambda done: done["hips"])
+    first = thing.locator("#guide .steps button").first
+    until(lambda: "d" in (first.get_attribute("class") or "").split(), "the tick")
+    assert title(thing) == "Move it onto the thing"
+    button(thing, "Next").click()
+    until(lambda: title(thing) == "Set its sizes", "the next step")
+
+
 # --- of observed surfaces
 
 

@@ -58,6 +58,29 @@ def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
     until(lambda: work.served["undo"]["undo"] is None, "the session as it was")
 
 
+def test_a_name_that_is_not_known_is_given_its_place_on_the_body(work: Desk) -> None:
+    page, body = work.page, recordings.session("person").body
+    text = recordings.bvh_of(Skeleton.of(body), recordings.trajectory("person"), 1 / 30)
+    assert "JOINT left_foot\n" in text
+    drop(work, "odd.bvh", text.replace("JOINT left_foot\n", "JOINT Paw_1\n").encode())
+    sheet = page.locator("#importing")
+    shown(sheet, "Other names")
+    chosen = sheet.get_by_role("button", name="What Paw_1 is")
+    assert chosen.inner_text() == "Not used"
+    chosen.click()
+    page.keyboard.type("left foot")
+    page.keyboard.press("Enter")
+    until(lambda: chosen.inner_text() == "Left foot", "the choice")
+    listen = page.expect_request(lambda sent: sent.method == "POST" and "/imports/" in sent.url)
+    with listen as sent:
+        sheet.get_by_role("button", name="Import", exact=True).click()
+    assert sent.value.post_data_json["places"] == {"Paw_1": "left_foot"}
+    until(lambda: not sheet.is_visible(), "the end of the dialog")
+    until(lambda: work.served["undo"]["undo"] == "import", "a step to undo")
+    work.visitor.do(do="undo")
+    until(lambda: work.served["undo"]["undo"] is None, "the session as it was")
+
+
 def test_what_cannot_be_imported_is_said_in_the_dialog_which_asks_for_another(work: Desk) -> None:
     drop(work, "walk.trc", b"nothing")
     sheet = work.page.locator("#importing")

@@ -94,6 +94,34 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     until(lambda: current(page) == "Left forearm")
 
 
+def test_its_end_says_how_many_were_accepted_and_how_many_left_open(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until(lambda: current(page) == "Right forearm")
+    for key, answers in (("Enter", 1), ("Shift+Enter", 2), ("Enter", 3)):
+        page.keyboard.press(key)
+        until_state(
+            page,
+            "review.answered.length",
+            lambda many, answers=answers: many == answers,  # type: ignore[misc]
+        )
+        until(lambda answers=answers: len(done(page)) == answers)  # type: ignore[misc]
+    ended = page.locator(".review .ended")
+    ended.get_by_text("3 reviewed: 2 accepted, 1 left open.").wait_for()
+    page.get_by_text("3 done: 10, 5, 15").wait_for()
+    page.locator(".review .past").get_by_role("button", name="Show").click()
+    until_counted(page, ".rv-done li", 3)
+    assert page.locator(".rv-done li").nth(1).inner_text() == "Left foot 5 left open"
+    assert page.locator("#status").inner_text().startswith("Esc")
+    screens(page, "review-6-counted")
+    page.keyboard.press("Escape")
+    until_counted(page, "section.review", 0)
+
+
+def done(page: Page) -> Any:
+    """What was answered, as the list has it."""
+    return page.evaluate("() => window.keypose.ui.review.done")
+
+
 def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until_state(page, "view.frame", lambda frame: frame == 10)

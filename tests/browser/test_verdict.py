@@ -1,4 +1,5 @@
-"""What a tracked segment is expected to be off by, as the Track tab says it."""
+"""What a tracked segment is expected to be off by, as the Track tab and the head of the
+large view say it."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app.serving import ROOT
-from tests.browser.interaction import screens, until_counted, until_state
+from tests.browser.interaction import drag, screens, spot, until, until_counted, until_state
 from tests.browser.shared import office
 
 WORST = {
@@ -97,3 +98,57 @@ def test_a_segment_that_was_not_tracked_says_what_will_be_there(page: Page) -> N
     page.get_by_text("Expected error appears here after tracking.").wait_for()
     assert rows(page).count() == 0
     screens(page, "verdict-3-empty")
+
+
+# --- in the head of the large view
+
+
+def head(page: Page) -> str:
+    """What it says, in one line."""
+    return " ".join(page.locator("#mhead").inner_text().split())
+
+
+def test_the_head_says_how_far_a_tracked_segment_is_expected_to_be_off(page: Page) -> None:
+    page.keyboard.press("Home")
+    worst = "0–24 Good, ≈ 10 px at the right upper arm → 12"
+    until(lambda: head(page).endswith(f"Keyframe 0 {worst}"), "the part that is worst")
+    chip = page.locator("#mhead .chip.good")
+    words = "0–24: Good. Least sure: right upper arm hidden behind the chest. Go to 12"
+    assert chip.get_attribute("title") == words
+    chip.click()
+    until_state(page, "view.frame", lambda frame: frame == 12)
+    until(lambda: head(page).endswith(f"Frame 12 tracked {worst}"), "the frame gone to")
+    page.mouse.move(2, 2)  # what is pointed at has its title in a tip
+    screens(page, "verdict-4-head")
+
+
+def test_the_head_says_what_a_frame_between_keyframes_holds(page: Page) -> None:
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowRight")
+    until(lambda: "Frame 1 tracked 0–24" in head(page), "a tracked frame")
+    page.keyboard.press("End")
+    page.keyboard.press("ArrowLeft")
+    until(lambda: head(page).endswith("Frame 71 between keyframes"), "a frame without results")
+    until_counted(page, "#mhead .chip", 0)
+
+
+def test_beyond_the_keyframes_the_head_says_how_to_go_on(page: Page) -> None:
+    page.keyboard.press("End")
+    until_state(page, "view.frame", lambda frame: frame == 72)
+    page.keyboard.press("Delete")
+    until(lambda: "Frame 72 same as keyframe 48" in head(page), "the nearest keyframe")
+    until(lambda: head(page).endswith("No motion yet Track ahead"), "what to do")
+    page.locator("#mhead .chip[title^='Frames 49–72 have no motion yet.']").wait_for()
+    screens(page, "verdict-5-beyond")
+    page.keyboard.press("Control+z")
+    until_counted(page, "#mhead .chip", 0)
+
+
+def test_the_head_says_that_a_segment_is_outdated_once_its_keyframe_moves(page: Page) -> None:
+    page.keyboard.press("Home")
+    until_state(page, "view.frame", lambda frame: frame == 0)
+    x, y = spot(page, "waist")
+    drag(page, (x, y), (x + 9, y), steps=4)
+    page.locator("#mhead .chip.old", has_text="0–24").wait_for()
+    page.keyboard.press("Control+z")
+    page.locator("#mhead .chip.good", has_text="0–24").wait_for()
