@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.robust import Cauchy, Huber
@@ -39,15 +43,33 @@ def from_keypoints(correction: Correction, from_afar: bool = True) -> Trajectory
 
 
 def _frame_by_frame(correction: Correction) -> Trajectory:
-    """Every pose from the one before it, where the root went on as it did."""
+    """Every pose from the one before it, where the root went on as it did.
+
+    What no keypoint turns, such as a hand at its wrist, goes on as between the keyframes: it would
+    stay as it was at the first one, and leap at the second.
+    """
     segment = correction.segment
-    R, t = segment.interpolated().writable()
+    path = segment.interpolated()
+    onward = _turns_not_tracked(correction.scene.skeleton, path)
+    R, t = path.writable()
     for n in range(1, len(t)):
-        found = _next(correction, n, segment.expected(R, t, n))
+        near = segment.expected(R, t, n)
+        near = replace(near, Rs_parent_part=near.Rs_parent_part @ onward[n - 1])
+        found = _next(correction, n, near)
         R[n], t[n] = found.Rs_parent_part, found.p_camera_root
     if not correction.open_end:
         R[-1], t[-1] = segment.end.Rs_parent_part, segment.end.p_camera_root
     return Trajectory(segment.first_frame, R, t)
+
+
+def _turns_not_tracked(skeleton: Skeleton, path: Trajectory) -> Array:
+    """(N − 1, P, 3, 3) the turns of a path from frame to frame about axes without a degree of
+    freedom."""
+    R = path.Rs_parent_part
+    turn = log_rotation(transpose(R[:-1]) @ R[1:])
+    turns = skeleton.dof_turns == 1
+    turn[:, skeleton.dof_part[turns], skeleton.dof_axis[turns]] = 0.0
+    return exp_rotation(turn)
 
 
 def _next(correction: Correction, n: int, near: Pose) -> Pose:

@@ -95,6 +95,23 @@ def test_keypoints_alone_bring_limbs_to_where_they_were(size: float) -> None:
     assert away.mean() < max(0.25 * missed.mean(), 0.02)
 
 
+@pytest.mark.parametrize(("count", "size"), [(13, 0.9), (25, 2.2)], ids=["swinging", "far"])
+def test_what_no_keypoint_turns_goes_evenly_from_keyframe_to_keyframe(
+    count: int, size: float
+) -> None:
+    """Hands and feet do not stay as they were at the first keyframe, and leap at the second: not
+    where keypoints are followed frame by frame either, as from far."""
+    film = Filmed(moving(count, size))
+    start, end = film.segment.start, film.segment.end
+    hand, foot = (SKELETON.body.index(name) for name in ("left_hand", "right_foot"))
+    R = end.Rs_parent_part.copy()
+    R[[hand, foot]] = exp_rotation(np.array([[0.9, 0.0, 0.3], [0.0, 0.5, 0.0]]))
+    found = from_keypoints(_correction(film.keyed(start, replace(end, Rs_parent_part=R))))
+    R = found.Rs_parent_part[:, [hand, foot]]
+    steps = np.linalg.norm(log_rotation(transpose(R[:-1]) @ R[1:]), axis=-1)
+    np.testing.assert_allclose(steps, np.broadcast_to(steps.mean(axis=0), steps.shape), atol=1e-6)
+
+
 def test_drift_is_taken_out_between_keyframes_too_not_only_at_the_second() -> None:
     film = Filmed(moving(25))
     motions = _drifting(film.truth, size=0.02)
