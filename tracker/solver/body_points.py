@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -85,6 +86,17 @@ class BodyPoints:
 
 def _average(mean: Array | None, p: Array) -> Array:
     return np.asarray(p if mean is None else mean @ p)
+
+
+def with_free_parts(skeleton: Skeleton, names: Collection[str]) -> Skeleton:
+    """The skeleton with the parts of these names free to turn about all axes."""
+    some = (
+        part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
+        if part.name in names
+        else part
+        for part in skeleton.body.parts
+    )
+    return Skeleton.of(skeleton.body.replaced(some))
 
 
 def free_skeleton(body: Body) -> Skeleton:

@@ -14,7 +14,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.body import ROTATIONS
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
@@ -22,7 +21,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.body_points import BodyPoints, with_free_parts
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
@@ -139,16 +138,8 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
     What a picture's brightness does not decide, such as a limb's turn about itself, a keypoint at
     the limb's far end may.
     """
-    body = skeleton.body
-    _, parts, _ = points_on_body(body, (*JOINTS, *FACE))
-    carrying = {body.names[part] for part in parts}
-    some = (
-        part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
-        if part.name in carrying
-        else part
-        for part in body.parts
-    )
-    return Skeleton.of(body.replaced(some))
+    _, parts, _ = points_on_body(skeleton.body, (*JOINTS, *FACE))
+    return with_free_parts(skeleton, {skeleton.body.names[part] for part in parts})
 
 
 def anchors_of(

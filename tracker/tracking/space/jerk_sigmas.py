@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
@@ -34,6 +35,12 @@ less than this share: what stands does not jerk, whatever the tracker's noise. O
 so many seconds the highest counts, so that a landing is as sharp as the step before it."""
 
 
+def parts_of_known_jerk(body: Body) -> set[str]:
+    """Names of a person's own parts, not of what a hand holds. Without feet, whose turns shape the
+    swing of a leg: were they free, a fast foot would lose some of its peak speed."""
+    return {name for name in body.names if _bare(name) in SIGMAS and _bare(name) != FOOT}
+
+
 def jerk_points(
     skeleton: Skeleton, motion: Trajectory, frames_per_second: float
 ) -> tuple[BodyPoints, Array]:
@@ -44,7 +51,7 @@ def jerk_points(
     for i, part in enumerate(skeleton.body.parts):
         for p in ((0.0, 0.0, 0.0), *part.landmarks.values()):
             places.append(((i, p),))
-            names.append(part.name.removeprefix("left_").removeprefix("right_"))
+            names.append(_bare(part.name))
     points = BodyPoints(skeleton, tuple(places))
     sigma = np.array([SIGMAS.get(name, OTHER) for name in names])
     feet = np.array([name == FOOT for name in names])
@@ -55,6 +62,11 @@ def jerk_points(
     for k in np.flatnonzero(feet):
         share[:, k] = _share(speed_m_s(p_camera[:, k], frames_per_second), frames_per_second)
     return points, sigma * share
+
+
+def _bare(name: str) -> str:
+    """Without its side."""
+    return name.removeprefix("left_").removeprefix("right_")
 
 
 def _share(speed: Array, frames_per_second: float) -> Array:

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from keypose.tracker.body.body import ROTATIONS
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -29,7 +28,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, with_free_parts
 from keypose.tracker.solver.jerk import Jerk
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
@@ -56,7 +55,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
 from keypose.tracker.tracking.drift import DOUBT_FLOOR
 from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, with_exact_ends
 from keypose.tracker.tracking.segment import NEAREST_M
-from keypose.tracker.tracking.space.jerk_sigmas import jerk_points
+from keypose.tracker.tracking.space.jerk_sigmas import jerk_points, parts_of_known_jerk
 
 SEEN_SHARE = 0.003
 """Standard deviation of where the tracked motion was seen: a share of the body's height."""
@@ -185,20 +184,17 @@ def _solution(
 
 
 def _free(problem: SpaceProblem) -> Skeleton:
-    """With those parts free to turn that keypoints or pins can turn."""
+    """With those parts free to turn that pins or keypoints can turn, and those whose jerk is known.
+
+    Hands, feet and neck, which nothing tracks as a rule, are interpolated between keyframes, with a
+    corner at each of them.
+    """
     skeleton = problem.skeleton
+    names = {skeleton.body.names[pin.part] for pin in problem.pins}
     if is_persons(skeleton.body):
         skeleton = with_free_joints(skeleton)
-    pinned = {skeleton.body.names[pin.part] for pin in problem.pins}
-    if not pinned:
-        return skeleton
-    some = (
-        part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
-        if part.name in pinned
-        else part
-        for part in skeleton.body.parts
-    )
-    return Skeleton.of(skeleton.body.replaced(some))
+        names |= parts_of_known_jerk(skeleton.body)
+    return with_free_parts(skeleton, names)
 
 
 def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:

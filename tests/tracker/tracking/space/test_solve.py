@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import exp_rotation, transpose
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 from tests.rendering.mocap import needs_mocap
@@ -238,6 +238,34 @@ def test_a_foot_that_stands_keeps_little_of_the_shaking_of_a_tracked_body(
 
     assert shaking(tracked) > 40
     assert shaking(found) < 2.5
+
+
+def test_a_hand_that_is_interpolated_between_keyframes_turns_without_a_corner_there(
+    person: Scene,
+) -> None:
+    """It turns by 6 degrees a frame up to a keyframe, and no more after it."""
+    hand = person.skeleton.body.index("left_hand")
+    turn = np.zeros((FRAMES, 3))
+    turn[:, 0] = np.radians(6.0) * np.clip(np.arange(FRAMES) - 15, 0, 15)
+    R, p = person.truth.writable()
+    R[:, hand] = exp_rotation(turn)
+    tracked = Trajectory(0, R, p)
+    seen = np.full((FRAMES - 1, person.skeleton.part_count), 0.9)
+    seen[:, hand] = np.nan  # nothing tracks it
+    given = problem(
+        person, tracked, keyframes=(0, 30, 60), observability=seen, frames_per_second=60.0
+    )
+    found = solve_space(given).motion
+
+    def corner(motion: Trajectory) -> float:
+        """Degrees by which the turn of a frame differs from that of the next, about keyframe 30."""
+        own = motion.Rs_parent_part[:, hand]
+        turns = log_rotation(transpose(own[:-1]) @ own[1:])
+        return float(np.degrees(np.linalg.norm(np.diff(turns, axis=0), axis=-1))[24:36].max())
+
+    assert corner(tracked) == pytest.approx(6.0)
+    assert corner(found) < 3.0
+    np.testing.assert_array_equal(found.Rs_parent_part[30], tracked.Rs_parent_part[30])
 
 
 @needs_mocap
