@@ -30,7 +30,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
 from keypose.tracker.tracking.cues.steady import steadied
 from keypose.tracker.tracking.cycle import Outcome, Work, drift_px
 from keypose.tracker.tracking.frame_pair import robust_pass
-from keypose.tracker.tracking.initial.choose import Starts, starts
+from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.segment import distance_px, is_sound
 
 if TYPE_CHECKING:
@@ -72,25 +72,22 @@ def track_anchored(
     segment: Segment,
     method: Keypose,
     candidates: Sequence[Anchors],
-    brightness: bool = True,
+    begun: Starts | None,
     *,
     silhouette: bool = False,
-    begun: Starts | None = None,
+    from_afar: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
-    two where left and right are in doubt.  brightness: whether it counts as well.
+    several where left and right are in doubt.  begun: starts from brightness; None where it does
+        not count.
     silhouette: whether what moves counts when the best motion is chosen.
-    begun: starts from brightness, where they are known: of a motion that is about right already,
-        which keypoints need not reach from afar. Where these lead elsewhere alone that counts only
-        if it is plainly better.
+    from_afar: unless the starts are about right already, and keypoints need not reach far. Where
+        these lead elsewhere alone that counts only if it is plainly better.
     """
-    from_afar = begun is None
-    if not brightness:
-        begun = Starts(())
-    elif begun is None:
-        begun = starts(scene, segment, replace(method, templates=False))
+    brightness = begun is not None
+    begun = begun or Starts(())
     tried: list[Pass] = []
     ends: list[Ended] = []
     for anchors in candidates:

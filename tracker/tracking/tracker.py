@@ -24,6 +24,7 @@ from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
 from keypose.tracker.tracking.diagnostics.segment_result import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
+from keypose.tracker.tracking.initial.choose import starts
 from keypose.tracker.tracking.method import Keypose, expected_steps, method_of
 from keypose.tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
 from keypose.tracker.tracking.parts.kept import KeptOutcomes, Kind
@@ -270,12 +271,14 @@ class Tracker:
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
             camera, weight = self.loader(span).camera, settings.weight("keypoints")
-            candidates = anchors_of(free, segment, camera, keypoints, weight)
+            brightness = "brightness" in settings.cues_used
+            begun = starts(scene, segment, replace(method, templates=False)) if brightness else None
+            followed = begun.ways[0].trajectory if begun is not None else None
+            candidates = anchors_of(free, segment, camera, keypoints, weight, followed=followed)
             if candidates:
-                brightness = "brightness" in settings.cues_used
                 silhouette = self._uses_silhouette(settings)
                 return track_anchored(
-                    scene, free, segment, method, candidates, brightness, silhouette=silhouette
+                    scene, free, segment, method, candidates, begun, silhouette=silhouette
                 )
         return track_segment(scene, segment, method)
 

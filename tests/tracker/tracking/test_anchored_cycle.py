@@ -33,9 +33,8 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
         return Ended(len(tried) - 1, start.trajectory, cost, nothing, correction.anchors)
 
     monkeypatch.setattr(anchored_cycle, "cycle", cycle)
-    monkeypatch.setattr(anchored_cycle, "starts", lambda *_: begun)
     work = track_anchored(
-        FILM.free, FILM.free, FILM.segment, FAST, FILM.anchors(), begun=begun if known else None
+        FILM.free, FILM.free, FILM.segment, FAST, FILM.anchors(), begun, from_afar=not known
     )
     while True:
         try:

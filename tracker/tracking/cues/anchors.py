@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.jumps import jumped_away
@@ -144,10 +145,11 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 def anchors_of(
     scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
-    *, open_end: bool = False,
+    *, open_end: bool = False, followed: Trajectory | None = None,
 ) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector has left and right, and, where it seems to
-    exchange them, also set right. None where they lie on another body, or there are none.
+    exchange them, also set right, by itself and by the motion that brightness followed. None where
+    they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     weight: what standard deviations are divided by, but for what a person set.
@@ -163,15 +165,25 @@ def anchors_of(
         keyed[len(seen) - 1] = segment.end
     candidates = [seen]
     nominal = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
-    swapped = exchanged_sides(seen, index, nominal, height)
-    if swapped is not None:
-        candidates.append(swapped)
+    ways = [nominal]
+    if followed is not None:
+        where = BodyPoints.single(scene.skeleton, parts, points)
+        uv = image_points(scene.camera, where.at(followed.transforms(scene.skeleton)))
+        ways.append(dict(enumerate(uv)) | nominal)
+    for places in ways:
+        swapped = exchanged_sides(seen, index, places, height)
+        if swapped is not None and not any(_same(swapped, known) for known in candidates):
+            candidates.append(swapped)
     found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     return tuple(
         replace(anchors, exchanged=k > 0).weighted(weight)
         for k, anchors in enumerate(found)
         if anchors is not None
     )
+
+
+def _same(one: Keypoints, other: Keypoints) -> bool:
+    return np.array_equal(one.uv, other.uv, equal_nan=True)
 
 
 def frame_anchors(

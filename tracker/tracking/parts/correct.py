@@ -136,8 +136,9 @@ def _tracked(
         candidates = anchors_of(free, whole, seen.camera, seen.keypoints, seen.weight)
         if candidates:
             anchors = limb_anchors(candidates, segment, whole, free)
+            by_brightness = begun if seen.brightness else None
             work = track_anchored(
-                scene, free, segment, method, [anchors], seen.brightness, begun=begun
+                scene, free, segment, method, [anchors], by_brightness, from_afar=False
             )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))

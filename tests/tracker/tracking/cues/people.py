@@ -98,9 +98,11 @@ class Filmed:
         p = BodyPoints.single(SKELETON, parts, points).at(motion.transforms(SKELETON))
         return np.asarray(self.camera.project(p)[:, 0])
 
-    def anchors(self, keypoints: Keypoints | None = None) -> tuple[Anchors, ...]:
+    def anchors(
+        self, keypoints: Keypoints | None = None, followed: Trajectory | None = None
+    ) -> tuple[Anchors, ...]:
         found = self.keypoints if keypoints is None else keypoints
-        return anchors_of(self.free, self.segment, self.camera, found)
+        return anchors_of(self.free, self.segment, self.camera, found, followed=followed)
 
     def keyed(self, start: Pose, end: Pose) -> Filmed:
         """With other keyframes before the same film."""

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.tracking.cues.anchors import Anchors
 from tests.tracker.tracking.cues.people import Filmed, moving
 
 
@@ -48,3 +49,27 @@ def test_frames_where_nothing_is_seen_are_passed_over() -> None:
     _, mended = film.anchors(replace(wrong, uv=uv, visibility=np.isfinite(uv[..., 0]) * 1.0))
     seen = [5, 6, 8]
     np.testing.assert_allclose(mended.uv[seen], film.anchors()[0].uv[seen], atol=1e-6)
+
+
+def test_sides_that_pass_through_each_other_are_set_right_by_the_motion_that_was_followed() -> None:
+    """Of somebody who seems to be seen from behind for some frames. Nothing jumps then, so that by
+    itself it cannot be told from a body that turns round."""
+    film = Filmed(moving(21))
+    share = np.interp(np.arange(21), (4, 8, 13, 17), (0.0, 1.0, 1.0, 0.0), 0, 0)[:, None, None]
+    own, other = film.keypoints.uv, film.keypoints.exchanged().uv
+    wrong = replace(film.keypoints, uv=own + share * (other - own))
+    (right,) = film.anchors()
+    inside = slice(8, 14)
+
+    def away(anchors: Anchors) -> float:
+        return float(np.abs(anchors.uv[inside] - right.uv[inside]).max())
+
+    assert min(map(away, film.anchors(wrong))) > 10
+    found = film.anchors(wrong, film.truth)
+    assert len(found) == len(film.anchors(wrong)) + 1
+    assert away(found[-1]) < 1e-6
+
+
+def test_a_motion_that_was_followed_adds_nothing_where_sides_agree_with_it() -> None:
+    film = Filmed(moving())
+    assert len(film.anchors(film.keypoints, film.truth)) == 1

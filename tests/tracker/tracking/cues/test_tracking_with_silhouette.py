@@ -70,7 +70,7 @@ def test_of_two_motions_that_keypoints_bear_out_alike_that_counts_which_covers_w
     uv[3:9, right.names.index("right_ankle")] += drifting  # a few speak against what is right
     candidates = [FILM.anchors(k)[0] for k in (wrong, replace(right, uv=uv))]
     segment = replace(FILM.segment, clip=clip_that_shows(truth))
-    track = partial(track_anchored, FILM.free, FILM.free, segment, FULL, candidates, False)
+    track = partial(track_anchored, FILM.free, FILM.free, segment, FULL, candidates, None)
     without, found = (
         joints_apart_m(trajectory_of(track(silhouette=used)), truth)[6].max()
         for used in (False, True)
