@@ -184,7 +184,8 @@ class _Work:
             assert followed is not None
             return [followed], scene
         free = tracker.scene_about([start], whole, method.density, free=True)
-        anchors = self._anchors(source, free, segment, whole)
+        motion = None if followed is None else followed.motion
+        anchors = self._anchors(source, free, segment, whole, motion)
         if not anchors:
             self.notes = (NO_KEYPOINTS,)
             return [followed or by_brightness(scene, segment, method)], scene
@@ -199,7 +200,12 @@ class _Work:
             self.meanwhile = motion
 
     def _anchors(
-        self, source: KeypointSource, free: Scene, segment: Segment, whole: tuple[int, int]
+        self,
+        source: KeypointSource,
+        free: Scene,
+        segment: Segment,
+        whole: tuple[int, int],
+        followed: Trajectory | None,
     ) -> tuple[Anchors, ...]:
         count, looks = segment.last_frame, itertools.count()
 
@@ -214,7 +220,7 @@ class _Work:
             return ()
         camera, by_step = self.tracker.loader(whole).camera, self.line.keypoints(keypoints, count)
         weight = self.settings.weight("keypoints")
-        return anchors_of(free, segment, camera, by_step, weight, open_end=True)
+        return anchors_of(free, segment, camera, by_step, weight, open_end=True, followed=followed)
 
     def _reported(self, work: Generator[Pass, None, Followed]) -> Followed:
         """What the work comes to; every motion on the way is emitted."""
