@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from keypose.app.posing import BodyHandle, drag, handles
+from keypose.app.posing import BodyHandle, drag, handle_named, handles
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -50,6 +50,12 @@ def test_nothing_jumps_anywhere_along_a_drag(body: Body, pose: Pose, view: str) 
             for degrees in (15, 100, 190, 280):
                 worst = largest_jump(drawn(body, pose, handle, view, degrees, limits_on))
                 assert worst < JUMP, (handle.name, degrees, limits_on, math.degrees(worst))
+
+
+@pytest.mark.parametrize("degrees", [65, 110, 125])
+def test_a_head_whose_neck_bends_ever_nearer_keeps_its_depth_without_a_jump(degrees: float) -> None:
+    head = handle_named(DOG, "head")
+    assert largest_jump(drawn(DOG, standing(DOG), head, "front", degrees, False)) < JUMP
 
 
 def drawn(
