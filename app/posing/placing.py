@@ -20,6 +20,7 @@ FILLED_WIDTH = 0.85
 """The most of the width that it may take for that."""
 
 _NEAREST_M, _FARTHEST_M = 0.1, 1000.0
+_ROUNDS, _EXACT_M = 30, 1e-9
 
 
 def opening_pose(body: Body, camera: Camera, up_camera: ArrayLike = CAMERA_UP) -> Pose:
@@ -47,15 +48,25 @@ def _distance(points: Array, camera: Camera) -> float:
     if camera.telephoto_distance_m is not None:
         return camera.telephoto_distance_m
     view = PointerView.of(camera)
-    near = _NEAREST_M - float(points[:, 2].min())
-    far = near + _FARTHEST_M
-    for _ in range(60):
-        middle = (near * far) ** 0.5 if near > 0 else (near + far) / 2
-        if _filled(points + _centred(points, view, middle), view) > 1.0:
-            near = middle
-        else:
-            far = middle
-    return far
+    near = _NEAREST_M - min(float(points[:, 2].min()), 0.0)  # the root too is before the camera
+
+    def left(depth: float) -> float:
+        """The share of the room that is left: nearly a line over depth, which a secant meets in a
+        few rounds."""
+        return 1.0 / _filled(points + _centred(points, view, depth), view) - 1.0
+
+    before, depth = near, near + 1.0
+    left_before = left(before)
+    if left_before >= 0:
+        return near
+    for _ in range(_ROUNDS):
+        left_now = left(depth)
+        rise = (left_now - left_before) / (depth - before)
+        before, left_before = depth, left_now
+        depth = min(max(depth - left_now / rise, near), near + _FARTHEST_M)
+        if abs(depth - before) < _EXACT_M:
+            break
+    return depth
 
 
 def _filled(points: Array, view: PointerView) -> float:

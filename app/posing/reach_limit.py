@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.app.posing.moving import Aim
 from keypose.app.posing.pointer_view import PointerView
-from keypose.app.posing.swinging import in_level
+from keypose.app.posing.swinging import in_level, keeps_level
 from keypose.app.posing.vectors import length, unit
 from keypose.tracker.geometry.rotations import Array
 
@@ -36,9 +36,8 @@ def within_reach(
     else:
         if away < nearest_m:
             return _pushed_out(view, goal, centre, radius)
-        level = in_level(view, goal, centre, radius, p_before)
-        if level is not None:
-            return level
+        if keeps_level(view, p_before - centre, radius):
+            return in_level(view, goal, centre, radius, p_before)
         found = _under_pointer(view, goal, centre, radius)
     return np.asarray(centre + radius * unit(found - centre))
 

@@ -67,13 +67,14 @@ def on_sphere(
     On the picture it lies under the pointer, on the side, near or far, where it was; a point about
     as far away as the centre goes to the side of `resting`, the middle of the limb's range. Past
     the sphere's outline it is the nearest point of that. In the small views it stays in its plane
-    of the view, see `in_level`. Along a line it is the point toward which the line leads.
+    of the view, see `in_level`: whether it does follows from where it was before the drag, so that
+    it holds while a neck that bends makes the sphere smaller. Along a line it is the point toward
+    which the line leads.
     """
     if goal.line is not None:
         return np.asarray(centre + radius * unit(goal.p_camera - centre))
-    level = in_level(view, goal, centre, radius, p_before)
-    if level is not None:
-        return level
+    if keeps_level(view, p_before - centre, length(p_before - centre)):
+        return in_level(view, goal, centre, radius, p_before)
     away = view.ray_through(p_before)
     drawn = length(view.at_depth(goal.at, p_before) - p_before)
     share = farness(float((p_before - centre) @ away) / radius, float(resting @ away), drawn)
@@ -96,23 +97,24 @@ def under_pointer(
     return np.asarray(centre + radius * unit(way))
 
 
-def in_level(
-    view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array
-) -> Array | None:
-    """(3,) in a small view, the point of the sphere at the depth of p_before nearest to the goal.
+def keeps_level(view: PointerView, way: Array, radius: float) -> bool:
+    """Whether a drag in this view leaves the depth of a point alone, which lies `way` (3,) from the
+    centre of its sphere.
 
-    Each small view is there to set what the others do not show, so it leaves their direction
-    alone. None on the picture, and where so little of the sphere is at that depth that nothing
-    could move.
+    Each small view is there to set what the others do not show. Not on the picture, nor where so
+    little of the sphere is at that depth that nothing could move.
     """
-    if view.camera is not None:
-        return None
+    return view.camera is None and abs(float(way @ view.away)) <= _TOP * radius
+
+
+def in_level(view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array) -> Array:
+    """(3,) the point of the sphere at the depth of p_before nearest to the goal; where the sphere
+    does not reach that depth, the point nearest to it."""
     height = float((p_before - centre) @ view.away)
-    if abs(height) > _TOP * radius:
-        return None
+    height = min(max(height, -radius), radius)
     middle = centre + height * view.away
-    way = goal.p_camera - middle
-    way = way if length(way) > 1e-9 else p_before - middle
+    way = across(goal.p_camera - middle, view.away)
+    way = way if length(way) > 1e-9 else across(p_before - middle, view.away)
     return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(way))
 
 

@@ -1,7 +1,7 @@
 """A limb turned about a line, so that its upper part is not twisted beyond its limits.
 
 About the line from shoulder to hand both stay where they are and the elbow goes round; about the
-upper arm itself the elbow stays. Either way it is the least turn that does.
+upper arm itself the elbow stays. Either way one turn alone leads to a wanted twist.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.limits import FREE, SLACK, JointRange, nearest_within, range_of, twist_of
-from keypose.app.posing.vectors import length, smooth_step
+from keypose.app.posing.vectors import length, smooth_step, turn
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.twist import TwistLimits
@@ -25,7 +25,6 @@ SAME_M = 0.01
 """Ends of a limb that lie no farther apart are as good: then the least twist counts."""
 
 _TRIED = 41
-_STEPS, _FINER, _ROUNDS = 73, 17, 4
 
 
 def twist_allowed(context: GestureContext, part: int, drawn_m: float) -> TwistLimits | None:
@@ -57,29 +56,7 @@ def untwisted(
     middle, half = float(limits.low + limits.high) / 2, float(limits.high - limits.low) / 2
     back = 1.0 - min(abs(beyond) / (math.pi - half), 1.0)
     wanted = middle + math.copysign(half * back, beyond)
-    return np.asarray(exp_rotation(_turn_to(limits, R_parent_part, axis, wanted)) @ R_parent_part)
-
-
-def _turn_to(limits: TwistLimits, R: Array, axis: Array, twist: float) -> Array:
-    """(3,) the least turn about an axis, as a rotation vector, after which a twist is this one; or
-    where none leads there, that which comes nearest."""
-
-    def away(angles: Array) -> Array:
-        found = limits.twist(exp_rotation(np.outer(angles, axis)) @ R) - twist
-        return np.asarray(found - 2 * math.pi * np.round(found / (2 * math.pi)))
-
-    low, high, count = -math.pi, math.pi, _STEPS
-    for _ in range(_ROUNDS):
-        angles = np.linspace(low, high, count)
-        off = away(angles)
-        near = np.minimum(np.abs(off[1:]), np.abs(off[:-1])) < 1.0  # elsewhere it runs round
-        crosses = np.flatnonzero((off[1:] * off[:-1] <= 0) & near)
-        if not crosses.size:
-            return np.asarray(angles[int(np.argmin(np.abs(off)))] * axis)
-        first = min(crosses.tolist(), key=lambda k: abs(angles[k] + angles[k + 1]))
-        low, high, count = float(angles[first]), float(angles[first + 1]), _FINER
-    share = off[first] / (off[first] - off[first + 1]) if off[first] != off[first + 1] else 0.0
-    return np.asarray((low + share * (high - low)) * axis)
+    return np.asarray(turn(axis, limits.turn_to(R_parent_part, axis, wanted)) @ R_parent_part)
 
 
 def untwisted_limb(skeleton: Skeleton, pose: Pose, part: int) -> Pose:

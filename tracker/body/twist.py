@@ -9,6 +9,7 @@ that direction.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -16,7 +17,7 @@ from typing import Self
 import numpy as np
 
 from keypose.tracker.body.body import Part
-from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.geometry.rotations import Array, quaternion_wxyz, transpose
 
 LEAST_DETERMINED = 0.1
 """Of 1 + cos of the angle between a length and where swings are counted from: nearer to opposite,
@@ -68,6 +69,20 @@ class TwistLimits:
         M = transpose(self.R_rest) @ Rs_parent_part
         along = M[..., 1, :] + np.array([0.0, 1.0, 0.0])
         return np.asarray(along / np.maximum(along[..., 1:2], LEAST_DETERMINED))
+
+    def turn_to(self, R_parent_part: Array, axis: Array, twist: float) -> float:
+        """Radians, within ±pi, by which one part's rotation (3, 3) is to be turned about a unit
+        axis (3,) of its parent's frame for its twist to be this one.
+
+        There is one such turn: turned by a, the quaternion of M is cos(a/2) p + sin(a/2) q, so that
+        over a whole turn the twist goes round once, one way. 0 where the turn does not change it.
+        """
+        w, x, y, z = quaternion_wxyz(self.R_rest.T @ R_parent_part).tolist()
+        ax, ay, az = (axis @ self.R_rest).tolist()
+        q_w, q_y = -(ax * x + ay * y + az * z), ay * w + az * x - ax * z
+        c, s = math.cos(twist / 2), math.sin(twist / 2)
+        p_off, q_off = y * c - w * s, q_y * c - q_w * s
+        return math.remainder(2 * math.atan2(-p_off, q_off), math.tau)
 
     def widened(self, excess: Array) -> TwistLimits:
         """With room for twists that lie outside by so much (..., signed)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from keypose.app.posing import BodyHandle, angles_deg, drag, handle_named, handles
@@ -75,6 +75,8 @@ def test_a_hand_stays_where_it_is_while_its_bent_elbow_is_dragged_around() -> No
 
 @every_pose
 @given(way=st.tuples(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4)), view=st.sampled_from(VIEWS))
+@example(way=(-0.32203131, 0.14337758), view="main")  # just within reach of the tumbling one
+@example(way=(-0.09521411, 0.02023838), view="main")
 def test_neck_and_chest_take_their_shares_when_the_head_is_dragged(
     pose: Pose, way: tuple[float, float], view: str
 ) -> None:
@@ -90,7 +92,7 @@ def test_neck_and_chest_take_their_shares_when_the_head_is_dragged(
         assert 0.5 < turned[0] / turned[2] < 0.7
     if view == "main" and not posed.readout.out_of_reach and np.hypot(*way) > 0.06:
         np.testing.assert_allclose(seen, end, atol=0.5)  # 2 mm past its outline, or exactly
-        assert np.abs(seen - end).max() < 1e-4 or past_outline(posed.pose, end)
+        assert np.abs(seen - end).max() < 1e-6 or past_outline(posed.pose, end)
 
 
 def past_outline(after: Pose, end: np.ndarray) -> bool:

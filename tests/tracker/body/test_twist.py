@@ -77,6 +77,25 @@ def test_slopes_are_those_of_small_turns(turn_rad: float) -> None:
         assert np.allclose(slopes[..., axis][determined], change[determined], atol=1e-6)
 
 
+@pytest.mark.parametrize("k", range(len(LIMBS)), ids=LIMBS)
+def test_one_turn_about_an_axis_gives_a_wanted_twist(k: int) -> None:
+    limits, rng = twists().one(k), np.random.default_rng(k)
+    for _ in range(100):
+        R, axis = exp_rotation(rng.normal(0, 1.5, 3)), rng.normal(0, 1, 3)
+        axis /= np.linalg.norm(axis)
+        wanted = rng.uniform(limits.low, limits.high)
+        turn = limits.turn_to(R, axis, wanted)
+        assert abs(turn) <= np.pi
+        found = float(limits.twist(exp_rotation(turn * axis) @ R))
+        assert np.isclose(np.cos(found - wanted), 1.0, atol=1e-12)
+
+
+def test_a_turn_that_does_not_change_the_twist_is_left_out() -> None:
+    limits, across = twists().one(0), np.array([1.0, 0.0, 0.0])
+    R = twists().R_rest[0]
+    assert limits.turn_to(R, R @ across, 0.0) == 0.0
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_an_arm_turned_by_half_a_circle_lies_in_the_box_but_not_in_its_twist(side: str) -> None:
     sign = 1.0 if side == "left" else -1.0
