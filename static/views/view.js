@@ -20,6 +20,8 @@ const LARGE_PX = 420;
 
 /** @type {WeakMap<Element, View>} */
 const views = new WeakMap();
+/** @type {ResizeObserver | null} */
+let sizes = null;
 const listeners = new Set();
 const moved = new Set();
 let asked = false;
@@ -48,8 +50,7 @@ export class View {
       isHidden: () => !this.isShown,
     });
     el.prepend(this.#paper, this.under, this.over, this.#marks);
-    views.set(el, this);
-    sizes.observe(el);
+    watchSize(this);
   }
 
   /** Fetch viser's page and show its picture. */
@@ -167,11 +168,15 @@ export class View {
   }
 }
 
-/** Views of a new size are drawn before the browser shows it: handles and picture stay together. */
-const sizes = new ResizeObserver((entries) => {
-  for (const { target } of entries) views.get(target).fitToSize();
-  drawMoved();
-});
+/** Views of a new size are drawn before the browser shows it: handles and picture stay together. @param {View} view */
+function watchSize(view) {
+  sizes ??= new ResizeObserver((entries) => {
+    for (const { target } of entries) views.get(target).fitToSize();
+    drawMoved();
+  });
+  views.set(view.el, view);
+  sizes.observe(view.el);
+}
 
 function drawMoved() {
   asked = false;
