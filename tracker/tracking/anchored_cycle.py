@@ -4,7 +4,9 @@ correction over soft anchors, see `cues/soft_correction.py`, in place of closing
 Brightness follows a limb closely while it is seen, and loses it behind the trunk; keypoints jitter,
 but lose nothing. From two starts, the body followed from both keyframes and the keypoints alone,
 the same cycle leads to two motions, as a rule to nearly the same. Of these the one counts that all
-evidence together contradicts least; how far they lie apart shows how sure it is.
+evidence together contradicts least; how far they lie apart shows how sure it is. Where both explain
+the pictures worse than the body as it was followed to begin with, keypoints have misled them, and
+the motion that brightness alone leads to is tried as well.
 """
 
 from __future__ import annotations
@@ -28,9 +30,10 @@ from keypose.tracker.tracking.cues.soft_correction import (
     measured_increments,
 )
 from keypose.tracker.tracking.cues.steady import steadied
-from keypose.tracker.tracking.cycle import Outcome, Work, drift_px
+from keypose.tracker.tracking.cycle import NOISE, Outcome, Work, drift_px, track_from
 from keypose.tracker.tracking.frame_pair import robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
+from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import distance_px, is_sound
 
 if TYPE_CHECKING:
@@ -56,12 +59,14 @@ after one that single keypoints have led, and leave the more to brightness."""
 class Ended:
     """Where the cycle led from one start. index: of its last trajectory among all passes.
 
-    cost: of all evidence together.  drift_px (N - 1, M): what was left to correct.
+    cost: of all evidence together.  score: grey levels², None where brightness does not count.
+    drift_px (N - 1, M): what was left to correct.
     """
 
     index: int
     trajectory: Trajectory
     cost: float
+    score: float | None
     drift_px: Array
     anchors: Anchors
 
@@ -104,10 +109,39 @@ def track_anchored(
                 if start is alone and not from_afar:
                     ended = replace(ended, cost=ended.cost + START_MARGIN)
                 ends.append(ended)
+    if begun.chains is not None and _is_misled(free, segment, method, begun, ends):
+        motion, index = yield from _by_brightness(scene, segment, method, begun, tried)
+        measured, drift, score = _measure(free, segment, method, motion)
+        for anchors in candidates:
+            correction = Correction(free, segment, anchors)
+            ends.append(_ended(correction, motion, measured, drift, score, index))
     if silhouette:
         ends = [_beside_what_moves(scene, segment, ended) for ended in ends]
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
+
+
+def _is_misled(
+    free: Scene, segment: Segment, method: Keypose, begun: Starts, ends: Sequence[Ended]
+) -> bool:
+    """Whether all that was found with keypoints explains the pictures worse than the body as it was
+    followed to begin with."""
+    followed = capped_score(free, segment.clip, begun.ways[0].trajectory, method.stride)
+    return all(ended.score is not None and ended.score > followed for ended in ends)
+
+
+def _by_brightness(
+    scene: Scene, segment: Segment, method: Keypose, begun: Starts, tried: list[Pass]
+) -> Generator[Pass, None, tuple[Trajectory, int]]:
+    """Tracked as if there were no keypoints: the motion, and its index among all passes."""
+    before, work = len(tried), track_from(scene, segment, method, begun)
+    while True:
+        try:
+            tried.append(next(work))
+        except StopIteration as done:
+            outcome: Outcome = done.value
+            return outcome.trajectory, before + outcome.best
+        yield tried[-1]
 
 
 def expected_anchored_steps(passes: int) -> int:
@@ -119,7 +153,7 @@ def measured_by_keypoints(correction: Correction, found: Trajectory, index: int)
     """What keypoints alone led to."""
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
-    return Ended(index, found, correction.cost(found, held), nothing, correction.anchors)
+    return Ended(index, found, correction.cost(found, held), None, nothing, correction.anchors)
 
 
 def _beside_what_moves(scene: Scene, segment: Segment, ended: Ended) -> Ended:
@@ -162,8 +196,22 @@ def cycle(
         measured, drift, score = _measure(free, segment, method, present)
         tried.append(Pass("refinement", present, score))
         yield tried[-1]
-    cost = correction.cost(present, measured)
-    return Ended(len(tried) - 1, present, cost, drift, correction.anchors)
+    return _ended(correction, present, measured, drift, score, len(tried) - 1)
+
+
+def _ended(
+    correction: Correction, motion: Trajectory, measured: Increments, drift: Array, score: float,
+    index: int,
+) -> Ended:  # fmt: skip
+    """With its cost: what anchors, limits and steps say, and how well the pictures are explained.
+
+    Differences of brightness have a width that nobody knows, so they count by the logarithm of
+    their mean square, as often in each frame as the body has degrees of freedom to explain them.
+    """
+    steps = len(motion) - 1
+    unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + NOISE)
+    cost = correction.cost(motion, measured) + float(unexplained)
+    return Ended(index, motion, cost, score, drift, correction.anchors)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -206,11 +254,12 @@ def _outcome(
 def joint_evidence(
     free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
-    """What the keypoints show of the best motion. keyed: its rows that are keyframes."""
+    """What the keypoints show of the best motion, and how far from it the others lie that took left
+    and right alike. keyed: its rows that are keyframes."""
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
-    others = [end for end in ends if end is not best]
+    others = [end for end in ends if end is not best and end.anchors is anchors]
     apart = [np.linalg.norm(_joint_pixels(free, end) - here, axis=-1) for end in others]
     return JointEvidence(
         anchors.parts,

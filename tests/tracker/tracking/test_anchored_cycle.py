@@ -30,7 +30,7 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
         yield start
         cost = 100.0 if start.trajectory is FILM.truth else by_keypoints
         nothing = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
-        return Ended(len(tried) - 1, start.trajectory, cost, nothing, correction.anchors)
+        return Ended(len(tried) - 1, start.trajectory, cost, None, nothing, correction.anchors)
 
     monkeypatch.setattr(anchored_cycle, "cycle", cycle)
     work = track_anchored(

@@ -132,8 +132,7 @@ def by_keypoints(
             if len(start.trajectory) == len(alone.trajectory):
                 ends.append((yield from cycle(correction, method, start, tried)))
     best = min(ends, key=lambda ended: ended.cost)
-    same_sides = [ended for ended in ends if ended.anchors is best.anchors]
-    evidence = joint_evidence(free, same_sides, best, keyed=(0,))
+    evidence = joint_evidence(free, ends, best, keyed=(0,))
     error = evidence.expected_error(free.skeleton.part_count)
     if plain is not None:
         count = len(plain.motion)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -18,7 +19,9 @@ from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.tracker import NO_KEYPOINTS, Tracker
 from keypose.tracker.video.clip_loader import ClipLoader
-from keypose.tracker.video.pyramid import Clip
+from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
+from tests.rendering.render import rendered
+from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
 from tests.tracker.tracking_cases import tracked
 
@@ -56,6 +59,40 @@ def test_where_brightness_shows_nothing_keypoints_lead(cues: object, quality: ob
     assert away < 0.3 * joints_apart_m(FILM.segment.interpolated(), FILM.truth).mean()
     assert found.closing_error == 0.0
     assert found.verdict is not None
+
+
+def test_keypoints_that_the_pictures_contradict_leave_what_brightness_shows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A detector puts both legs beside where they are seen, for most of the frames, and is sure."""
+    film = Filmed(moving(size=0.25))
+    pictures = rendered(SKELETON, film.truth, CAMERA, RenderSettings())
+    grey = [prepare(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), None, LEVELS) for rgb in pictures]
+    levels = tuple(np.stack(level) for level in zip(*grey, strict=True))
+    clip = Clip(film.segment.first_frame, levels)
+    monkeypatch.setattr(ClipLoader, "load", lambda *_: clip)
+    legs = [k for k, name in enumerate(JOINTS) if name.endswith(("knee", "ankle"))]
+    uv = film.keypoints.uv.copy()
+    uv[2:-2, legs, 0] += 25.0
+    misled, plain = (
+        _away_px(film, replace(film.keypoints, uv=uv), cues=cues)
+        for cues in (ALL_CUES, ("brightness",))
+    )
+    assert plain < 1
+    assert misled < plain + 0.1
+
+
+def _away_px(film: Filmed, keypoints: Keypoints, **settings: object) -> float:
+    """The mean distance of joints from where they truly are, px."""
+    first, last = film.segment.first_frame, film.segment.last_frame
+    tracker = _tracker(keypoints).renewed(
+        SKELETON,
+        {first: film.segment.start, last: film.segment.end},
+        keypoints=GivenKeypoints(keypoints),
+    )
+    motion = tracked(tracker, **settings)[0].trajectory
+    away = CAMERA.project(motion.joints(SKELETON)) - CAMERA.project(film.truth.joints(SKELETON))
+    return float(np.linalg.norm(away, axis=-1).mean())
 
 
 def test_off_or_not_there_or_another_persons_everything_is_as_without() -> None:
