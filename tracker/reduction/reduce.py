@@ -57,12 +57,24 @@ def reduce_motion(
         kept = spread_frames(comparison, frames, ends, goal.frames, report)
     else:
         kept = _fewest(comparison, frames, ends, report)
+    return _reduction(comparison, kept)
+
+
+def reduced_to(
+    skeleton: Skeleton, camera: Camera, motion: Trajectory, frames: Sequence[int]
+) -> Reduction:
+    """A motion reduced to given frames of the video, ascending, each with a pose."""
+    comparison = Comparison(skeleton, camera, motion)
+    return _reduction(comparison, [frame - motion.first_frame for frame in frames])
+
+
+def _reduction(comparison: Comparison, kept: Sequence[int]) -> Reduction:
+    first, tolerance = comparison.motion.first_frame, comparison.tolerance
     misses = _misses(comparison, kept)
     if tolerance is None:  # the misses are in metres
         tolerance = Tolerance(max(float(np.nanmax(misses)), LEAST_M))
         misses = misses / tolerance.metres
-    kept = [motion.first_frame + n for n in kept]
-    return Reduction(tuple(kept), motion.first_frame, frozen(misses), tolerance)
+    return Reduction(tuple(first + n for n in kept), first, frozen(misses), tolerance)
 
 
 def _fewest(

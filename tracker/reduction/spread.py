@@ -37,7 +37,7 @@ def spread_frames(
     not need more of them.
     progress: is given the number of frames that are compared; what it raises ends the work.
     """
-    costs = _costs(comparison, frames, ends, math.ceil(LONGEST * every), progress)
+    costs = _costs(comparison, frames, ends, longest_interval(every), progress)
     count, width = costs.shape
     most = max(int(frames[-1] - frames[0]) // every, 1)
     sums = np.full(count, np.inf)
@@ -54,6 +54,11 @@ def spread_frames(
     for way in reversed(ways):
         path.append(path[-1] - 1 - int(way[path[-1]]))
     return [int(frames[k]) for k in reversed(path)]
+
+
+def longest_interval(every: int) -> int:
+    """The most frames from one keyframe to the next, where the motion has poses."""
+    return math.ceil(LONGEST * every)
 
 
 def _costs(
