@@ -22,15 +22,9 @@ from keypose.tracker.solver.least_squares import (
     damped_step,
     least_squares,
 )
+from keypose.tracker.solver.point_terms import PointsInPicture
 from keypose.tracker.solver.posed import Posed, image_jacobian
-from keypose.tracker.solver.terms import (
-    Equations,
-    PointsInPicture,
-    Rows,
-    Term,
-    total_cost,
-    total_equations,
-)
+from keypose.tracker.solver.terms import Equations, Rows, Term, total_cost, total_equations
 
 EDGE_SIGMA, VOLUME_SIGMA = 0.5, 1e-3
 """Of the logarithms of an edge's ratio to the one before, and of the volume's."""

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, BrowserContext
 
 from tests.app.serving import LONGEST_S
 
-DELAY_MS = int(os.environ.get("KEYPOSE_TEST_DELAY_MS", "0"))
+DELAY_MS = int(os.environ.get("KEYPOSE_TEST_DELAY_MS") or 0)
 """How late everything is in all browser tests; usually it is not."""
 
 _SCRIPT = Path(__file__).with_name("late.js").read_text()

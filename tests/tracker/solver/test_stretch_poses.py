@@ -12,11 +12,12 @@ from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.jerk import Jerk
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
+from keypose.tracker.solver.point_terms import PointsInPicture, PointsInSpace
+from keypose.tracker.solver.pose_terms import PosePrior
 from keypose.tracker.solver.posed import Posed, image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses, moved_poses
-from keypose.tracker.solver.terms import PointsInPicture, PointsInSpace, PosePrior
 from tests.tracker.solver.test_links import DOFS, FOOT, SKELETON, motion
 
 CRITERIA = Criteria(

@@ -21,20 +21,16 @@ from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
-from keypose.tracker.solver.posed import Posed
-from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
-from keypose.tracker.solver.terms import (
+from keypose.tracker.solver.point_terms import (
     DepthFromRoot,
-    JointLimits,
     PointsInPicture,
     PointsInSpace,
-    PosePrior,
     RootPosition,
-    RowTerm,
-    Term,
-    total_cost,
-    total_equations,
 )
+from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
+from keypose.tracker.solver.terms import RowTerm, Term, total_cost, total_equations
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
 from keypose.tracker.surface.fit.paired import PairDistances

@@ -15,9 +15,10 @@ from keypose.tracker.fitting.pose.inputs import FitInputs
 from keypose.tracker.fitting.pose.refinement import PosedKeyframe
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.point_terms import PointsInPicture
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.robust import Cauchy
-from keypose.tracker.solver.terms import PointsInPicture, Term
+from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.anchors import frame_anchors
 from keypose.tracker.tracking.cues.sources import FrameSource
 

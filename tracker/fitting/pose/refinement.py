@@ -26,8 +26,9 @@ from keypose.tracker.solver.least_squares import (
     damped_step,
     least_squares,
 )
+from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed
-from keypose.tracker.solver.terms import Equations, JointLimits, PosePrior, Term, total_equations
+from keypose.tracker.solver.terms import Equations, Term, total_equations
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import LEVELS
 

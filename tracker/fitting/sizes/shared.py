@@ -19,16 +19,11 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.point_terms import RootPosition
+from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed, image_jacobian
 from keypose.tracker.solver.robust import Cauchy
-from keypose.tracker.solver.terms import (
-    JointLimits,
-    PosePrior,
-    RootPosition,
-    Term,
-    total_cost,
-    total_equations,
-)
+from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 TURNS_RAD = tuple(np.radians([8.0, 15.0, 8.0]).tolist())
 TRUNK_RAD, STIFF_RAD = tuple(np.radians([3.0, 15.0, 3.0]).tolist()), (1e-4, 1e-4, 1e-4)

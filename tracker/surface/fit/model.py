@@ -18,7 +18,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, apply_transform, frozen
 from keypose.tracker.kernels.surface import pose_surface
-from keypose.tracker.solver.terms import JointLimits
+from keypose.tracker.solver.pose_terms import JointLimits
 from keypose.tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
 from keypose.tracker.surface.fit.points import SurfaceSamples
 from keypose.tracker.surface.mesh import SurfaceMesh

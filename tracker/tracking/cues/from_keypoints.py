@@ -12,8 +12,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
+from keypose.tracker.solver.pose_terms import PosePrior
 from keypose.tracker.solver.robust import Cauchy, Huber
-from keypose.tracker.solver.terms import PosePrior
 from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
 
 AHEAD_TURN_RAD, AHEAD_SHIFT_PX = np.radians(12.0), 25.0

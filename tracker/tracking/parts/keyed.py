@@ -23,7 +23,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
-from keypose.tracker.solver.terms import PointsInSpace, PosePrior, Term
+from keypose.tracker.solver.point_terms import PointsInSpace
+from keypose.tracker.solver.pose_terms import PosePrior
+from keypose.tracker.solver.terms import Term
 
 SAME = 1e-9
 """Entries of transforms up to which what carries a limb stands where it stood."""
