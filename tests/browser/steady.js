@@ -16,6 +16,7 @@ async () => {
     toasts.forEach(toast);
     state.applySections(sections);
     await drawn();
+    if (ui.layout || ui.tab) await drawn(); // what slides out of the way has come to rest
   };
 
   const point = (kind, target, [clientX, clientY], buttons) =>
