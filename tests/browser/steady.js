@@ -16,7 +16,7 @@ async () => {
     toasts.forEach(toast);
     state.applySections(sections);
     await drawn();
-    if (ui.layout || ui.tab) await drawn(); // what slides out of the way has come to rest
+    if (ui.layout || ui.tab) await drawn(); // views that are sized anew are drawn a frame later
   };
 
   const point = (kind, target, [clientX, clientY], buttons) =>
@@ -62,7 +62,7 @@ async () => {
       ? [`${said(control)} became ${said(now)}`]
       : box === boxOf(control) ? [] : [`${said(control)} moved from ${box} to ${boxOf(control)}`];
     point('pointerup', found, at, 0);
-    await drawn(); // what has waited for the release
+    await new Promise((done) => setTimeout(done));
     return problem;
   };
 
