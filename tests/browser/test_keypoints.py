@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import interpolate
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.session import Session
@@ -42,14 +41,14 @@ PROJECTED = """
 
 
 def seen(session: Session) -> Keypoints:
-    """Where interpolation has the joints of the first segment, one of them unsure."""
+    """Where the film shows the joints of the first segment, one of them unsure."""
     skeleton = Skeleton.of(session.body)
-    one, other = (keyframe.pose(skeleton) for keyframe in session.keyframes[:2])
     _, parts, points = points_on_body(session.body, JOINTS)
     where = BodyPoints.single(skeleton, parts, points)
-    path = interpolate(one, other, 0, session.keyframes[1].frame)
-    poses = [path.pose(frame) for frame in range(len(path))]
-    p = np.stack([where.at(pose_transforms(skeleton, pose)) for pose in poses])
+    truth = np.load(ROOT / "sample_videos" / "person" / "truth.npz")
+    rows = slice(session.keyframes[1].frame + 1)
+    path = Trajectory(0, truth["Rs_parent_part"][rows], truth["ps_camera_root"][rows])
+    p = where.at(path.transforms(skeleton))
     sure = np.full(p.shape[:2], 0.9)
     sure[:, UNSURE] = 0.5
     return Keypoints(0, JOINTS, session.camera.project(p), sure)
@@ -156,8 +155,8 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
     page.keyboard.press("t")
     until(lambda: segment()["state"] in ("good", "check", "lost"), "the segment")
     wanted = page.evaluate("(at) => window.keypose.view('main').fromView(at)", at)
-    # One frame against all its neighbours: smoothness keeps some of the way.
-    assert np.linalg.norm(np.subtract(hand(), wanted)) < np.linalg.norm((24, 12)) / 3
+    # One frame against the film and all its neighbours: these keep some of the way.
+    assert np.linalg.norm(np.subtract(hand(), wanted)) < np.linalg.norm((24, 12)) / 2
     screens(page, "keypoints-3-tracked")
 
 

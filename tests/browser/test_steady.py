@@ -31,6 +31,7 @@ FIXED = """() => {
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     with desk(browser, tmp_path_factory.mktemp("steady"), late=False) as made:
+        made.page.emulate_media(reduced_motion="reduce")  # what slides is where it will be
         # What is pressed here is not done.
         made.page.evaluate(SET_UP)
         made.page.evaluate(

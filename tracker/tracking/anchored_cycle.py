@@ -125,7 +125,9 @@ def _is_misled(
     free: Scene, segment: Segment, method: Keypose, begun: Starts, ends: Sequence[Ended]
 ) -> bool:
     """Whether all that was found with keypoints explains the pictures worse than the body as it was
-    followed to begin with."""
+    followed to begin with. What a person set right misleads nobody."""
+    if any((ended.anchors.by_hand > 0).any() for ended in ends):
+        return False
     followed = capped_score(free, segment.clip, begun.ways[0].trajectory, method.stride)
     return all(ended.score is not None and ended.score > followed for ended in ends)
 
