@@ -53,9 +53,12 @@ export function mountFocus() {
 }
 
 function giveBack(event) {
+  const clicked = document.activeElement;
   // After everybody has dealt with the click: an editor may have opened by it.
   requestAnimationFrame(() => {
     const element = document.activeElement;
+    // What has got the focus since then keeps it: a slow page may take long to the next frame.
+    if (element !== clicked) return;
     if (byKey || !isControl(element) || takesText(element)) return;
     if (element.closest('dialog, .menu, [data-keeps-focus]')) return;
     // A list that was just opened would close again.

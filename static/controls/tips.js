@@ -2,7 +2,7 @@
 // its `data-key`.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { ui } from '../store/state.js';
+import { onRedraw, ui } from '../store/state.js';
 import { addOnTop } from './elements.js';
 import { belowOrAbove, standAt } from './popup.js';
 
@@ -24,6 +24,17 @@ export function mountTips() {
   for (const kind of ['pointerdown', 'keydown', 'wheel', 'blur']) {
     addEventListener(kind, leave, { capture: true, passive: true });
   }
+  onRedraw(renew);
+}
+
+/** Under a resting pointer a control may change what it says, or go. */
+function renew() {
+  if (owner === null) return;
+  if (!owner.isConnected) return leave();
+  if (!owner.title) return;
+  title = owner.title;
+  owner.removeAttribute('title');
+  if (place.firstElementChild) show();
 }
 
 function enter(target) {

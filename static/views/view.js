@@ -18,6 +18,10 @@ export const VIEW_NAMES = { main: 'Camera', top: 'Top', side: 'Side', front: 'Fr
 export const VIEW_KEYS = { main: '1', top: '2', side: '3', front: '4', free: '6' };
 const LARGE_PX = 420;
 
+/** @type {WeakMap<Element, View>} */
+const views = new WeakMap();
+/** @type {ResizeObserver | null} */
+let sizes = null;
 const listeners = new Set();
 const moved = new Set();
 let asked = false;
@@ -46,7 +50,7 @@ export class View {
       isHidden: () => !this.isShown,
     });
     el.prepend(this.#paper, this.under, this.over, this.#marks);
-    new ResizeObserver(() => this.fitToSize()).observe(el);
+    watchSize(this);
   }
 
   /** Fetch viser's page and show its picture. */
@@ -164,8 +168,19 @@ export class View {
   }
 }
 
+/** Views of a new size are drawn before the browser shows it: handles and picture stay together. @param {View} view */
+function watchSize(view) {
+  sizes ??= new ResizeObserver((entries) => {
+    for (const { target } of entries) views.get(target).fitToSize();
+    drawMoved();
+  });
+  views.set(view.el, view);
+  sizes.observe(view.el);
+}
+
 function drawMoved() {
   asked = false;
+  if (moved.size === 0) return;
   const now = [...moved];
   moved.clear();
   for (const each of now) each.draw();

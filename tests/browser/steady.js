@@ -16,7 +16,6 @@ async () => {
     toasts.forEach(toast);
     state.applySections(sections);
     await drawn();
-    if (ui.layout || ui.tab) await drawn(); // views that are sized anew are drawn a frame later
   };
 
   const point = (kind, target, [clientX, clientY], buttons) =>
@@ -62,7 +61,7 @@ async () => {
       ? [`${said(control)} became ${said(now)}`]
       : box === boxOf(control) ? [] : [`${said(control)} moved from ${box} to ${boxOf(control)}`];
     point('pointerup', found, at, 0);
-    await new Promise((done) => setTimeout(done));
+    await drawn(); // what has waited for the release
     return problem;
   };
 

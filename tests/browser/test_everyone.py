@@ -432,3 +432,24 @@ def typed(page: Page, value: str, path: str, wanted: Callable[[Any], bool]) -> N
     page.keyboard.type(value)
     page.keyboard.press("Enter")
     until_state(page, path, wanted)
+
+
+def test_what_gets_the_focus_after_a_click_keeps_it(shared: Desk) -> None:
+    """The click gives the focus back with the next frame, which a slow page draws late."""
+    clicked, later = (
+        shared.page.evaluate(
+            """(moves) => {
+              const [one, other] = document.querySelectorAll('[role=tab]');
+              one.dispatchEvent(new PointerEvent('pointerdown', {bubbles: true}));
+              one.focus();
+              one.click();
+              if (moves) other.focus();
+              const drawn = new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+              return drawn.then(() => document.activeElement === (moves ? other : one));
+            }""",
+            moves,
+        )
+        for moves in (False, True)
+    )
+    assert not clicked
+    assert later

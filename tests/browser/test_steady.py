@@ -101,3 +101,14 @@ def test_the_top_bar_fits_into_any_window(shared: Desk, width: int) -> None:
         assert all(left >= 0 and right <= width for _, left, right, _ in found), found
         buttons = [item for item in found if item[3]]
         assert all(a[2] <= b[1] + 1 for a, b in pairwise(buttons)), buttons
+
+
+def test_a_tip_says_what_the_control_under_the_resting_pointer_does_now(shared: Desk) -> None:
+    page, states = shared.page, RandomStates(shared.page, 2)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    news = states.next() | {"ui": {"toasts": [], "line": None, "connected": True}, "toasts": []}
+    for undo, words in ((None, "Nothing to undo"), ("turn chest", "Undo turn chest")):
+        page.evaluate(FEED, news | {"sections": {"undo": {"undo": undo, "redo": None}}})
+        if undo is None:
+            page.locator("#top [data-action=undo]").hover()
+        page.locator(".tip", has_text=words).wait_for()
