@@ -20,7 +20,7 @@ const LARGE_PX = 420;
 
 /** @type {WeakMap<Element, View>} */
 const views = new WeakMap();
-/** @type {ResizeObserver | null} */
+/** @type {ResizeObserver | null} made with the first view: the module also loads without a browser */
 let sizes = null;
 const listeners = new Set();
 const moved = new Set();

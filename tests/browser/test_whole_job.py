@@ -116,6 +116,7 @@ def _undoes_and_redoes(page: Page) -> None:
     page.get_by_text("Frame 1 is already a keyframe.").wait_for()
     page.keyboard.press("Delete")
     until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+    answered(page)
 
 
 def _tracks(page: Page) -> None:
