@@ -89,6 +89,7 @@ class Runner:
         self._verbs = ("", "")
         self._fit_done: OnFitEnd | None = None
         self._waiting: frozenset[Span] = frozenset()
+        self._interrupted: frozenset[Span] = frozenset()
         self._unsolvable: frozenset[str] = frozenset()
         self._ended = Job()
         self._learned: Callable[[Learned | None], None] = lambda found: None
@@ -142,6 +143,7 @@ class Runner:
         """Fit; `on_end` receives its outcome, unless it is dropped or replaced before."""
         if self._fit_done is None:
             self._waiting = frozenset(self.running)
+            self._interrupted = frozenset(self._wanted) if self.running else frozenset()
         if self.job.kind == "space":  # which it ends, and which is asked for again after it
             self._unsolvable = frozenset()
         self._fit_done = on_end
@@ -159,8 +161,10 @@ class Runner:
         self._number, self.fitting, self.following = 0, None, None
 
     def resume(self, opened: OpenSession, edit: EditorState) -> None:
-        """The fit is over: track what waited for it."""
-        waiting, self._waiting, self._fit_done = self._waiting, frozenset(), None
+        """The fit is over: track what waited for it, and again what it made outdated of the same
+        order."""
+        again = self._interrupted & self._outdated(edit)
+        waiting, self._waiting, self._fit_done = self._waiting | again, frozenset(), None
         self.fitting = self.following = None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
@@ -169,6 +173,11 @@ class Runner:
             self._start(opened, edit.settled, wanted, self._stages)
         else:
             self._notify(self, False)
+
+    def _outdated(self, edit: EditorState) -> set[Span]:
+        """What has no whole result for the keyframes as they are."""
+        known = self.results.wanted(edit.settled) if self.results is not None else ()
+        return {(first, last) for first, last, _ in known}
 
     def solve_space(self, edit: EditorState) -> None:
         """Where nothing is at work: solve for the motion in space wherever it is not known."""

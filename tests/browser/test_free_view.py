@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.interaction import section, until, until_counted, until_state
+from tests.browser.interaction import answered, section, until, until_counted, until_state
 from tests.browser.shared import Desk, desk, opened_in
 
 
@@ -24,6 +24,7 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 @pytest.fixture
 def page(shared: Desk) -> Page:
     """The page in the free view, nothing of which is kept from before."""
+    answered(shared.page)  # where it played, its last frame has come
     shared.visitor.do(do="go", frame=0)
     shared.visitor.do(do="display", ghosts=True, trail=True)
     shared.page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
