@@ -68,7 +68,7 @@ def suggestion(
     if len(done) == len(spans) and all(
         track.diagnostics.expected_gain is not None for track in done.values()
     ):
-        return _by_gain(known, list(done.values())) or _all_good(keys, frame_count)
+        return _by_gain(known, list(done.values())) or ALL_GOOD
     bad = [track for track in done.values() if track.kind != "good" and _is_open(known, track)]
     to_mend = [track for track in bad if not is_past_mending(track)]
     for kind in ("lost", "check"):
@@ -82,7 +82,7 @@ def suggestion(
     divided = _longest(spans)
     if divided is None and bad:
         return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
-    return divided or _all_good(keys, frame_count)
+    return divided or ALL_GOOD
 
 
 def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | None:
@@ -189,12 +189,4 @@ def segments_need(spans: Sequence[Span], what: str) -> Suggestion:
     return Suggestion(None, title, f"Frames {more}", "track")
 
 
-def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
-    outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
-    left = [frame_range(*frames) for frames in outside if frames[1] >= frames[0]]
-    more = f". Frames {' and '.join(left)} have no motion yet" if left else ""
-    return Suggestion(None, ALL_GOOD, f"{WHERE_WRONG}{more}", "good")
-
-
-ALL_GOOD = "All good"
-WHERE_WRONG = "Add a keyframe only where the motion looks wrong"
+ALL_GOOD = Suggestion(None, "All good", "Add a keyframe only where the motion looks wrong", "good")

@@ -7,12 +7,10 @@ from collections.abc import Mapping, Sequence
 from keypose.app.editor.judged import Judged
 from keypose.app.editor.problem_words import detail_of
 from keypose.app.editor.problems import ProblemCause, problem_of
-from keypose.app.editor.suggest import ALL_GOOD, WHERE_WRONG, Fitting, Suggestion, segments_need
+from keypose.app.editor.suggest import ALL_GOOD, Fitting, Suggestion, segments_need
 from keypose.app.editor.verdict_text import add_keyframe, named_frames, reason
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
-
-_ALL_GOOD = Suggestion(None, ALL_GOOD, WHERE_WRONG, "good")
 
 
 def surface_suggestion(
@@ -42,7 +40,7 @@ def surface_suggestion(
         fitted = {track.span for track in done}
         return segments_need([span for span in spans if span not in fitted], "fitting")
     doubtful = [track for track in waiting if track.kind == "check"]
-    return _about(known, max(doubtful, key=_doubtful), keys) if doubtful else _ALL_GOOD
+    return _about(known, max(doubtful, key=_doubtful), keys) if doubtful else ALL_GOOD
 
 
 def _to_go_on(stopped: SegmentResult) -> Suggestion:

@@ -60,12 +60,16 @@ function drawSuggestion() {
   if (!suggest) return html`<div class="sug none"></div>`;
   const { state, title, words, kind } = server.job ?? {};
   const atWork = state === 'running' && (suggest.kind === 'track' || kind === 'ahead');
-  const shown = atWork ? { title, detail: words } : suggest;
+  const shown = atWork ? { title, detail: words } : { title: suggest.title, detail: detailOf(suggest) };
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
     <span class="tx"><b>${shown.title}</b> <span class="mut">${shown.detail}</span></span>
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
 }
+
+/** Where nothing is left to mend, how far the motion reaches is what matters next. */
+const detailOf = ({ kind, detail, ahead }) =>
+  (kind === 'good' && ahead ? `${detail}. ${noMotionYet(ahead)}` : detail);
 
 /** New sizes wait for an answer before anything else. */
 function newSizes() {

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from keypose.app.editor.suggest import WHERE_WRONG, middle, suggestion
+from keypose.app.editor.suggest import ALL_GOOD, middle, suggestion
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
@@ -165,11 +165,10 @@ def test_good_but_long_intervals_are_divided() -> None:
 
 
 def test_when_all_is_good_nothing_is_asked_for() -> None:
-    found = suggestion(KEYS, 73, fitting())
-    assert found.title == "All good"
-    assert (found.kind, found.frame, found.detail) == ("good", None, WHERE_WRONG)
-    longer = suggestion(KEYS, 100, fitting()).detail
-    assert longer == f"{WHERE_WRONG}. Frames 73–99 have no motion yet"
+    assert suggestion(KEYS, 73, fitting()) == ALL_GOOD
+    assert suggestion(KEYS, 100, fitting()) == ALL_GOOD
+    assert ALL_GOOD.title == "All good"
+    assert (ALL_GOOD.kind, ALL_GOOD.frame) == ("good", None)
 
 
 def needing(first: int, last: int, per_frame_px: float, at: int, verdict: Verdict = GOOD) -> Any:
