@@ -15,27 +15,11 @@ from playwright.sync_api import Browser, BrowserContext, Page
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.interaction import section, until
+from tests.browser.marks import mark, marks, waiting
 from tests.browser.proxy import Proxy, proxy
 from tests.browser.shared import let_in, opened
 
 EDITS = 50
-
-MARK = """
-async (numbers) => {
-  const { send } = await import('/static/store/link.js');
-  for (const n of numbers) {
-    send({ do: 'add_mask', polygon: [[n, 0], [n + 1, 0], [n, 1]], first: 0, last: 1 });
-  }
-}
-"""
-"""Edits that can be told apart afterwards, and of which each would show if it were made twice."""
-
-WAITING = """
-async () => {
-  const { backlog } = await import('/static/store/edits.js');
-  return backlog() + window.keypose.ui.unsent.reduce((sum, { count }) => sum + count, 0);
-}
-"""
 
 
 @dataclass
@@ -58,16 +42,15 @@ class Work:
         self.keypose = Keypose(*given, *_workspace(self.folder), port=self.keypose.port)
 
     def mark(self, *numbers: int) -> None:
-        self.page.evaluate(MARK, list(numbers))
+        mark(self.page, *numbers)
 
     def marks(self) -> list[int]:
         """Those that are on the disk, in their order."""
-        masks = load_session(self.session).ignore_masks
-        return [round(mask.polygon[0][0]) for mask in masks]
+        return marks(self.session)
 
     def sent(self) -> None:
         """Wait until the server has everything."""
-        until(lambda: self.page.evaluate(WAITING) == 0, "the last edit")
+        until(lambda: waiting(self.page) == 0, "the last edit")
 
     def banner(self) -> str:
         return self.page.locator("#banner").inner_text()
