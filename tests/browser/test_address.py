@@ -14,8 +14,8 @@ from playwright.sync_api import Browser, Page
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
+from tests.browser.marks import mark, waiting
 from tests.browser.shared import let_in, opened
-from tests.browser.test_restart import MARK, WAITING
 
 
 @pytest.fixture
@@ -85,6 +85,21 @@ def test_back_forward_reload_and_a_bookmark_lead_to_the_session(
     assert "token" not in _address(page)
 
 
+def test_a_view_that_is_drawn_just_as_its_session_is_closed_draws_nothing(
+    visit: tuple[Page, Keypose],
+) -> None:
+    page, _ = visit
+    page.locator(".rec", has_text="box").click()
+    page.wait_for_selector("#main canvas.vid[data-frame]")
+    page.evaluate(
+        """() => {
+          window.keypose.server.camera = null; // the eyes of the views follow a moment later
+          for (const name of ['main', 'top', 'side', 'front']) window.keypose.view(name).draw();
+        }"""
+    )
+    assert page.locator("#main rect.edge").count() == 0
+
+
 def test_an_address_that_leads_nowhere_is_reported_and_corrected(
     visit: tuple[Page, Keypose],
 ) -> None:
@@ -102,11 +117,11 @@ def test_a_tab_returns_to_its_session_at_another_keypose_of_the_workspace_with_i
     with let_in(browser, drawn=False) as context:
         page = opened(context, keypose)
         until(lambda: _asked(page) is not None, "the address")
-        page.evaluate(MARK, list(range(25)))
+        mark(page, *range(25))
         keypose.kill()
-        page.evaluate(MARK, list(range(25, 50)))
+        mark(page, *range(25, 50))
         again = Keypose(*workspace, port=keypose.port)  # nothing is named: the tab knows
-        until(lambda: _name(page) == "person" and page.evaluate(WAITING) == 0, "the return")
+        until(lambda: _name(page) == "person" and waiting(page) == 0, "the return")
         assert page.locator("#banner").inner_text() == ""
         masks = load_session(session).ignore_masks
         assert [round(mask.polygon[0][0]) for mask in masks] == list(range(50))
@@ -123,10 +138,10 @@ def test_a_silent_server_is_reported_and_what_was_done_meanwhile_arrives_once(
         page = opened(context, keypose)
         banner = page.locator("#banner")
         keypose.process.send_signal(signal.SIGSTOP)
-        page.evaluate(MARK, [1, 2])
+        mark(page, 1, 2)
         banner.get_by_text("2 edits will be sent when it is back.").wait_for()
         keypose.process.send_signal(signal.SIGCONT)
-        until(lambda: page.evaluate(WAITING) == 0, "the edits")
+        until(lambda: waiting(page) == 0, "the edits")
         until(lambda: banner.inner_text() == "", "the end of it")
         masks = load_session(session).ignore_masks
         assert [round(mask.polygon[0][0]) for mask in masks] == [1, 2]
