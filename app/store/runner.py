@@ -72,7 +72,7 @@ class Runner:
     """One job at a time. `notify` is called after each report; its flag: a segment is done.
 
     A fit goes before tracking: what is at work, and what is asked for meanwhile, waits for it and
-    is resumed, as it is posed then, by `go_on`.
+    is resumed, as it is posed then, by `resume`.
     """
 
     def __init__(

@@ -67,9 +67,9 @@ function drawSuggestion() {
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
 }
 
-/** Where nothing is left to mend, how far the motion reaches is what matters next. */
+/** Where nothing is left to mend, how far the motion reaches comes first: the end of a long line is cut. */
 const detailOf = ({ kind, detail, ahead }) =>
-  (kind === 'good' && ahead ? `${detail}. ${noMotionYet(ahead)}` : detail);
+  (kind === 'good' && ahead ? `${noMotionYet(ahead)}. ${detail}` : detail);
 
 /** New sizes wait for an answer before anything else. */
 function newSizes() {

@@ -64,7 +64,7 @@ export class CameraView extends View {
   }
 
   paper() {
-    if (!server.camera) return nothing; // the session is being closed: the sections go one by one
+    if (!server.camera) return nothing; // the session was just closed: the eye goes a moment later
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
     const [width, height] = [server.camera.width, server.camera.height].map((n) => n * this.window.scale);
     return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />

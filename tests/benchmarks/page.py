@@ -258,18 +258,20 @@ def _restarts(report: Report, browser: Browser, folder: Path) -> None:
     session, workspace = sample(folder / "again"), folder / "workspace"
     given = (str(session), "--workspace", str(workspace))
     keypose, back = Keypose(*given), []
-    with let_in(browser, drawn=False, size=WINDOW) as context:
-        tab = opened(context, keypose)
-        for turn in range(RESTARTS):
-            keypose.kill()
-            until(lambda: not tab.evaluate("() => window.keypose.ui.connected"), "the loss")
-            mark(tab, *range(turn * EDITS, (turn + 1) * EDITS))
-            began = time.perf_counter()
-            keypose = Keypose(*given, port=keypose.port)
-            until(lambda: waiting(tab) == 0, "the last edit")
-            back.append(time.perf_counter() - began)
-        there = marks(session)
-    keypose.end()
+    try:
+        with let_in(browser, drawn=False, size=WINDOW) as context:
+            tab = opened(context, keypose)
+            for turn in range(RESTARTS):
+                keypose.kill()
+                until(lambda: not tab.evaluate("() => window.keypose.ui.connected"), "the loss")
+                mark(tab, *range(turn * EDITS, (turn + 1) * EDITS))
+                began = time.perf_counter()
+                keypose = Keypose(*given, port=keypose.port)
+                until(lambda: waiting(tab) == 0, "the last edit")
+                back.append(time.perf_counter() - began)
+            there = marks(session)
+    finally:
+        keypose.end()
     table = report.table(
         f"{EDITS} edits wait for a server that is started again, s", "median", "worst"
     )

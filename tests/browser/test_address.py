@@ -11,10 +11,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
-from tests.browser.marks import mark, waiting
+from tests.browser.marks import mark, marks, waiting
 from tests.browser.shared import let_in, opened
 
 
@@ -123,8 +122,7 @@ def test_a_tab_returns_to_its_session_at_another_keypose_of_the_workspace_with_i
         again = Keypose(*workspace, port=keypose.port)  # nothing is named: the tab knows
         until(lambda: _name(page) == "person" and waiting(page) == 0, "the return")
         assert page.locator("#banner").inner_text() == ""
-        masks = load_session(session).ignore_masks
-        assert [round(mask.polygon[0][0]) for mask in masks] == list(range(50))
+        assert marks(session) == list(range(50))
     code, words = again.end()
     assert code == 0, words
 
@@ -143,7 +141,6 @@ def test_a_silent_server_is_reported_and_what_was_done_meanwhile_arrives_once(
         keypose.process.send_signal(signal.SIGCONT)
         until(lambda: waiting(page) == 0, "the edits")
         until(lambda: banner.inner_text() == "", "the end of it")
-        masks = load_session(session).ignore_masks
-        assert [round(mask.polygon[0][0]) for mask in masks] == [1, 2]
+        assert marks(session) == [1, 2]
     code, words = keypose.end()
     assert code == 0, words

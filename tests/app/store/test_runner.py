@@ -394,28 +394,22 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     assert len(received) == 1
 
 
-def test_what_a_fit_made_outdated_of_the_order_it_interrupted_is_tracked_again(
-    runner: Runner,
+@pytest.mark.parametrize(
+    ("turned", "again"), [(9.0, [(0, 24), (24, 48), (48, 72)]), (0.0, [(24, 48), (48, 72)])]
+)
+def test_what_a_fit_makes_outdated_of_the_order_it_interrupted_is_tracked_again_and_no_more(
+    runner: Runner, turned: float, again: list[tuple[int, int]]
 ) -> None:
     runner.track(PIECE, desk(), "all")
     orders(runner).say(started(runner))
     orders(runner).say(finished(runner, 0))
     runner.fit(ORDER, "Fitting frame 24", lambda _: None)
     assert (0, 24) not in runner.running  # its result stays in sight
-    moved = after(desk(), {"do": "go", "frame": 24}, {"do": "angles", "part": "head", "x": 9.0})
-    runner.resume(PIECE, moved)
-    assert orders(runner).wanted[2] == [(0, 24), (24, 48), (48, 72)]
-
-
-def test_what_was_finished_before_a_fit_and_is_as_it_was_is_not_tracked_again(
-    runner: Runner,
-) -> None:
-    runner.track(PIECE, desk(), "all")
-    orders(runner).say(started(runner))
-    orders(runner).say(finished(runner, 0))
-    runner.fit(ORDER, "Fitting frame 72", lambda _: None)
-    runner.resume(PIECE, desk())
-    assert orders(runner).wanted[2] == [(24, 48), (48, 72)]
+    edit = after(desk(), {"do": "go", "frame": 24})
+    if turned:
+        edit = after(edit, {"do": "angles", "part": "head", "x": turned})
+    runner.resume(PIECE, edit)
+    assert orders(runner).wanted[2] == again
 
 
 def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> None:
