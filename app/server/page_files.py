@@ -1,19 +1,50 @@
-"""The page's own files."""
+"""The page's own files, each at an address of this version of them."""
 
 from __future__ import annotations
 
-from typing import Any
+import hashlib
+from pathlib import Path
 
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+_KEPT = "private, max-age=31536000, immutable"
 
 
 class PageFiles(StaticFiles):
-    """Files that a browser keeps, and asks about before it uses them again: after an update of
-    Keypose no file of the version before is mixed with new ones."""
+    """The files of a folder, below the version of all of them: a browser keeps what it has and asks
+    for none of it again until a file has changed. Then all addresses are others, so that no file of
+    the version before is mixed with new ones.
 
-    def file_response(self, *args: Any, **kwargs: Any) -> Response:
-        """The file, or that it has not changed."""
-        response = super().file_response(*args, **kwargs)
-        response.headers["Cache-Control"] = "no-cache"
+    The files lead to one another by relative paths. One that is asked for without a version is kept
+    by nobody without asking.
+    """
+
+    def __init__(self, folder: Path, mount: str) -> None:
+        """mount: where the files are served."""
+        super().__init__(directory=folder)
+        self._folder = folder
+        self._mount = mount
+        self._version = self._examined()
+
+    def page(self) -> str:
+        """The page, whose addresses are those of the files as they are now."""
+        self._version = self._examined()
+        text = (self._folder / "index.html").read_text(encoding="utf-8")
+        return text.replace(f'"{self._mount}/', f'"{self._mount}/{self._version}/')
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """The file, or that it has not changed; nothing of a version that is no more."""
+        version, _, rest = path.partition("/")
+        is_kept = version == self._version
+        response = await super().get_response(rest if is_kept else path, scope)
+        response.headers["Cache-Control"] = _KEPT if is_kept else "no-cache"
         return response
+
+    def _examined(self) -> str:
+        """Another one as soon as a file is another one, by names, sizes and times."""
+        files = sorted(path for path in self._folder.rglob("*.*") if path.is_file())
+        stats = [(path.relative_to(self._folder).as_posix(), path.stat()) for path in files]
+        made_of = [(name, stat.st_size, stat.st_mtime_ns) for name, stat in stats]
+        return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]

@@ -14,7 +14,7 @@ import uvicorn
 from pydantic_core import to_json
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -42,6 +42,7 @@ from keypose.app.store.tabs import Tab
 from keypose.tracker.errors import KeyposeError
 
 STATIC = Path(static.__file__).parent
+STATIC_MOUNT = "/static"
 LARGEST_MESSAGE = 1 << 20
 SECONDS_TO_CLOSE = 2
 SECONDS_BETWEEN_BEATS = 1.0
@@ -70,6 +71,7 @@ class Server:
         self._outputs = Outputs(self.store, self._surfaces)
         self._exports = Exports(self.store)
         self._imports = Imports(self.store)
+        self._page_files = PageFiles(STATIC, STATIC_MOUNT)
         self.guard = Guard(
             self._application(),
             browsers=Browsers(library.workspace / BROWSERS),
@@ -92,7 +94,7 @@ class Server:
                 *self._exports.routes(),
                 *self._imports.routes(),
                 *self._shelf.routes(),
-                Mount("/static", PageFiles(directory=STATIC)),
+                Mount(STATIC_MOUNT, self._page_files),
             ],
         )
 
@@ -129,7 +131,7 @@ class Server:
     # --- pages
 
     async def _page(self, request: Request) -> Response:
-        return FileResponse(STATIC / "index.html", headers=_fresh(request, "page"))
+        return HTMLResponse(self._page_files.page(), headers=_fresh(request, "page"))
 
     async def _view(self, request: Request) -> Response:
         if request.path_params["role"] not in ROLES:

@@ -3,26 +3,76 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from pathlib import Path
 
+import pytest
+from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from keypose.app.server.page_files import PageFiles
 
-
-def asked(files: PageFiles, **headers: str) -> Response:
-    given = [(name.replace("_", "-").encode(), value.encode()) for name, value in headers.items()]
-    scope = {"type": "http", "method": "GET", "path": "/page.js", "headers": given}
-    return asyncio.run(files.get_response("page.js", scope))
+INDEX = '<script type="module" src="/files/page.js"></script>'
 
 
-def test_a_browser_asks_before_it_uses_a_file_again(tmp_path: Path) -> None:
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "index.html").write_text(INDEX)
     (tmp_path / "page.js").write_text("one")
-    files = PageFiles(directory=tmp_path)
-    first = asked(files)
+    return tmp_path
+
+
+def asked(files: PageFiles, path: str, **headers: str) -> Response:
+    given = [(name.replace("_", "-").encode(), value.encode()) for name, value in headers.items()]
+    scope = {"type": "http", "method": "GET", "path": path, "headers": given}
+    return asyncio.run(files.get_response(path, scope))
+
+
+def address_in(page: str) -> str:
+    found = re.search(r'src="/files/([0-9a-f]{16}/page\.js)"', page)
+    assert found is not None, page
+    return found[1]
+
+
+def test_a_browser_keeps_what_the_page_leads_to_and_does_not_ask_again(folder: Path) -> None:
+    files = PageFiles(folder, "/files")
+    answer = asked(files, address_in(files.page()))
+    assert answer.status_code == 200
+    assert answer.headers["cache-control"] == "private, max-age=31536000, immutable"
+
+
+def test_the_page_leads_to_other_addresses_once_any_file_has_changed(folder: Path) -> None:
+    files = PageFiles(folder, "/files")
+    before = address_in(files.page())
+    assert address_in(files.page()) == before
+    (folder / "deep").mkdir()
+    (folder / "deep" / "one_more.css").write_text("")
+    after = address_in(files.page())
+    assert after != before
+    assert asked(files, after).status_code == 200
+    with pytest.raises(HTTPException, match="404"):
+        asked(files, before)
+
+
+def test_another_server_of_the_same_files_has_the_same_addresses(folder: Path) -> None:
+    first = address_in(PageFiles(folder, "/files").page())
+    assert asked(PageFiles(folder, "/files"), first).status_code == 200
+
+
+def test_a_browser_asks_again_for_what_it_asked_for_without_a_version(folder: Path) -> None:
+    files = PageFiles(folder, "/files")
+    first = asked(files, "page.js")
     assert first.headers["cache-control"] == "no-cache"
     known = first.headers["etag"]
-    unchanged = asked(files, if_none_match=known)
+    unchanged = asked(files, "page.js", if_none_match=known)
     assert (unchanged.status_code, unchanged.headers["cache-control"]) == (304, "no-cache")
-    (tmp_path / "page.js").write_text("another")
-    assert asked(files, if_none_match=known).status_code == 200
+    (folder / "page.js").write_text("another")
+    assert asked(files, "page.js", if_none_match=known).status_code == 200
+
+
+def test_no_file_of_the_page_names_another_by_an_address_without_a_version() -> None:
+    static = Path(__file__).parents[3] / "static"
+    whole = re.compile(r"""(?:from|import|url\()\s*['"(]?/static/""")
+    files = [*static.rglob("*.js"), *static.rglob("*.css")]
+    assert len(files) > 200
+    assert [str(file) for file in files if whole.search(file.read_text(encoding="utf-8"))] == []
