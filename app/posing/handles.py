@@ -9,6 +9,7 @@ import numpy as np
 
 from keypose.app.posing.labels import joint_label, kind_of, part_label
 from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.by_body import once_per_body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 
@@ -32,6 +33,7 @@ class BodyHandle:
     movers: tuple[str, ...]
 
 
+@once_per_body
 def handles(body: Body) -> tuple[BodyHandle, ...]:
     """The root, of every limb the end and the joints between, and the corners of the trunk.
 

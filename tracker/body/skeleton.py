@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import ALL_DOFS, Body, Dof
+from keypose.tracker.body.by_body import once_per_body
 from keypose.tracker.geometry.rotations import Array, frozen
 
 TRANSLATION_SCALE_M = 0.3
@@ -42,19 +43,8 @@ class Skeleton:
 
     @classmethod
     def of(cls, body: Body) -> Skeleton:
-        """The arrays of a validated body."""
-        places = {name: place for place, name in enumerate(body.names)}
-        parents = [-1 if p.parent is None else places[p.parent] for p in body.parts]
-        dofs = [(i, dof) for i, part in enumerate(body.parts) for dof in _ordered(part.tracked)]
-        return cls(
-            body=body,
-            parents=_integers(parents),
-            joints=frozen([part.joint_m for part in body.parts]).reshape(-1, 3),
-            dof_part=_integers([i for i, _ in dofs]),
-            dof_turns=_integers([dof[0] == "r" for _, dof in dofs]),
-            dof_axis=_integers(["xyz".index(dof[1]) for _, dof in dofs]),
-            below=_below(parents),
-        )
+        """The arrays of a validated body, made once for each."""
+        return _skeleton(body)
 
     @property
     def part_count(self) -> int:
@@ -84,6 +74,22 @@ class Skeleton:
     def column_scale(self) -> Array:
         """(D,) what one unit of each degree of freedom is worth when A's columns are compared."""
         return np.where(self.dof_turns == 1, 1.0, TRANSLATION_SCALE_M)
+
+
+@once_per_body
+def _skeleton(body: Body) -> Skeleton:
+    places = {name: place for place, name in enumerate(body.names)}
+    parents = [-1 if p.parent is None else places[p.parent] for p in body.parts]
+    dofs = [(i, dof) for i, part in enumerate(body.parts) for dof in _ordered(part.tracked)]
+    return Skeleton(
+        body=body,
+        parents=_integers(parents),
+        joints=frozen([part.joint_m for part in body.parts]).reshape(-1, 3),
+        dof_part=_integers([i for i, _ in dofs]),
+        dof_turns=_integers([dof[0] == "r" for _, dof in dofs]),
+        dof_axis=_integers(["xyz".index(dof[1]) for _, dof in dofs]),
+        below=_below(parents),
+    )
 
 
 def _ordered(tracked: tuple[Dof, ...]) -> list[Dof]:
