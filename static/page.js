@@ -18,7 +18,8 @@ mountChrome();
 connect();
 
 // For the console, and for whoever tests the page from outside.
-window.keypose = { server, ui, view };
+const module = (path) => import(new URL(path, import.meta.url).href);
+window.keypose = { server, ui, view, module };
 watch(['file'], () => {
   if ('file' in server) document.documentElement.dataset.ready = 'yes';
 });

@@ -8,7 +8,7 @@ from playwright.sync_api import Page
 
 _SETUP = """
 async () => {
-  const { listen } = await import('/static/store/link.js');
+  const { listen } = await window.keypose.module('store/link.js');
   const { S } = window.keypose;
   const frames = [...document.querySelectorAll('iframe.viser')];
   const role = (frame) => frame.closest('.view').dataset.view;

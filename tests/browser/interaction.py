@@ -28,7 +28,7 @@ _WHEN_FADED = """
 ).then(() => null)
 """
 _FRAME = "() => new Promise((drawn) => requestAnimationFrame(() => drawn()))"
-_IS_CAUGHT_UP = "async () => (await import('/static/store/edits.js')).isCaughtUp()"
+_IS_CAUGHT_UP = "async () => (await window.keypose.module('store/edits.js')).isCaughtUp()"
 
 
 def section(page: Page, path: str) -> Any:

@@ -10,7 +10,7 @@ from keypose.tracker.storage.files import load_session
 
 _MARK = """
 async (numbers) => {
-  const { send } = await import('/static/store/link.js');
+  const { send } = await window.keypose.module('store/link.js');
   for (const n of numbers) {
     send({ do: 'add_mask', polygon: [[n, 0], [n + 1, 0], [n, 1]], first: 0, last: 1 });
   }
@@ -19,7 +19,7 @@ async (numbers) => {
 
 _WAITING = """
 async () => {
-  const { backlog } = await import('/static/store/edits.js');
+  const { backlog } = await window.keypose.module('store/edits.js');
   return backlog() + window.keypose.ui.unsent.reduce((sum, { count }) => sum + count, 0);
 }
 """

@@ -1,9 +1,9 @@
 // What a test does in the page, all at once: feed it with news as the server would, press, look.
 async () => {
-  const state = await import('/static/store/state.js');
-  const { toast } = await import('/static/controls/toasts.js');
-  const { gripsIn } = await import('/static/handles/grips.js');
-  const { isReady } = await import('/static/handles/targets.js');
+  const state = await window.keypose.module('store/state.js');
+  const { toast } = await window.keypose.module('controls/toasts.js');
+  const { gripsIn } = await window.keypose.module('handles/grips.js');
+  const { isReady } = await window.keypose.module('handles/targets.js');
   const CONTROLS = 'button, input, [role=slider], [role=option], number-field';
   const EDGE = 8; // the lines between the views, which are dragged
 

@@ -53,7 +53,9 @@ def _address(page: Page) -> str:
 
 
 def _send(page: Page, action: dict[str, str]) -> None:
-    page.evaluate("async (action) => (await import('/static/store/link.js')).send(action)", action)
+    page.evaluate(
+        "async (action) => (await window.keypose.module('store/link.js')).send(action)", action
+    )
 
 
 def _name(page: Page) -> str | None:

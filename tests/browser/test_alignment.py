@@ -144,7 +144,7 @@ def test_the_small_views_are_truly_orthographic(page: Page, name: str) -> None:
 def test_a_lens_with_its_axis_off_the_middle_is_followed(page: Page) -> None:
     page.evaluate(
         """async () => {
-          const { send } = await import('/static/store/link.js');
+          const { send } = await window.keypose.module('store/link.js');
           send({ do: 'camera', fx: 700, fy: 780, cx: 250, cy: 150 });
         }"""
     )

@@ -156,7 +156,7 @@ def banner(page: Page) -> Locator:
 
 
 def test_a_draft_is_reported_of_shown_on_the_timeline_and_undone(page: Page) -> None:
-    page.evaluate("async () => (await import('/static/guide/guide.js')).openGuide()")
+    page.evaluate("async () => (await window.keypose.module('guide/guide.js')).openGuide()")
     page.locator(".coach").wait_for()
     draw(page, 310, 10, 520, 350)
     page.keyboard.press("Enter")

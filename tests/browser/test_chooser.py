@@ -30,7 +30,7 @@ def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
         tab = context.new_page()
         tab.goto(keypose.address)
         tab.wait_for_selector("html[data-ready]", state="attached")
-        send = "async (a) => (await import('/static/store/link.js')).send(a)"
+        send = "async (a) => (await window.keypose.module('store/link.js')).send(a)"
         tab.evaluate(send, {"do": "close"})
         until(lambda: section(tab, "file") is None, "the start screen")
         yield tab

@@ -28,7 +28,7 @@ async () => {
 
 MOTION = """
 async () => {
-  const { fetchOwn } = await import('/static/store/key.js');
+  const { fetchOwn } = await window.keypose.module('store/key.js');
   return (await fetchOwn('/motion?format=bvh')).text();
 }
 """

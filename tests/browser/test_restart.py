@@ -129,7 +129,7 @@ def test_a_tab_that_is_opened_again_after_the_restart_still_has_its_edits(work: 
 
 def test_an_edit_goes_to_the_frame_at_which_it_was_made(work: Work) -> None:
     until(lambda: section(work.page, "view.frame") == 0, "the page")
-    send = "async (action) => (await import('/static/store/link.js')).send(action)"
+    send = "async (action) => (await window.keypose.module('store/link.js')).send(action)"
     work.page.evaluate(send, {"do": "go", "frame": 48})
     until(lambda: section(work.page, "view.frame") == 48, "the frame")
     work.sent()

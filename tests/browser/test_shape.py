@@ -61,7 +61,7 @@ def test_a_capsule_is_chosen_in_the_inspector_drawn_in_every_view_and_sized(
     until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
     page.evaluate(
         """async (part) => {
-          const { send } = await import('/static/store/link.js');
+          const { send } = await window.keypose.module('store/link.js');
           send({ do: 'select', part });
           send({ do: 'display', mode: 'both', opacity: 0.9 });
         }""",

@@ -15,7 +15,7 @@ from tests.browser.interaction import section, settled, until
 from tests.browser.shared import let_in, opened
 
 MARK_CHANGE = """async () => {
-  const { listen } = await import('/static/store/link.js');
+  const { listen } = await window.keypose.module('store/link.js');
   listen('library', () => { document.documentElement.dataset.changed = 'yes'; });
 }"""
 """The page shows that the server has reported a change of the sessions."""
