@@ -40,7 +40,7 @@ def _style() -> Html:
     """Letters, colours and sizes are the page's; light on paper and unless dark is wished for."""
     letters = base64.b64encode((_STATIC / "fonts" / "inter.woff2").read_bytes()).decode()
     tokens = (_STATIC / "style" / "tokens.css").read_text("utf-8")
-    tokens = tokens.replace("/static/fonts/inter.woff2", f"data:font/woff2;base64,{letters}")
+    tokens = tokens.replace("../fonts/inter.woff2", f"data:font/woff2;base64,{letters}")
     dark, light = tokens.split("[data-theme=light]")
     own = Path(__file__).with_name("report.css").read_text("utf-8")
     return Html(f"{dark}{_LIGHT}{{:root{light}}}\n{own}")
