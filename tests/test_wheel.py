@@ -40,8 +40,11 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]
     for folder in FOLDERS:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / folder, source / folder, ignore=ignored)
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
         shutil.copyfile(ROOT / name, source / name)
+    left = source / "build" / "lib" / "keypose" / "app"
+    left.mkdir(parents=True)
+    (left / "deleted_since.py").touch()
     build = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
     command = [sys.executable, "-W", "error", "-c", build, str(out)]
     subprocess.run(command, cwd=source, check=True, capture_output=True)
@@ -55,6 +58,10 @@ def test_it_holds_every_file_but_the_pictures_of_readmes(wheel: zipfile.ZipFile)
     names = {name.removeprefix("keypose/") for name in wheel.namelist()}
     shown = {f"sample_videos/{name}" for name in SHOWN}
     assert {name for name in names if ".dist-info/" not in name} == sources() - shown
+
+
+def test_it_holds_nothing_of_an_earlier_build(wheel: zipfile.ZipFile) -> None:
+    assert not [name for name in wheel.namelist() if "deleted_since" in name]
 
 
 def test_it_takes_no_name_that_it_does_not_say(wheel: zipfile.ZipFile) -> None:
