@@ -41,8 +41,11 @@ def granted(
     return points, sigma, found
 
 
-def test_a_limb_keyed_on_its_way_is_granted_nothing(person: Scene) -> None:
-    _, sigma, found = granted(person, person.truth, (20, 30, 40), (0, FRAMES - 1))
+@pytest.mark.parametrize("keyed", [(), (20, 30, 40)], ids=["no limb", "on its way"])
+def test_where_no_limb_is_keyed_off_its_way_nothing_is_granted(
+    person: Scene, keyed: tuple[int, ...]
+) -> None:
+    _, sigma, found = granted(person, person.truth, keyed, (0, FRAMES - 1))
     assert found is sigma
 
 
