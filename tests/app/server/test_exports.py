@@ -41,7 +41,8 @@ class Desk:
             with build_opener(ProxyHandler({})).open(request, timeout=LONGEST_S) as answer:
                 return answer.status, answer.read()
         except HTTPError as error:
-            return error.code, error.read()
+            with error:
+                return error.code, error.read()
 
     def begin(self, order: Any) -> str:
         status, content = self.ask("/exports", "POST", order)
@@ -164,7 +165,8 @@ def test_an_export_needs_the_key_and_our_own_page(desk: Desk) -> None:
         {**own.headers, "Origin": "http://127.0.0.1:1"},
     ):
         request = Request(f"{desk.keypose.origin}/exports", b"{}", headers, method="POST")
-        with pytest.raises(HTTPError, match="403"):
+        with pytest.raises(HTTPError, match="403") as refused:
             build_opener(ProxyHandler({})).open(request, timeout=LONGEST_S)
+        refused.value.close()
     assert desk.ask("/exports/../../etc/passwd/file")[0] in (403, 404)
     assert desk.ask("/exports/0123456789abcdef/file")[0] == 404

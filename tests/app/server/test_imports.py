@@ -50,7 +50,8 @@ class Desk:
             with build_opener(ProxyHandler({})).open(request, timeout=LONGEST_S) as answer:
                 return answer.status, json.loads(answer.read())
         except HTTPError as error:
-            return error.code, json.loads(error.read())
+            with error:
+                return error.code, json.loads(error.read())
 
     def until_over(self, id: str) -> dict[str, Any]:
         end = time.monotonic() + LONGEST_S
