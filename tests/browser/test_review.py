@@ -101,6 +101,14 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     until(lambda: current(page) == "Left forearm")
 
 
+def test_the_question_beside_the_timeline_is_not_cut(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until(lambda: current(page) == "Right forearm")
+    line = page.locator("#tr .sug .tx")
+    until(lambda: "drag corrects" in line.inner_text())
+    assert line.evaluate("(line) => line.scrollWidth <= line.clientWidth")
+
+
 def test_enter_at_a_place_that_was_answered_already_leads_on(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Right forearm")
