@@ -19,7 +19,15 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app.serving import ROOT
-from tests.browser.interaction import drag, screens, settled, spot, until, until_counted, until_state
+from tests.browser.interaction import (
+    drag,
+    screens,
+    settled,
+    spot,
+    until,
+    until_counted,
+    until_state,
+)
 from tests.browser.shared import office
 
 WORST = {
