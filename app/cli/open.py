@@ -282,4 +282,8 @@ def _copy(path: Path | None, out: Path) -> Path:
 
     if path is None:
         raise KeyposeError("--out needs a session to copy.")
+    if path.suffix.lower() != ".json" and path.exists():
+        raise KeyposeError(
+            f"--out copies a session, and {str(path)!r} is not one. Open it without --out."
+        )
     return copy_session(path, out)

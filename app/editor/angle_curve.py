@@ -1,4 +1,4 @@
-"""The angles of a part over all frames: those of the keyframes and, between them, of the motion."""
+"""The angles of a part over all frames: where somebody posed it as posed, else of the motion."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     Rs = rotations(edit.fitting, edit.frame_count, index)
     name = edit.doc.body.names[index]
     keys = [keyframe.frame for keyframe in edit.doc.keyframes]
-    if poses := (*edit.doc.keyframes, *edit.doc.drafts):
+    tracked = np.isfinite(Rs[:, 0, 0])
+    # What was found in the film gives way to what is tracked there by now.
+    drafts = [d for d in edit.doc.drafts if not (d.is_found and tracked[d.frame])]
+    if poses := (*edit.doc.keyframes, *drafts):
         wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
         Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))

@@ -6,7 +6,7 @@ import { select } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { view } from '../views/views.js';
 import { goTo, isKey, stopPlaying } from './playhead.js';
-import { answered, currentRow, listOf, openRows, placesAbove, turned, withUndone } from './review_list.js';
+import { answered, answerOf, currentRow, listOf, openRows, placesAbove, turned, withUndone } from './review_list.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
 
@@ -84,6 +84,8 @@ const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
 export function answer(given) {
   const row = place();
   if (!row) return;
+  // A row that was answered and clicked again has its answer: the list goes on.
+  if (answerOf(ui.review, row.id)) return turn(1);
   send({ do: WORDS[given], frame: row.frame, part: row.part });
   note(row.id, given);
 }

@@ -13,7 +13,14 @@ from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
 from tests.app.serving import ROOT
-from tests.browser.interaction import screens, section, until, until_counted, until_state
+from tests.browser.interaction import (
+    answered,
+    screens,
+    section,
+    until,
+    until_counted,
+    until_state,
+)
 from tests.browser.shared import Desk, office
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
@@ -92,6 +99,29 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     screens(page, "review-3-ended")
     page.keyboard.press("Control+z")
     until(lambda: current(page) == "Left forearm")
+
+
+def test_the_question_beside_the_timeline_is_not_cut(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until(lambda: current(page) == "Right forearm")
+    line = page.locator("#tr .sug .tx")
+    until(lambda: "drag corrects" in line.inner_text())
+    assert line.evaluate("(line) => line.scrollWidth <= line.clientWidth")
+
+
+def test_enter_at_a_place_that_was_answered_already_leads_on(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until(lambda: current(page) == "Right forearm")
+    page.keyboard.press("Enter")
+    until(lambda: current(page) == "Left foot")
+    page.locator(".rv-go").first.click()
+    until(lambda: current(page) == "Right forearm")
+    page.keyboard.press("Enter")
+    until(lambda: current(page) == "Left foot")
+    answered(page)
+    assert len(section(page, "review.answered")) == 1
+    page.keyboard.press("Enter")
+    until_state(page, "review.answered.length", lambda many: many == 2)
 
 
 def test_its_end_says_how_many_were_accepted_and_how_many_left_open(page: Page) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import open_session
-from tests.browser.interaction import section, until
+from tests.browser.interaction import section, settled, until
 
 
 def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sample: Path) -> None:
@@ -17,6 +17,9 @@ def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sa
     reported = page.locator(".notsaved")
     reported.wait_for()
     assert "is gone or was renamed" in reported.inner_text()
+    page.set_viewport_size({"width": 1440, "height": 900})
+    settled(page)
+    assert reported.locator(".cut").evaluate("(reason) => reason.clientWidth") > 300
     assert page.evaluate("() => window.keypose.server.done > window.keypose.server.ack")
     elsewhere.rename(sample.parent)
     reported.wait_for(state="detached")

@@ -19,7 +19,15 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app.serving import ROOT
-from tests.browser.interaction import drag, screens, spot, until, until_counted, until_state
+from tests.browser.interaction import (
+    drag,
+    screens,
+    settled,
+    spot,
+    until,
+    until_counted,
+    until_state,
+)
 from tests.browser.shared import office
 
 WORST = {
@@ -152,3 +160,17 @@ def test_the_head_says_that_a_segment_is_outdated_once_its_keyframe_moves(page: 
     page.locator("#mhead .chip.old", has_text="0–24").wait_for()
     page.keyboard.press("Control+z")
     page.locator("#mhead .chip.good", has_text="0–24").wait_for()
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1280, 720), (1100, 700)])
+def test_the_head_never_lies_under_the_bar_beside_it(page: Page, size: tuple[int, int]) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.keyboard.press("Home")
+    settled(page)
+    page.locator("#mhead").evaluate("(head) => { head.style.width = '100%'; }")
+    head, display = (page.locator(name).bounding_box() for name in ("#mhead", "#mdisp"))
+    page.locator("#mhead").evaluate("(head) => { head.style.width = ''; }")
+    page.set_viewport_size({"width": 1440, "height": 900})
+    assert head is not None
+    assert display is not None
+    assert head["x"] + head["width"] <= display["x"]

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.app.editor.angle_curve import angle_curve
 from keypose.app.editor.documents import with_drafts
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
@@ -76,15 +77,33 @@ def test_k_keeps_the_tracked_pose() -> None:
     )
 
 
+def found_in_the_film(posed: EditorState, found_by: str = "drafted") -> EditorState:
+    """Its only draft as one that no person posed."""
+    (draft,) = posed.doc.drafts
+    return posed.with_doc(with_drafts(posed.doc, [draft.model_copy(update={found_by: True})]))
+
+
 @pytest.mark.parametrize("found_by", ["drafted", "followed"])
 def test_what_was_found_in_the_film_gives_way_to_what_is_tracked_later(found_by: str) -> None:
     state = tracked_desk()
     posed = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
-    (draft,) = posed.doc.drafts
-    found = posed.with_doc(with_drafts(posed.doc, [draft.model_copy(update={found_by: True})]))
+    found = found_in_the_film(posed, found_by)
     assert shown_pose(posed).source == "draft"
     assert shown_pose(found).source == "tracked"
     untracked = replace(found, results=Results())
     assert shown_pose(untracked).source == "draft"
     corrected = after(untracked, {"do": "angles", "part": "left_forearm", "x": -40})
     assert shown_pose(replace(corrected, results=found.results)).source == "draft"
+
+
+def test_the_curve_of_angles_shows_the_pose_that_is_shown() -> None:
+    state = tracked_desk()
+    forearm = state.doc.body.index("left_forearm")
+    posed = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
+    np.testing.assert_allclose(angle_curve(posed, forearm)[MIDDLE], angles(posed, "left_forearm"))
+    found = found_in_the_film(posed)
+    tracked = angles(found, "left_forearm")
+    assert abs(tracked[0] + 50) > 1
+    np.testing.assert_allclose(angle_curve(found, forearm)[MIDDLE], tracked, atol=1e-3)
+    untracked = replace(found, results=Results())
+    np.testing.assert_allclose(angle_curve(untracked, forearm)[MIDDLE][0], -50, atol=1e-3)
