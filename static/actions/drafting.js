@@ -93,11 +93,13 @@ export function draftedWords({ first, last, drafted, missing }) {
   return `Drafted ${drafted} of ${count(all, 'frame')}.`;
 }
 
-/** "No person found in 10–30 and 6.": where a draft is missing, the longest first; or ''. */
+/** "No person found in frames 10–30 and 6.": where a draft is missing, the longest first; or ''. */
 export function nobodyWords() {
   const runs = [...(server.draft?.missing ?? [])].sort((one, other) => length(other) - length(one));
   if (runs.length === 0) return '';
-  return `No person found in ${listed(runs.map(([first, last]) => (first === last ? `${first}` : range(first, last))))}.`;
+  const frames = runs.map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const isOne = runs.length === 1 && length(runs[0]) === 0;
+  return `No person found in ${isOne ? 'frame' : 'frames'} ${listed(frames)}.`;
 }
 
 /** "The person may change at 96 and 140.": where two people cross; or ''. */

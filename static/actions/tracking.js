@@ -76,6 +76,16 @@ export function noMotionYet(direction) {
   return `Frames ${frames} have no motion yet`;
 }
 
+/**
+ * Whether what is suggested is being done: its progress is shown instead.
+ * @param {{ kind: string }} suggestion
+ */
+export function isUnderWay({ kind }) {
+  const { state, kind: job } = server.job ?? {};
+  const answers = kind === 'track' || job === 'ahead' || (kind === 'pose' && job === 'draft');
+  return state === 'running' && answers;
+}
+
 /** Of a segment, by default the one of the playhead. */
 export const whyNotTrackThis = (segment = segmentAt(frame())) =>
   whyNotTrack() || (segment ? '' : 'This frame lies outside the keyframes');

@@ -9,7 +9,7 @@ import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
 import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.js';
-import { noMotionYet } from '../actions/tracking.js';
+import { isUnderWay, noMotionYet } from '../actions/tracking.js';
 import { proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
 import { count } from '../controls/words.js';
@@ -58,8 +58,8 @@ function drawSuggestion() {
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return html`<div class="sug none"></div>`;
-  const { state, title, words, kind } = server.job ?? {};
-  const atWork = state === 'running' && (suggest.kind === 'track' || kind === 'ahead');
+  const { title, words } = server.job ?? {};
+  const atWork = isUnderWay(suggest);
   const shown = atWork ? { title, detail: words } : { title: suggest.title, detail: detailOf(suggest) };
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}

@@ -182,7 +182,7 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()
         part = page.get_by_role("region", name="Draft")
-        part.get_by_text("No person found in 0–30.").wait_for()
+        part.get_by_text("No person found in frames 0–30.").wait_for()
         until_counted(page, "#insp .place", 1)  # what was to be confirmed is there after a restart
         screens(page, "keypoints-4-nobody")
         part.get_by_role("button", name="Draw a box at 30").click()

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
 import { ACTIONS } from '../../static/actions/table.js';
-import { beyondKeys, noMotionYet, whyNotAhead } from '../../static/actions/tracking.js';
+import { beyondKeys, isUnderWay, noMotionYet, whyNotAhead } from '../../static/actions/tracking.js';
 
 beforeEach(() => Object.assign(server, { file: { frames: 73 }, job: null, keys: { frames: [24], drafts: [], soft: [] } }));
 
@@ -36,4 +36,14 @@ test('a frame beyond all keyframes has no motion until it is tracked ahead', () 
   assert.equal(noMotionYet('backward'), 'Frames 0–23 have no motion yet');
   server.pose.source = 'draft';
   assert.equal(beyondKeys(), null);
+});
+
+test('nobody is asked for what is being done: not for a box while frames are drafted', () => {
+  const suggested = { kind: 'pose' };
+  assert.equal(isUnderWay(suggested), false);
+  server.job = { state: 'running', kind: 'draft' };
+  assert.equal(isUnderWay(suggested), true);
+  assert.equal(isUnderWay({ kind: 'key' }), false);
+  server.job = { state: 'done', kind: 'draft' };
+  assert.equal(isUnderWay(suggested), false);
 });
