@@ -22,6 +22,7 @@ from keypose.app.cli.arguments import (
     file_name,
     host_name,
     note,
+    session_file,
     whole_number,
 )
 from keypose.tracker.errors import KeyposeError
@@ -282,8 +283,8 @@ def _copy(path: Path | None, out: Path) -> Path:
 
     if path is None:
         raise KeyposeError("--out needs a session to copy.")
-    if path.suffix.lower() != ".json" and path.exists():
-        raise KeyposeError(
-            f"--out copies a session, and {str(path)!r} is not one. Open it without --out."
-        )
-    return copy_session(path, out)
+    try:
+        session = session_file(str(path))
+    except argparse.ArgumentTypeError as problem:
+        raise KeyposeError(f"--out copies a session: {problem}.") from None
+    return copy_session(session, out)

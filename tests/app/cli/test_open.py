@@ -183,6 +183,18 @@ def test_a_video_without_a_session_begins_one_beside_it(session: Path, tmp_path:
     keypose.end()
 
 
+def test_with_out_the_session_of_a_folder_is_copied_and_the_copy_opened(
+    session: Path, tmp_path: Path
+) -> None:
+    before, copy = session.read_bytes(), tmp_path / "copy"
+    given = (str(session.parent), "--out", str(copy), "--workspace", str(tmp_path / "w"))
+    with Keypose(*given) as running:
+        visitor = Visitor(running)
+        assert Path(visitor.seen["file"]["path"]) == copy / session.name
+        visitor.leave()
+    assert session.read_bytes() == before
+
+
 def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
     tab: Visitor, keypose: Keypose, session: Path
 ) -> None:

@@ -120,7 +120,10 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
         (["export", "session.json", "--format", "fbx", "--out", "o"], "invalid choice"),
         (["evaluate", "session.json", "--reference", "none.npz"], "no reference file"),
         (["evaluate", "session.json", "--reference", "."], "is a folder"),
-        (["open", "frames", "--port", "0", "--out", "o"], "'frames' is not one"),
+        (
+            ["open", "frames", "--port", "0", "--out", "o"],
+            "--out copies a session: there is no session in",
+        ),
         (["info", "none.mp4"], "no file"),
         (["info", "session.json"], "not a video"),
         (["schema", "world"], "invalid choice"),
