@@ -9,7 +9,7 @@ from playwright.sync_api import Page
 _SETUP = """
 async () => {
   const { listen } = await window.keypose.module('store/link.js');
-  const { S } = window.keypose;
+  const { server } = window.keypose;
   const frames = [...document.querySelectorAll('iframe.viser')];
   const role = (frame) => frame.closest('.view').dataset.view;
   let armed = null;
@@ -49,8 +49,8 @@ async () => {
 
   const shows = (frame) => {
     const nodes = frame.contentWindow.__viserMutable.nodeRefFromName;
-    return S.body.parts.every(({ name }, i) => {
-      const [T, at] = [S.pose.T[name], nodes[`/camera/body/${i}`]?.position];
+    return server.body.parts.every(({ name }, i) => {
+      const [T, at] = [server.pose.T[name], nodes[`/camera/body/${i}`]?.position];
       return at && Math.abs(at.x - T[3]) + Math.abs(at.y - T[7]) + Math.abs(at.z - T[11]) < 1e-4;
     });
   };
