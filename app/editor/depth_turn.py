@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import posed
+from keypose.app.editor.posing_edits import with_pose
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
@@ -27,4 +27,4 @@ def turn_in_depth(state: EditorState, action: do.TurnInDepth) -> Session:
     turned = turned_in_depth(skeleton, state.doc.camera, pose, top)
     if not turns_round(skeleton, pose, turned, top):
         raise Refused(f"{name} cannot bend the other way. Turn a part further out alone.")
-    return posed(state.doc, skeleton, turned, state.frame, state.times_s)
+    return with_pose(state, turned, partial=action.partial)

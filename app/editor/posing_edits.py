@@ -13,7 +13,7 @@ from keypose.app.editor.pinned import pinned_ends
 from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.pointer_views import pointer_views, up_of
 from keypose.app.editor.refusal import Refused
-from keypose.app.editor.shown import draft_at, find, shown_pose
+from keypose.app.editor.shown import draft_at, find, poses_beside, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import (
     BoxCorner,
@@ -45,12 +45,9 @@ def drag_part(
     if result.body is not None:
         doc = with_body(before, result.body)
         if isinstance(action.handle, BoxCorner):  # which poses the box as well
-            doc = _with_pose(before.with_doc(doc), result.pose)
+            doc = with_pose(before.with_doc(doc), result.pose)
         return doc, result.readout
-    if action.partial:
-        doc = _of_limbs(before, result.pose)
-        return doc, result.readout
-    return _with_pose(before, result.pose), result.readout
+    return with_pose(before, result.pose, partial=action.partial), result.readout
 
 
 def _of_limbs(before: EditorState, pose: Pose) -> Session:
@@ -75,10 +72,16 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         axes_frame=looks.axes,
         linked=looks.link,
         angle_before=last.angle_rad if last else None,
-        held=Held(_placed(before.doc, pose), pinned_ends(before.doc, state.frame)),
+        held=_held(before, state.frame, pose),
         placed_corners=corners_placed(before),
         free_sizes=not _is_posed_elsewhere(before),
     )
+
+
+def _held(before: EditorState, frame: int, pose: Pose) -> Held:
+    """What stays while something is dragged, and the poses of the frames beside."""
+    doc = before.doc
+    return Held(_placed(doc, pose), pinned_ends(doc, frame), beside=poses_beside(before, frame))
 
 
 def _is_posed_elsewhere(state: EditorState) -> bool:
@@ -103,7 +106,7 @@ def set_angles(state: EditorState, action: do.Angles) -> Session:
         state.skeleton, pose, action.part, action.x, action.y, action.z,
         limits_on=state.display.limits and not action.free,
     )  # fmt: skip
-    return _with_pose(state, _with_pinned(state, pose, action.part))
+    return with_pose(state, _with_pinned(state, pose, action.part))
 
 
 def set_root(state: EditorState, action: do.Root) -> Session:
@@ -114,7 +117,7 @@ def set_root(state: EditorState, action: do.Root) -> Session:
         old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
     ]
     moved = Pose(pose.Rs_parent_part, np.array(place))
-    return _with_pose(state, _with_pinned(state, moved, state.doc.body.names[0]))
+    return with_pose(state, _with_pinned(state, moved, state.doc.body.names[0]))
 
 
 def _with_pinned(state: EditorState, pose: Pose, part: str) -> Pose:
@@ -127,25 +130,25 @@ def _with_pinned(state: EditorState, pose: Pose, part: str) -> Pose:
 
 def set_facing(state: EditorState, action: do.Face) -> Session:
     """The whole body facing a way, where it stands."""
-    return _with_pose(state, facing(shown_pose(state).pose, action.way, up_of(state.doc)))
+    return with_pose(state, facing(shown_pose(state).pose, action.way, up_of(state.doc)))
 
 
 def reset_part(state: EditorState, action: do.ResetPart) -> Session:
     """One part at rest."""
-    return _with_pose(state, with_reset(state.skeleton, shown_pose(state).pose, action.part))
+    return with_pose(state, with_reset(state.skeleton, shown_pose(state).pose, action.part))
 
 
 def reset_pose(state: EditorState) -> Session:
     """The whole body at rest, where it stands."""
     rest = Pose.rest(state.skeleton, tuple(shown_pose(state).pose.p_camera_root))
-    return _with_pose(state, rest)
+    return with_pose(state, rest)
 
 
 def swap_sides(state: EditorState) -> Session:
     """Left limbs where the right ones are seen."""
     if not state.doc.body.mirror_pairs:
         raise Refused("This body has no left and right.")
-    return _with_pose(
+    return with_pose(
         state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
     )
 
@@ -155,7 +158,7 @@ def untwist(state: EditorState, action: do.Untwist) -> Session:
     pose, part = shown_pose(state).pose, state.doc.body.index(action.part)
     if not is_twisted(state.doc.body.parts[part], pose.Rs_parent_part[part]):
         raise Refused(f"{part_label(action.part)} is not turned too far about its length.")
-    return _with_pose(state, untwisted_limb(state.skeleton, pose, part))
+    return with_pose(state, untwisted_limb(state.skeleton, pose, part))
 
 
 def copy_key(state: EditorState, action: do.CopyKey) -> Session:
@@ -163,7 +166,7 @@ def copy_key(state: EditorState, action: do.CopyKey) -> Session:
     found = find(state.doc.keyframes, action.from_frame)
     if found is None:
         raise Refused(f"Frame {action.from_frame} is not a keyframe.")
-    return _with_pose(state, found.pose(state.skeleton))
+    return with_pose(state, found.pose(state.skeleton))
 
 
 def take_tracked(state: EditorState) -> Session:
@@ -171,7 +174,7 @@ def take_tracked(state: EditorState) -> Session:
     pose = state.tracked(state.frame)
     if pose is None:
         raise Refused(f"Frame {state.frame} is not tracked yet. Press T first.")
-    return _with_pose(state, pose)
+    return with_pose(state, pose)
 
 
 def turn_key(state: EditorState, action: do.KeyAngle) -> Session:
@@ -194,9 +197,11 @@ def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     return dict(zip(state.doc.body.names, values, strict=True))
 
 
-def _with_pose(state: EditorState, pose: Pose) -> Session:
+def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Session:
     """As the keyframe of the present frame, or its part keyframe, where it has one and no more than
-    limbs moved; else as a draft."""
+    limbs moved; else as a draft. partial: as a part keyframe of the limbs that it moves."""
+    if partial:
+        return _of_limbs(state, pose)
     is_part = find(state.doc.part_keyframes, state.frame) is not None
     if is_part and draft_at(state, state.frame) is None:
         doc = with_limbs_posed(state, pose)

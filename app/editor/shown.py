@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from keypose.tracker.geometry.rotations import rotation_between
 from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
+
+OF_THE_FRAME: Final = ("keyframe", "draft", "tracked", "part")
+"""Where a pose comes from that is no other frame's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,14 @@ def shown_pose(state: EditorState, frame: int | None = None) -> ShownPose:
     if posed is not None:
         return posed
     return pose_behind(state, frame)
+
+
+def poses_beside(state: EditorState, frame: int) -> tuple[Pose, ...]:
+    """The poses of the frames before and after, as far as these have poses of their own: posed,
+    drafted or tracked."""
+    inside = (f for f in (frame - 1, frame + 1) if 0 <= f < state.frame_count)
+    shown = (shown_pose(state, f) for f in inside)
+    return tuple(each.pose for each in shown if each.source in OF_THE_FRAME)
 
 
 def pose_behind(state: EditorState, frame: int) -> ShownPose:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from keypose.app.posing.box_corners import drag_box_corner
 from keypose.app.posing.gesture import (
@@ -85,7 +86,7 @@ def _held(held: Held, view: PointerView, gesture: Gesture, taken: BodyHandle | s
     carried = isinstance(taken, BodyHandle) and taken.kind == "root"
     in_picture = view.is_films and gesture.axis is None and (carried or not gesture.depth)
     placed = frozenset[str]() if gesture.carry else held.placed
-    return Held(placed, held.pinned, view if in_picture else None)
+    return replace(held, placed=placed, seen=view if in_picture else None)
 
 
 def _taken(

@@ -48,17 +48,19 @@ class Held:
     seen: the film's own view where something is dragged in it: it shows nothing of depth, so there
         limbs whose ends are placed stay where they are seen, elbows and knees too. None where ends
         stay where they are in space, as those that are pinned always do.
+    beside: the poses of the frames before and after, as far as they are known.
     """
 
     placed: frozenset[str] = frozenset()
     pinned: frozenset[str] = frozenset()
     seen: PointerView | None = None
+    beside: tuple[Pose, ...] = ()
 
     def limb_in_picture(self, limb: TwoBones, end: str, before: GestureContext) -> SeenLimb | None:
         """The limb of an end that stays where it is seen; None of one that does not."""
         if self.seen is None or end not in self.placed - self.pinned:
             return None
-        return SeenLimb.of(limb, self.seen, before)
+        return SeenLimb.of(limb, self.seen, before, self.beside)
 
 
 NONE_HELD = Held()

@@ -3,12 +3,16 @@
 How far away each is follows from the lengths of the bones, on the side, near or far, where it was.
 So one joint that is dragged on the picture leaves the others where they are seen, and their depth
 gives way. Where a bone is too short for that, joints come as near to their lines as they can. A
-limb whose body is taken much nearer or farther points to the side where it was.
+limb whose body is taken much nearer or farther points to the side where it was, unless it clearly
+pointed to the other one: then it only was seen too large or too small. A bone that lies
+level has no side of its own: its joint goes to where it is at the frames beside, or else as the
+hinge bends.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +23,7 @@ from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.swinging import farness, under_pointer
 from keypose.app.posing.two_bones import Reached, TwoBones
 from keypose.app.posing.vectors import across, cross, length, smooth_step, turn, unit
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 
 CLEAR = 0.2
@@ -28,9 +33,9 @@ LEVEL, CHANGED_M = 0.08, 0.01
 """Of `farness`: a joint changes sides only where its depth determined next to nothing, and soon, so
 that it hardly leaves the pointer."""
 
-NEAR_M, FAR_M = 0.1, 0.25
-"""Taken nearer or farther by more than the first, a limb begins to point to where it was; by the
-second it does."""
+NEAR_M, FAR_M, LEANS = 0.1, 0.25, 0.2
+"""Taken nearer or farther by more than the first, a bone begins to point to where it was; by the
+second it does. One that points nearer or farther by a larger share of its length keeps its side."""
 
 SIDEWAYS, NOT_SIDEWAYS = math.radians(10.0), math.radians(30.0)
 """What a hinge lacks is done to its sides up to the first angle; from the second on not at all."""
@@ -45,6 +50,7 @@ class SeenLimb:
            beyond that it lies, in lengths of the bone.
     bends: how far away, of 1, the hinge bends the lower bone to.
     left_m: metres by which the first joint lay farther away.
+    beside: as the first of `sides`, at the frames beside; 0 where that is not known, or not asked.
     """
 
     limb: TwoBones
@@ -52,10 +58,18 @@ class SeenLimb:
     sides: tuple[float, float]
     bends: float
     left_m: float = 0.0
+    beside: float = 0.0
 
     @classmethod
-    def of(cls, limb: TwoBones, view: PointerView, before: GestureContext) -> SeenLimb:
-        """A limb as it was seen before it was perhaps carried along."""
+    def of(
+        cls,
+        limb: TwoBones,
+        view: PointerView,
+        before: GestureContext,
+        others: Sequence[Pose] = (),
+    ) -> SeenLimb:
+        """A limb as it was seen before it was perhaps carried along. others: poses of the frames
+        beside."""
         centre, middle = before.joint(limb.upper), before.joint(limb.lower)
         end = before.placed(limb.lower, limb.tip)
         bones = (centre, middle), (middle, end)
@@ -63,7 +77,8 @@ class SeenLimb:
         bends_to = before.R_camera_part(limb.upper) @ Elbow(limb).natural()
         bends = float(bends_to @ view.ray_through(middle))
         left_m = float(view.depth(centre) - view.depth(limb.centre))
-        return cls(limb, view, (sides[0], sides[1]), bends, left_m)
+        beside = _side_of(limb, view, others) if abs(sides[0]) <= LEVEL else 0.0
+        return cls(limb, view, (sides[0], sides[1]), bends, left_m, beside)
 
     @property
     def middle_at(self) -> Array:
@@ -99,16 +114,20 @@ class SeenLimb:
 
     def _middle(self, at: Array) -> Array:
         """(3,) where the upper bone ends on a line of sight, or as near to it as it can. Where the
-        bone lies level, the joint goes to the side from which the lower one bends away."""
-        return self._seen_at(at, self.limb.centre, self._elbow.joint, self.sides[0], -self.bends)
+        bone lies level, the joint goes to its side at the frames beside, or else to that from which
+        the lower one bends away."""
+        clear = abs(self.beside) > LEVEL
+        toward = math.copysign(1.0, self.beside) if clear else -self.bends
+        return self._seen_at(at, self.limb.centre, self._elbow.joint, self.sides[0], toward)
 
     def _seen_at(
         self, at: Array, centre: Array, before: Array, side: float, toward: float
     ) -> Array:
         drawn = length(self.view.at_depth(at, before) - before)
         share = farness(side, toward, drawn, LEVEL, CHANGED_M)
-        left = smooth_step((abs(self.left_m) - NEAR_M) / (FAR_M - NEAR_M))
-        share += left * (math.copysign(1.0, self.left_m) - share)
+        if abs(side) <= LEANS:
+            left = smooth_step((abs(self.left_m) - NEAR_M) / (FAR_M - NEAR_M))
+            share += left * (math.copysign(1.0, self.left_m) - share)
         return under_pointer(self.view, at, centre, length(before - centre), share)
 
     def _reaching(self, middle: Array, end_at: Array) -> Array:
@@ -144,6 +163,16 @@ class SeenLimb:
         by = turn(unit(cross(way, wanted)), share * lacking)
         lower = context.allowed(limb.lower, after.R_camera_parent(limb.lower).T @ by @ R)
         return Reached({**bent.rotations, limb.lower: lower}, bent.centre, bent.radius_m)
+
+
+def _side_of(limb: TwoBones, view: PointerView, poses: Sequence[Pose]) -> float:
+    """How far beyond the first joint the middle one lies in poses, in lengths of the bone."""
+    found = []
+    for pose in poses:
+        p = pose_transforms(limb.context.skeleton, pose)[:, :3, 3]
+        first, middle = p[limb.upper], p[limb.lower]
+        found.append(float(unit(middle - first) @ view.ray_through(middle)))
+    return sum(found) / len(found) if found else 0.0
 
 
 def _nearest_root(a: float, b: float, c: float, start: float) -> float:

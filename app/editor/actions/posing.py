@@ -60,10 +60,11 @@ class Exchange(Edit):
 
 class TurnInDepth(Edit):
     """What points toward the camera points away from it, seen where it was: of a part and what
-    hangs on it, or of the whole body."""
+    hangs on it, or of the whole body. partial: as of `Drag`."""
 
     do: Literal["turn_in_depth"] = "turn_in_depth"
     part: Name | None = None
+    partial: bool = False
 
 
 class Untwist(Edit):

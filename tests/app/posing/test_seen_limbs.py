@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,9 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.solver.depth_turn import turned_in_depth
 from tests.app.posing.posing_cases import (
+    CAMERA,
     PERSON,
     TELEPHOTO,
     Floats,
@@ -195,6 +199,47 @@ def test_a_body_taken_far_nearer_leaves_its_limbs_behind() -> None:
     for end in ("left_foot", "right_foot"):
         assert p[end][2] > p["waist"][2] + 0.1
         assert off_px(pose, posed.pose, (end,)) < SEEN_PX
+
+
+@pytest.mark.parametrize("up", [0.055, -0.055])
+@pytest.mark.parametrize(("pose", "end"), bent_in_depth())
+def test_a_limb_keeps_its_side_when_its_body_was_seen_too_large_or_too_small(
+    pose: Pose, end: str, up: float
+) -> None:
+    posed = dragged(pose, "root", (0.0, up), depth=True).pose
+    assert abs(posed.p_camera_root[2] - pose.p_camera_root[2]) > 0.2
+    assert side_of(posed, end) * side_of(pose, end) > 0
+
+
+@pytest.mark.parametrize(("pose", "end"), bent_in_depth())
+def test_a_level_elbow_or_knee_goes_to_the_side_where_it_is_at_the_frames_beside(
+    pose: Pose, end: str
+) -> None:
+    """It was dragged out until its bone lay level, and is dragged back to where it was seen."""
+    handle, view = handle_named(PERSON, MIDDLE_OF[end]), sights()["main"]
+    p = points(PERSON, pose)
+    first, middle = (view.project(p[name]) for name in LIMB_OF[end][:2])
+    px = UPPER_M[end] / view.metres_per_unit(p[LIMB_OF[end][0]])
+    out = first + px * (middle - first) / np.linalg.norm(middle - first)
+    sent = gesture("main", as_sent(handle), middle, out)
+    level = drag(PERSON, pose, sent, sights(), held=ALL).pose
+    assert abs(side_of(level, end)) < 0.05
+    at = view.project(points(PERSON, level)[handle.anchor])
+    back = gesture("main", as_sent(handle), at, middle)
+    camera, top = CAMERA, PERSON.index(LIMB_OF[end][0])
+    for beside in (pose, turned_in_depth(Skeleton.of(PERSON), camera, pose, top)):
+        if abs(side_of(beside, end)) < 0.1:
+            continue  # its joint cannot bend the other way
+        held = replace(ALL, beside=(beside,))
+        posed = drag(PERSON, level, back, sights(), held=held).pose
+        assert side_of(posed, end) * side_of(beside, end) > 0
+
+
+def side_of(pose: Pose, end: str) -> float:
+    """How far beyond the first joint of a limb the middle one lies, in lengths of the bone."""
+    p = points(PERSON, pose)
+    first, middle = (p[name] for name in LIMB_OF[end][:2])
+    return float((middle - first) @ sights()["main"].ray_through(middle)) / UPPER_M[end]
 
 
 def test_a_level_limb_bends_as_its_joint_can() -> None:
