@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from keypose.tracker.geometry.rotations import rotation_between
 from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
-
-OF_THE_FRAME: Final = ("keyframe", "draft", "tracked", "part")
-"""Where a pose comes from that is no other frame's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,23 +38,25 @@ def shown_pose(state: EditorState, frame: int | None = None) -> ShownPose:
     return pose_behind(state, frame)
 
 
-def poses_beside(state: EditorState, frame: int) -> tuple[Pose, ...]:
-    """The poses of the frames before and after, as far as these have poses of their own: posed,
-    drafted or tracked."""
-    inside = (f for f in (frame - 1, frame + 1) if 0 <= f < state.frame_count)
-    shown = (shown_pose(state, f) for f in inside)
-    return tuple(each.pose for each in shown if each.source in OF_THE_FRAME)
-
-
 def pose_behind(state: EditorState, frame: int) -> ShownPose:
     """The pose of a frame as it would be shown had nobody posed the whole body there."""
+    return _followed(state, frame) or _from_neighbours(state, frame)
+
+
+def poses_beside(state: EditorState, frame: int) -> tuple[Pose, ...]:
+    """The poses of the frames before and after, as far as these have poses of their own."""
+    inside = (f for f in (frame - 1, frame + 1) if 0 <= f < state.frame_count)
+    own = (posed_at(state, f) or _followed(state, f) for f in inside)
+    return tuple(each.pose for each in own if each is not None)
+
+
+def _followed(state: EditorState, frame: int) -> ShownPose | None:
+    """As it was tracked, or as limbs of it were set."""
     tracked = state.tracked(frame)
     if tracked is not None:
         return ShownPose(tracked, "tracked")
     parts = find(state.doc.part_keyframes, frame)
-    if parts is not None:
-        return ShownPose(parts.pose(state.skeleton), "part")
-    return _from_neighbours(state, frame)
+    return None if parts is None else ShownPose(parts.pose(state.skeleton), "part")
 
 
 def posed_at(state: EditorState, frame: int) -> ShownPose | None:

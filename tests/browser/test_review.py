@@ -17,6 +17,7 @@ from tests.browser.interaction import (
     answered,
     screens,
     section,
+    spot,
     until,
     until_counted,
     until_state,
@@ -173,6 +174,22 @@ def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     page.keyboard.press("Control+z")
     until_state(page, "keys.parts", lambda parts: parts == [])
     until(lambda: current(page) == "Right forearm")
+
+
+def test_a_limb_turned_in_depth_is_keyed_alone_as_by_a_drag(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until_state(page, "view.frame", lambda frame: frame == 10)
+    until_counted(page, "#main .doubt", 1)
+    page.mouse.click(*spot(page, "left_hand"), button="right")
+    page.locator("#tmenu .mi", has_text="Turn in depth").click()
+    keyed = until_state(page, "keys.parts", lambda parts: len(parts) == 1)
+    assert keyed[0]["frame"] == 10
+    assert "left_hand" in keyed[0]["parts"]
+    assert "right_hand" not in keyed[0]["parts"]
+    assert section(page, "keys.drafts") == []
+    assert section(page, "undo.undo").startswith("turn in depth")
+    page.keyboard.press("Control+z")
+    until_state(page, "keys.parts", lambda parts: parts == [])
 
 
 def test_rows_do_not_move_under_the_pointer(page: Page) -> None:

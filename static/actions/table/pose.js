@@ -11,6 +11,7 @@ import { frame, keyBeside } from '../playhead.js';
 import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from '../poses.js';
 import { addPart, carrier, deleteTitle, whyNotDeletePart } from '../parts.js';
 import { noKeyframe, whyNotFitPose, whyNotFitSizes, whyNotSwap } from '../reasons.js';
+import { keysLimb } from '../review.js';
 import { whyNotTracked } from '../tracking.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -81,7 +82,7 @@ export const POSE = {
   turnInDepth: {
     label: 'Turn in depth', icon: 'depth',
     title: () => `${selectedPart()?.label ?? 'The whole body'} points away from the camera instead of toward it, seen where it is`,
-    message: (part) => ({ do: 'turn_in_depth', part: part?.name ?? server.view.selected ?? null }),
+    message: (part) => turnInDepth(part ?? selectedPart()),
   },
   addPart: {
     label: 'Add part', icon: 'plus', run: addPart,
@@ -101,6 +102,12 @@ export const POSE = {
     message: () => ({ do: 'reset_pose' }),
   },
 };
+
+/** In a review the limb alone is keyed, as by a drag. */
+function turnInDepth(part) {
+  const alone = keysLimb() && part?.parent != null;
+  return { do: 'turn_in_depth', part: part?.name ?? null, ...(alone ? { partial: true } : {}) };
+}
 
 function copyLabel(way) {
   const key = keyBeside(way);

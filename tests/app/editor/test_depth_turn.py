@@ -78,3 +78,18 @@ def test_what_lies_across_the_view_is_not_turned() -> None:
     across = after(desk(), {"do": "go", "frame": 24}, {"do": "reset_pose"})
     with pytest.raises(Refused, match="Left forearm lies across the view"):
         after(across, {"do": "turn_in_depth", "part": "left_forearm"})
+
+
+def test_between_keyframes_a_limb_is_turned_and_keyed_alone() -> None:
+    before = after(desk(), {"do": "go", "frame": 12})
+    turned = after(before, {"do": "turn_in_depth", "part": "left_forearm", "partial": True})
+    (keyed,) = turned.doc.part_keyframes
+    assert keyed.frame == 12
+    assert keyed.parts == ("left_upper_arm", "left_forearm", "left_hand")
+    assert turned.doc.keyframes == before.doc.keyframes
+    assert turned.doc.drafts == ()
+    assert depth(before, "left_forearm", "left_hand") * depth(
+        turned, "left_forearm", "left_hand"
+    ) < 0
+    with pytest.raises(Refused, match="whole body was moved"):
+        after(before, {"do": "turn_in_depth", "partial": True})

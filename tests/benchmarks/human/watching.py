@@ -56,6 +56,8 @@ class Watching:
             put_right(self.hand)
             if len(self.desk.script) == before:  # nothing that a hand does brings it nearer
                 self._leave([joint, *wrong], frame, RUNS_ON)
+            else:  # nor what still looks wrong beside
+                self._leave(self.hand.wrong(), frame, FIXATION)
 
     def _leave(self, joints: Sequence[str], frame: int, frames: int) -> None:
         for joint in joints:
@@ -138,6 +140,7 @@ class Watching:
         looked_at = [n for n in sorted(names) if frame not in self.left.get(n, ())]
         ways = {n: np.mean([each[n] for each in off if n in each], axis=0) for n in looked_at}
         worst = max(ways, key=lambda n: px(ways[n]), default=None)
-        if worst is None or px(ways[worst]) <= LOOKS_RIGHT_PX + self.hand.slack_px(frame):
+        slack_px = float(np.mean([self.hand.slack_px(f) for f in about if f in clip.seen] or [0]))
+        if worst is None or px(ways[worst]) <= LOOKS_RIGHT_PX + slack_px:
             return 0.0, None
         return px(ways[worst]), worst
