@@ -88,8 +88,8 @@ def test_between_keyframes_a_limb_is_turned_and_keyed_alone() -> None:
     assert keyed.parts == ("left_upper_arm", "left_forearm", "left_hand")
     assert turned.doc.keyframes == before.doc.keyframes
     assert turned.doc.drafts == ()
-    assert depth(before, "left_forearm", "left_hand") * depth(
-        turned, "left_forearm", "left_hand"
-    ) < 0
+    assert (
+        depth(before, "left_forearm", "left_hand") * depth(turned, "left_forearm", "left_hand") < 0
+    )
     with pytest.raises(Refused, match="whole body was moved"):
         after(before, {"do": "turn_in_depth", "partial": True})
