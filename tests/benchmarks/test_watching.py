@@ -26,6 +26,7 @@ class Played:
     script: list[str] = field(default_factory=list)
     stops: list[int] = field(default_factory=list)
     frame: int = 0
+    slack: dict[int, float] = field(default_factory=dict)
     clip: Any = field(
         default_factory=lambda: SimpleNamespace(
             seen=dict.fromkeys(range(FRAMES)), unmeasured=frozenset(), first=0, last=FRAMES - 1
@@ -62,7 +63,7 @@ class Played:
         return ["knee"] if self.off_px.get(self.frame, 0.0) > LOOKS_RIGHT_PX else []
 
     def slack_px(self, frame: int) -> float:
-        return 0.0
+        return self.slack.get(frame, 0.0)
 
     @property
     def watched(self) -> int:
@@ -140,3 +141,23 @@ def test_what_nothing_makes_better_is_left_and_the_rest_is_watched() -> None:
     watching.until_right(lambda _: None)
     assert len(played.stops) == 1
     assert set(range(FRAMES)) == watching.seen.keys()
+
+
+def test_marks_carried_on_to_the_frames_beside_a_marked_one_do_not_make_it_look_wrong() -> None:
+    carried_on = {frame: 4.0 for frame in range(FRAMES) if frame % 5}
+    played = Played(dict.fromkeys(range(FRAMES), LOOKS_RIGHT_PX + 2.0), slack=carried_on)
+    Watching(played).until_right(lambda _: None)  # type: ignore[arg-type]
+    assert played.stops == []
+    played = Played(dict.fromkeys(range(FRAMES), LOOKS_RIGHT_PX + 2.0))
+    Watching(played).until_right(lambda _: None)  # type: ignore[arg-type]
+    assert played.stops != []
+
+
+def test_what_still_looks_wrong_after_a_correction_was_tried_and_is_left() -> None:
+    played = Played(bump(10, 12, 12, 12))
+
+    def put_right(_: Any) -> None:
+        played.act("drag", "put another joint right")
+
+    Watching(played).until_right(put_right)  # type: ignore[arg-type]
+    assert len(played.stops) == 1

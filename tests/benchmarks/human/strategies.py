@@ -272,12 +272,13 @@ def draft(desk: Desk) -> None:
 
 
 def ends(hand: Hand) -> None:
-    """The first and the last frame are keyframes: only what lies between is tracked."""
+    """The first and the last frame are keyframes: only what lies between is tracked. Drafts are
+    fitted already: F moves none of them."""
     desk = hand.desk
     for end in (desk.clip.first, desk.clip.last):
         if end not in desk.keys:
             go(desk, end, "go to the end of the clip")
-            settle(hand, fit=True)
+            settle(hand, fit=False)
 
 
 @dataclass

@@ -3,8 +3,8 @@
 They watch the whole of it once, going on from where they stopped, and then what their corrections
 changed. While it plays a joint is seen to be wrong if it is so over a fixation, three frames; what
 is wrong is let run on for at most a second, to see where it is worst, and that frame is gone to,
-judged and corrected. They do not know how far off anything is: who sees nothing wrong stops, right
-or not.
+judged and corrected; what still looks wrong there was tried, and is left. They do not know how far
+off anything is: who sees nothing wrong stops, right or not.
 """
 
 from __future__ import annotations
