@@ -31,6 +31,7 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.app.posing.test_holding import ALL, ENDS, off_m, off_px, pulled
+from tests.app.posing.test_steadiness import JUMP, drawn, largest_jump
 
 SEEN_PX = 0.5
 MIDDLE_OF = {
@@ -217,22 +218,43 @@ def test_a_level_elbow_or_knee_goes_to_the_side_where_it_is_at_the_frames_beside
 ) -> None:
     """It was dragged out until its bone lay level, and is dragged back to where it was seen."""
     handle, view = handle_named(PERSON, MIDDLE_OF[end]), sights()["main"]
-    p = points(PERSON, pose)
+    level = levelled(pose, end)
+    assert abs(side_of(level, end)) < 0.05
+    at, back = (view.project(points(PERSON, each)[handle.anchor]) for each in (level, pose))
+    sent = gesture("main", as_sent(handle), at, back)
+    for beside in (pose, the_other_way(pose, end)):
+        if abs(side_of(beside, end)) < 0.1:
+            continue  # its joint cannot bend the other way
+        posed = drag(PERSON, level, sent, sights(), held=replace(ALL, beside=(beside,))).pose
+        assert side_of(posed, end) * side_of(beside, end) > 0
+
+
+@pytest.mark.parametrize(("pose", "end"), bent_in_depth())
+def test_a_level_joint_goes_to_its_side_at_the_frames_beside_without_a_jump(
+    pose: Pose, end: str
+) -> None:
+    level, handle = levelled(pose, end), handle_named(PERSON, MIDDLE_OF[end])
+    for beside in (pose, the_other_way(pose, end)):
+        held = replace(ALL, beside=(beside,))
+        for degrees in (15, 100, 190, 280):
+            worst = largest_jump(drawn(PERSON, level, handle, "main", degrees, True, held))
+            assert worst < JUMP, (degrees, np.degrees(worst))
+
+
+def levelled(pose: Pose, end: str) -> Pose:
+    """The middle joint of a limb dragged out until its upper bone lies level."""
+    view, p = sights()["main"], points(PERSON, pose)
     first, middle = (view.project(p[name]) for name in LIMB_OF[end][:2])
     px = UPPER_M[end] / view.metres_per_unit(p[LIMB_OF[end][0]])
     out = first + px * (middle - first) / np.linalg.norm(middle - first)
-    sent = gesture("main", as_sent(handle), middle, out)
-    level = drag(PERSON, pose, sent, sights(), held=ALL).pose
-    assert abs(side_of(level, end)) < 0.05
-    at = view.project(points(PERSON, level)[handle.anchor])
-    back = gesture("main", as_sent(handle), at, middle)
-    camera, top = CAMERA, PERSON.index(LIMB_OF[end][0])
-    for beside in (pose, turned_in_depth(Skeleton.of(PERSON), camera, pose, top)):
-        if abs(side_of(beside, end)) < 0.1:
-            continue  # its joint cannot bend the other way
-        held = replace(ALL, beside=(beside,))
-        posed = drag(PERSON, level, back, sights(), held=held).pose
-        assert side_of(posed, end) * side_of(beside, end) > 0
+    sent = gesture("main", as_sent(handle_named(PERSON, MIDDLE_OF[end])), middle, out)
+    return drag(PERSON, pose, sent, sights(), held=ALL).pose
+
+
+def the_other_way(pose: Pose, end: str) -> Pose:
+    """The limb turned in depth, as far as its joints bend that way."""
+    top = PERSON.index(LIMB_OF[end][0])
+    return turned_in_depth(Skeleton.of(PERSON), CAMERA, pose, top)
 
 
 def side_of(pose: Pose, end: str) -> float:

@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from keypose.app.posing import BodyHandle, drag, handle_named, handles
+from keypose.app.posing import BodyHandle, Held, drag, handle_named, handles
+from keypose.app.posing.holding import NONE_HELD
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -59,8 +60,9 @@ def test_a_head_whose_neck_bends_ever_nearer_keeps_its_depth_without_a_jump(degr
 
 
 def drawn(
-    body: Body, pose: Pose, handle: BodyHandle, view: str, degrees: float, limits_on: bool
-) -> Callable[[float], Floats]:
+    body: Body, pose: Pose, handle: BodyHandle, view: str, degrees: float, limits_on: bool,
+    held: Held = NONE_HELD,
+) -> Callable[[float], Floats]:  # fmt: skip
     """All rotations (P, 3, 3) after a drag of so many metres into one direction."""
     sight, skeleton = sights()[view], Skeleton.of(body)
     p = points(body, pose)[handle.anchor]
@@ -70,7 +72,7 @@ def drawn(
 
     def at(metres: float) -> Floats:
         sent = gesture(view, as_sent(handle), start, start + metres * way)
-        posed = drag(body, pose, sent, sights(), limits_on=limits_on)
+        posed = drag(body, pose, sent, sights(), limits_on=limits_on, held=held)
         return np.asarray(pose_transforms(skeleton, posed.pose)[:, :3, :3])
 
     return at
