@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.app.editor.shown import counts
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import angle_curve_deg
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
@@ -17,10 +18,7 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     Rs = rotations(edit.fitting, edit.frame_count, index)
     name = edit.doc.body.names[index]
     keys = [keyframe.frame for keyframe in edit.doc.keyframes]
-    tracked = np.isfinite(Rs[:, 0, 0])
-    # What was found in the film gives way to what is tracked there by now.
-    drafts = [d for d in edit.doc.drafts if not (d.is_found and tracked[d.frame])]
-    if poses := (*edit.doc.keyframes, *drafts):
+    if poses := (*edit.doc.keyframes, *(d for d in edit.doc.drafts if counts(edit, d))):
         wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
         Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))

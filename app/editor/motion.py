@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.shown import find
+from keypose.app.editor.shown import counts, find
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -46,7 +46,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     row_of = {frame: row for row, frame in enumerate(frames.tolist())}
     for posed in (*doc.keyframes, *doc.drafts):
         row = row_of.get(posed.frame)
-        if row is not None and not (posed.is_found and edit.tracked(posed.frame) is not None):
+        if row is not None and counts(edit, posed):
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     return KnownMotion(frames, part_transforms(skeleton, Rs, ps))

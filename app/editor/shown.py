@@ -68,12 +68,15 @@ def posed_at(state: EditorState, frame: int) -> ShownPose | None:
 
 
 def draft_at(state: EditorState, frame: int) -> Keyframe | None:
-    """The draft that counts at a frame: of those that were found in the film none where the frame
-    is tracked by now."""
+    """The draft that counts at a frame."""
     draft = find(state.doc.drafts, frame)
-    if draft is not None and draft.is_found and state.tracked(frame) is not None:
-        return None
-    return draft
+    return None if draft is None or not counts(state, draft) else draft
+
+
+def counts(state: EditorState, posed: Keyframe) -> bool:
+    """Whether a keyframe or a draft is the pose of its frame: a draft that was found in the film
+    gives way to what is tracked there by now."""
+    return not posed.is_found or state.tracked(posed.frame) is None
 
 
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:

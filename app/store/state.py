@@ -16,6 +16,7 @@ from keypose.app.store.preview import SizesPreview
 from keypose.app.store.reduction import ReductionPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
+from keypose.tracker.session.verdict import Kind
 from keypose.tracker.video import VideoInfo
 
 
@@ -24,6 +25,7 @@ class Job:
     """What the tracker is doing, in words; seconds_left is None when nobody can know.
 
     kind: a "fit", a solve in "space", or one of "drafts" does not know how far it is.
+    worst: the verdict of its worst segment, once it has tracked some.
     """
 
     state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
@@ -32,6 +34,7 @@ class Job:
     percent: float = 0.0
     seconds_left: float | None = None
     kind: Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts"] = "track"
+    worst: Kind | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,10 @@ import { select } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { view } from '../views/views.js';
 import { goTo, isKey, stopPlaying } from './playhead.js';
-import { answered, answerOf, currentRow, listOf, openRows, placesAbove, turned, withUndone } from './review_list.js';
+import { answered, answerOf, currentRow, listOf, openRows, pauseLeft, placesAbove, turned, withUndone } from './review_list.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
 
-/** Long enough to see what was corrected. */
-const PAUSE_MS = 400;
 /** The limb takes this share of the picture. */
 const LIMB_SHARE = 1 / 3;
 const BODY_SHARE = 0.75;
@@ -20,6 +18,8 @@ const BODY_SHARE = 0.75;
 let before = null;
 /** Where a limb was keyed already when its row became the current one. */
 let keyedBefore = '';
+/** The row that a keyframe has corrected, after which the list goes on. */
+let correctedRow = null;
 let timer = 0;
 
 export const isReviewing = () => Boolean(ui.review);
@@ -126,6 +126,7 @@ function change(list) {
 /** Go to a place: its frame, its part, and its limb large in the picture. */
 function show(row) {
   keyedBefore = keyedAt(row.frame);
+  correctedRow = null;
   stopPlaying();
   goTo(row.frame);
   select(row.part);
@@ -143,15 +144,23 @@ function followAnswers() {
   else if (list !== ui.review) change(list);
 }
 
-/** A keyframe at the place, of the limb or of all, corrects it; after a moment the list goes on. */
+/** A keyframe at the place, of the limb or of all, corrects it; a moment after the last drag the list
+ * goes on. */
 function followKeys() {
-  const row = place();
-  if (ui.dragging) return clearTimeout(timer);
-  if (!row || keyedAt(row.frame) === keyedBefore) return;
-  keyedBefore = keyedAt(row.frame);
-  if (!keyedBefore) return;
   clearTimeout(timer);
-  timer = window.setTimeout(() => place()?.id === row.id && note(row.id, 'corrected'), PAUSE_MS);
+  const row = place();
+  if (ui.dragging || !row) return;
+  const keyed = keyedAt(row.frame);
+  if (keyed !== keyedBefore) correctedRow = keyed ? row.id : null;
+  keyedBefore = keyed;
+  if (correctedRow === row.id) goOnAfter(row);
+}
+
+function goOnAfter(row, waited = 0) {
+  const left = pauseLeft(waited, Boolean(ui.hover));
+  const act = () => place()?.id === row.id && goOnAfter(row, waited + left);
+  if (left) timer = window.setTimeout(act, left);
+  else note(row.id, 'corrected');
 }
 
 /** What is keyed at a frame, as one text that differs when that does. */

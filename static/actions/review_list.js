@@ -11,6 +11,14 @@
  * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
  */
 
+/** Long enough to see what was corrected; as long as the pointer stays on the body, where another drag
+ * may follow, up to three times as long. */
+const PAUSE_MS = 400;
+const AT_BODY_MS = 1200;
+
+/** How many milliseconds are to wait after a correction, of which some have passed; 0: the list goes on. */
+export const pauseLeft = (waited, isAtBody) => (waited < (isAtBody ? AT_BODY_MS : PAUSE_MS) ? PAUSE_MS : 0);
+
 /**
  * The places over a goal: also those of which nobody knows how far they are off.
  * @param {ReviewPlace[]} places

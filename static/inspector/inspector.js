@@ -40,7 +40,7 @@ const SHOWN = [
   'pins', 'proposed_pins', 'floor',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
-  'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone',
+  'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone', 'u:allInSpace',
 ];
 
 /** What was selected when it was last brought into sight. */

@@ -1,9 +1,10 @@
 // What is not plausible of the motion in space: the worst of it, each with its frame and its remedy.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server, setUi } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
+import { titleOf } from '../actions/actions.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { button } from '../controls/fields.js';
 import { section } from './section.js';
@@ -13,7 +14,7 @@ import { section } from './section.js';
 const MOST = 3;
 
 /** What mends a finding with one press; nothing where there is no such thing. */
-/** @type {Record<string, { label: string, act: (found: SpaceFinding) => void }>} */
+/** @type {Record<string, { label: string, title?: string, act: (found: SpaceFinding) => void }>} */
 const REMEDIES = {
   pin: {
     label: 'Pin it',
@@ -40,7 +41,7 @@ const REMEDIES = {
       send({ do: 'untwist', part });
     },
   },
-  soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
+  soften: { label: 'Soften the keyframe', title: titleOf('softKey'), act: ({ go }) => send({ do: 'soften_key', frame: go }) },
   level: { label: 'Level the feet', act: () => send({ do: 'up_from_feet' }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
@@ -49,12 +50,14 @@ const REMEDIES = {
 export function space() {
   const found = server.space ?? [];
   if (found.length === 0) return nothing;
-  const rest = found.length - MOST;
-  return section(
-    'In space',
-    html`${found.slice(0, MOST).map(card)}
-    ${rest > 0 ? html`<p class="note">${rest} more</p>` : nothing}`,
-  );
+  const shown = ui.allInSpace ? found : found.slice(0, MOST);
+  return section('In space', html`${shown.map(card)}${found.length > MOST ? more(found.length - MOST) : nothing}`);
+}
+
+/** All of them, or the worst alone. @param {number} rest */
+function more(rest) {
+  const label = ui.allInSpace ? 'Show fewer' : `Show ${rest} more`;
+  return button({ name: '', label, kind: 'ghost sm', act: () => setUi('allInSpace', !ui.allInSpace) });
 }
 
 /** @param {SpaceFinding} found */
@@ -63,7 +66,7 @@ function card(found) {
   return html`<div class="finding" role="group" aria-label=${found.words}>
     <p>${found.words}</p>
     <div class="row">
-      ${remedy ? button({ name: '', label: remedy.label, kind: 'sm', act: () => remedy.act(found) }) : nothing}
+      ${remedy ? button({ name: '', label: remedy.label, title: remedy.title, kind: 'sm', act: () => remedy.act(found) }) : nothing}
       ${['lens', 'up'].includes(found.kind) ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
     </div>
   </div>`;

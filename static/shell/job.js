@@ -3,14 +3,12 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, perform, whyNot } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
-import { range } from '../controls/words.js';
 import { server, ui, setUi } from '../store/state.js';
 
 const STAYS_MS = 8000;
 const ENDED = { done: 'good', cancelled: 'old', failed: 'lost' };
 const ICONS = { good: 'check', check: 'warn', lost: 'lost', old: 'old' };
 
-let ran = new Set(); // the segments this job has worked on, as "39–50"
 let timer = 0;
 let wasRunning = false;
 
@@ -31,11 +29,10 @@ export function cancelJob() {
   return true;
 }
 
-/** Called after every change of the job or the segments. */
+/** Called after every change of the job. */
 export function noticeJob() {
   const { state } = server.job ?? {};
   if (state === 'running') {
-    for (const s of server.segments ?? []) if (isWorkedOn(s)) ran.add(nameOf(s));
     wasRunning = true;
     setUi('ended', null);
     return;
@@ -44,25 +41,15 @@ export function noticeJob() {
   if (!wasRunning) return;
   wasRunning = false;
   if (state in ENDED) announce(server.job);
-  ran = new Set();
 }
 
+/** A finished job has the colour of its worst segment. */
 function announce(job) {
-  const kind = job.state === 'done' ? worst() : ENDED[job.state];
+  const kind = job.state === 'done' ? job.worst ?? ENDED.done : ENDED[job.state];
   setUi('ended', { ...job, kind });
   clearTimeout(timer);
   timer = setTimeout(() => setUi('ended', null), STAYS_MS);
 }
-
-/** The colour of a finished job is that of its worst segment. */
-function worst() {
-  /** @type {string[]} */
-  const states = (server.segments ?? []).filter((s) => ran.has(nameOf(s))).map((s) => s.state);
-  return ['lost', 'check'].find((state) => states.includes(state)) ?? 'good';
-}
-
-const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
-const nameOf = (s) => range(s.first, s.last);
 
 function runningJob(job) {
   const isFit = ['fit', 'space', 'drafts'].includes(job.kind); // which do not know how far they are

@@ -25,7 +25,7 @@ export function mountTopbar() {
     document.title = title();
   };
   onWidth(draw);
-  watch(['job', 'segments'], noticeJob);
+  watch(['job'], noticeJob);
   watch([...SECTIONS, ...OWN], draw);
   setInterval(() => savedTicks() && draw(), 1000);
 }

@@ -422,6 +422,7 @@
  * @property {number} percent
  * @property {number | null} seconds_left
  * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'space' | 'drafts'} kind
+ * @property {'good' | 'check' | 'lost' | null} worst  The verdict of its worst segment, once it has tracked some.
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
@@ -635,6 +636,7 @@
  * @property {boolean} [reviewLeft]  It was closed before its end.
  * @property {boolean} [reviewDone]  The places that were answered are listed.
  * @property {string | null} [reviewHeld]  A row that keeps its height while the pointer is on the list.
+ * @property {boolean} [allInSpace]  All that is not plausible in space is listed, not the worst alone.
  */
 
 /**

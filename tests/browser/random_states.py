@@ -73,6 +73,7 @@ class RandomStates:
             "percent": self.chance.randint(0, 100),
             "seconds_left": pick((None, 4, 120)),
             "kind": pick(("track", "fit", "draft")),
+            "worst": pick((None, "good", "check", "lost")),
         }
 
 

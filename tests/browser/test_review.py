@@ -15,6 +15,7 @@ from tests.app.editor.test_review import doubting
 from tests.app.serving import ROOT
 from tests.browser.interaction import (
     answered,
+    drag,
     screens,
     section,
     spot,
@@ -157,13 +158,7 @@ def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until_state(page, "view.frame", lambda frame: frame == 10)
     until_counted(page, "#main .doubt", 1)
-    box = page.locator("#main [data-grip='grip:right_hand']").bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 12, y + 8, steps=4)
-    page.mouse.up()
+    drag_the_hand(page, 12, 8)
     keyed = until_state(page, "keys.parts", lambda parts: len(parts) == 1)
     assert keyed[0]["frame"] == 10
     assert "right_forearm" in keyed[0]["parts"]
@@ -190,6 +185,54 @@ def test_a_limb_turned_in_depth_is_keyed_alone_as_by_a_drag(page: Page) -> None:
     assert section(page, "undo.undo").startswith("turn in depth")
     page.keyboard.press("Control+z")
     until_state(page, "keys.parts", lambda parts: parts == [])
+
+
+HOLD_PAUSES = """() => {
+  const { setTimeout: later, clearTimeout: never } = window;
+  const held = new Map();
+  window.setTimeout = (act, ms, ...more) =>
+    ms === 400 ? (held.set(-1 - held.size, act), -held.size) : later(act, ms, ...more);
+  window.clearTimeout = (id) => held.delete(id) || never(id);
+  window.pausesPass = () => {
+    const acts = [...held.values()];
+    held.clear();
+    acts.forEach((act) => act());
+  };
+  window.pausesRun = () => Object.assign(window, { setTimeout: later, clearTimeout: never });
+}"""
+"""From now on pauses of the review pass when the test says so."""
+
+
+def drag_the_hand(page: Page, x: float, y: float) -> None:
+    box = page.locator("#main [data-grip='grip:right_hand']").bounding_box()
+    assert box is not None
+    at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    drag(page, at, (at[0] + x, at[1] + y), steps=4)
+
+
+def test_a_second_drag_corrects_the_same_place_and_then_the_list_goes_on(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until_counted(page, "#main .doubt", 1)
+    page.evaluate(HOLD_PAUSES)
+    drag_the_hand(page, 12, 8)
+    until_state(page, "keys.parts", lambda parts: len(parts) == 1)
+    answered(page)
+    drag_the_hand(page, -6, 4)
+    answered(page)
+    assert current(page) == "Right forearm"
+
+    def goes_on() -> bool:
+        page.evaluate("() => window.pausesPass()")
+        return current(page) == "Left foot"
+
+    until(goes_on)
+    page.evaluate("() => window.pausesRun()")
+    assert [each["frame"] for each in section(page, "keys.parts")] == [10]
+    for _ in range(2):
+        page.keyboard.press("Control+z")
+        answered(page)
+    until_state(page, "keys.parts", lambda parts: parts == [])
+    until(lambda: current(page) == "Right forearm")
 
 
 def test_rows_do_not_move_under_the_pointer(page: Page) -> None:

@@ -174,6 +174,16 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
+def test_a_page_reloaded_in_the_middle_of_a_job_shows_what_it_found(other: Page) -> None:
+    other.keyboard.press("t")
+    until_state(other, "job.state", lambda state: state == "running")
+    other.reload()
+    other.wait_for_selector("html[data-ready]", state="attached")
+    until_state(other, "job.state", lambda state: state == "done")
+    found = until_state(other, "segments", lambda segments: all(one["px"] for one in segments))
+    assert {one["state"] for one in found} <= {"good", "check", "lost"}
+
+
 def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Proxy) -> None:
     page = at.page
     line.cut()

@@ -22,6 +22,7 @@ from tests.app.serving import ROOT
 from tests.browser.interaction import (
     drag,
     screens,
+    section,
     settled,
     spot,
     until,
@@ -174,3 +175,26 @@ def test_the_head_never_lies_under_the_bar_beside_it(page: Page, size: tuple[int
     assert head is not None
     assert display is not None
     assert head["x"] + head["width"] <= display["x"]
+
+
+def test_of_what_is_not_plausible_in_space_the_worst_three_are_shown_and_all_on_a_press(
+    page: Page,
+) -> None:
+    found = [
+        {
+            "kind": "slides", "words": f"Left foot slides {cm} cm", "part": "left_foot",
+            "first": 4, "last": 9, "go": 5, "remedy": "pin",
+        }
+        for cm in (9, 8, 7, 6, 5)
+    ]  # fmt: skip
+    before = section(page, "space")
+    feed_space = """async (space) =>
+        (await window.keypose.module('store/state.js')).applySections({ space })"""
+    page.evaluate(feed_space, found)
+    until_counted(page, "#insp .finding", 3)
+    page.get_by_role("button", name="Show 2 more").click()
+    until_counted(page, "#insp .finding", 5)
+    screens(page, "verdict-4-in-space")
+    page.get_by_role("button", name="Show fewer").click()
+    until_counted(page, "#insp .finding", 3)
+    page.evaluate(feed_space, before)

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import './browser.js';
 import {
-  answered, answerOf, currentRow, doneWords, listOf, openRows, placesAbove, turned, withUndone,
+  answered, answerOf, currentRow, doneWords, listOf, openRows, pauseLeft, placesAbove, turned, withUndone,
 } from '../../static/actions/review_list.js';
 
 const place = (id, px) => ({ id, frame: Number(id), px });
@@ -70,4 +70,19 @@ test('what is undone is open again and becomes the current one', () => {
 test('at the end it says what was answered', () => {
   const list = answered(answered(listOf(PLACES), '87', 'accepted'), '34', 'corrected');
   assert.equal(doneWords(list), '2 reviewed: 1 accepted, 1 corrected.');
+});
+
+test('after a correction the list waits a moment, and longer while the pointer is on the body', () => {
+  const waits = (isAtBody) => {
+    let waited = 0;
+    while (pauseLeft(waited, isAtBody)) waited += pauseLeft(waited, isAtBody);
+    return waited;
+  };
+  assert.equal(waits(false), 400);
+  assert.equal(waits(true), 1200);
+});
+
+test('it goes on when the pointer has left the body meanwhile', () => {
+  assert.equal(pauseLeft(400, true), 400);
+  assert.equal(pauseLeft(400, false), 0);
 });

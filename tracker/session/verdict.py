@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from keypose.tracker.session.settings import FrameIndex, Plain
 
 Kind: TypeAlias = Literal["good", "check", "lost"]
+WORST_FIRST: Final[tuple[Kind, ...]] = ("lost", "check", "good")
 Cause: TypeAlias = Literal[
     "good",
     "uncertain",

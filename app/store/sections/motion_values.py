@@ -156,6 +156,7 @@ def job(app_state: AppState) -> Json:
         "percent": round(given.percent, 1),
         "seconds_left": given.seconds_left,
         "kind": given.kind,
+        "worst": given.worst,
     }
 
 

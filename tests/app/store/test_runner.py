@@ -287,6 +287,7 @@ def test_a_job_reports_its_passes_and_then_what_was_found(runner: Runner) -> Non
     say(JobFinished(1, cancelled=False))
     assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–72")
     assert runner.job.words == "2 good, 1 to check"
+    assert runner.job.worst == "check"
     assert runner.news.count(True) == 3  # type: ignore[attr-defined]
 
 
