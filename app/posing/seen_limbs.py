@@ -35,7 +35,8 @@ that it hardly leaves the pointer."""
 
 NEAR_M, FAR_M, LEANS = 0.1, 0.25, 0.2
 """Taken nearer or farther by more than the first, a bone begins to point to where it was; by the
-second it does. One that points nearer or farther by a larger share of its length keeps its side."""
+second it does. One that points nearer or farther by a larger share of its length, more than legs of
+somebody who stands do, keeps its side."""
 
 SIDEWAYS, NOT_SIDEWAYS = math.radians(10.0), math.radians(30.0)
 """What a hinge lacks is done to its sides up to the first angle; from the second on not at all."""
