@@ -4,9 +4,9 @@ How far away each is follows from the lengths of the bones, on the side, near or
 So one joint that is dragged on the picture leaves the others where they are seen, and their depth
 gives way. Where a bone is too short for that, joints come as near to their lines as they can. A
 limb whose body is taken much nearer or farther points to the side where it was, unless it clearly
-pointed to the other one: then it only was seen too large or too small. A bone that lies
-level has no side of its own: its joint goes to where it is at the frames beside, or else as the
-hinge bends.
+pointed to the other one and the body was not turned: then it only was seen too large or too small.
+A bone that lies level has no side of its own: its joint goes to where it is at the frames beside,
+or else as the hinge bends.
 """
 
 from __future__ import annotations
@@ -36,7 +36,10 @@ that it hardly leaves the pointer."""
 NEAR_M, FAR_M, LEANS = 0.1, 0.25, 0.2
 """Taken nearer or farther by more than the first, a bone begins to point to where it was; by the
 second it does. One that points nearer or farther by a larger share of its length, more than legs of
-somebody who stands do, keeps its side."""
+somebody who stands do, keeps its side, unless what carries it was turned."""
+
+SAME = 1e-9
+"""Entries of a rotation up to which it is the same."""
 
 SIDEWAYS, NOT_SIDEWAYS = math.radians(10.0), math.radians(30.0)
 """What a hinge lacks is done to its sides up to the first angle; from the second on not at all."""
@@ -52,6 +55,7 @@ class SeenLimb:
     bends: how far away, of 1, the hinge bends the lower bone to.
     left_m: metres by which the first joint lay farther away.
     beside: as the first of `sides`, at the frames beside; 0 where that is not known, or not asked.
+    turned: whether what carries it was turned, not only taken elsewhere.
     """
 
     limb: TwoBones
@@ -60,6 +64,7 @@ class SeenLimb:
     bends: float
     left_m: float = 0.0
     beside: float = 0.0
+    turned: bool = False
 
     @classmethod
     def of(
@@ -79,7 +84,9 @@ class SeenLimb:
         bends = float(bends_to @ view.ray_through(middle))
         left_m = float(view.depth(centre) - view.depth(limb.centre))
         beside = _side_of(limb, view, others) if abs(sides[0]) <= LEVEL else 0.0
-        return cls(limb, view, (sides[0], sides[1]), bends, left_m, beside)
+        carriers = (each.R_camera_parent(limb.upper) for each in (before, limb.context))
+        turned = bool(np.abs(np.subtract(*carriers)).max() > SAME)
+        return cls(limb, view, (sides[0], sides[1]), bends, left_m, beside, turned)
 
     @property
     def middle_at(self) -> Array:
@@ -126,7 +133,7 @@ class SeenLimb:
     ) -> Array:
         drawn = length(self.view.at_depth(at, before) - before)
         share = farness(side, toward, drawn, LEVEL, CHANGED_M)
-        if abs(side) <= LEANS:
+        if self.turned or abs(side) <= LEANS:
             left = smooth_step((abs(self.left_m) - NEAR_M) / (FAR_M - NEAR_M))
             share += left * (math.copysign(1.0, self.left_m) - share)
         return under_pointer(self.view, at, centre, length(before - centre), share)
