@@ -212,6 +212,30 @@ def test_a_limb_keeps_its_side_when_its_body_was_seen_too_large_or_too_small(
     assert side_of(posed, end) * side_of(pose, end) > 0
 
 
+@pytest.mark.parametrize("nearer_m", [0.3, -0.3])
+@pytest.mark.parametrize(("pose", "end"), bent_in_depth())
+def test_a_limb_points_to_where_it_was_when_what_carries_it_is_turned_as_well(
+    pose: Pose, end: str, nearer_m: float
+) -> None:
+    Rs = pose.Rs_parent_part.copy()
+    Rs[0] = exp_rotation(np.array([0.0, 0.0, 0.05])) @ Rs[0]
+    place = pose.p_camera_root - np.array([0.0, 0.0, nearer_m])
+    before = GestureContext.of(Skeleton.of(PERSON), pose, True)
+    for turns, sign in ((pose.Rs_parent_part, side_of(pose, end)), (Rs, nearer_m)):
+        carried = GestureContext.of(before.skeleton, Pose(turns, place), True)
+        limb = TwoBones.of(carried, *indices(*LIMB_OF[end][:2]), tip(end))
+        middle = SeenLimb.of(limb, sights()["main"], before).with_end(*seen_at(pose, end))
+        side = side_of(carried.turned(middle.rotations), end) * np.sign(sign)
+        assert side > -0.01  # 0 where the bone does not reach its line of sight
+
+
+def seen_at(pose: Pose, end: str) -> tuple[Floats, Floats]:
+    """(2,) where the middle joint of a limb is seen, and its end."""
+    p, view = points(PERSON, pose), sights()["main"]
+    middle, last = (view.project(p[name]) for name in LIMB_OF[end][1:])
+    return middle, last
+
+
 @pytest.mark.parametrize(("pose", "end"), bent_in_depth())
 def test_a_level_elbow_or_knee_goes_to_the_side_where_it_is_at_the_frames_beside(
     pose: Pose, end: str
