@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
+from keypose.app.cli.main import ONE_BLAS_THREAD
+
 if TYPE_CHECKING:
     from xdist.remote import Producer
     from xdist.scheduler import LoadFileScheduling
@@ -36,6 +38,9 @@ os.environ["KEYPOSE_CONFIG"] = str(Path(__file__).with_name("there_is_no_config.
 # have, and every server and worker of a test would spend half a second on it.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# As the program itself has it, before NumPy is loaded.
+os.environ.setdefault(*ONE_BLAS_THREAD)
 
 
 @pytest.hookimpl(optionalhook=True)

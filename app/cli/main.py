@@ -51,6 +51,11 @@ INTERRUPTED = 130
 NO_READER = 141
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
+ONE_BLAS_THREAD = ("OPENBLAS_NUM_THREADS", "1")
+"""For this process and those it starts, unless somebody has chosen another number: of matrices as
+small as a body's, several threads wait for each other, which takes up to ten times the processor
+time. It is read when NumPy is loaded."""
+
 _EXAMPLES = """\
 examples:
   keypose info jump.mp4
@@ -74,6 +79,7 @@ class _Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; --help and wrong arguments raise SystemExit."""
+    os.environ.setdefault(*ONE_BLAS_THREAD)
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what a terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

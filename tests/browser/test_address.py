@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
@@ -19,28 +19,47 @@ from tests.browser.shared import let_in, opened
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> tuple[str, str]:
+    return _workspace(tmp_path)
+
+
+def _workspace(folder: Path) -> tuple[str, str]:
+    """Two sessions in a folder, and what Keypose is given for a workspace beside them."""
     for name in ("person", "box"):
-        (tmp_path / name).mkdir()
+        (folder / name).mkdir()
         for file in (f"{name}.mp4", "session.json"):
-            shutil.copy(ROOT / "sample_videos" / name / file, tmp_path / name)
-    return "--workspace", str(tmp_path / "workspace")
+            shutil.copy(ROOT / "sample_videos" / name / file, folder / name)
+    return "--workspace", str(folder / "workspace")
 
 
-@pytest.fixture
-def visit(
-    browser: Browser, tmp_path: Path, workspace: tuple[str, str]
-) -> Iterator[tuple[Page, Keypose]]:
-    """A page with one session open, after another."""
-    keypose = Keypose(str(tmp_path / "box" / "session.json"), *workspace)
+@pytest.fixture(scope="module")
+def shared(
+    browser: Browser, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[BrowserContext, Keypose]]:
+    """A Keypose that has opened one session, and a browser that it has let in."""
+    folder = tmp_path_factory.mktemp("address")
+    workspace = _workspace(folder)
+    keypose = Keypose(str(folder / "box" / "session.json"), *workspace)
     with let_in(browser, drawn=False) as context:
         page = opened(context, keypose)
         until(lambda: _asked(page) is not None, "the first session's address")
-        _send(page, {"do": "close"})
-        until(lambda: section(page, "file") is None, "the start screen")
-        yield page, keypose
+        page.close()
+        yield context, keypose
     code, words = keypose.end()
     assert code == 0, words
     assert "Traceback" not in words, words
+
+
+@pytest.fixture
+def visit(shared: tuple[BrowserContext, Keypose]) -> Iterator[tuple[Page, Keypose]]:
+    """A tab at the start screen, after a session was open."""
+    context, keypose = shared
+    page = context.new_page()
+    page.goto(keypose.origin)
+    page.wait_for_selector("html[data-ready]", state="attached")
+    _send(page, {"do": "close"})
+    until(lambda: section(page, "file") is None and _asked(page) is None, "the start screen")
+    yield page, keypose
+    page.close()
 
 
 def _asked(page: Page) -> str | None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
@@ -16,10 +15,12 @@ from tests.browser.shared import let_in
 SAMPLES = ROOT / "sample_videos"
 
 
-@pytest.fixture
-def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
-    """The start screen of a server that may look into one folder more."""
-    films = tmp_path / "films"
+@pytest.fixture(scope="module")
+def shared(
+    browser: Browser, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[BrowserContext, Keypose]]:
+    """A server that may look into one folder more, and a browser."""
+    films = tmp_path_factory.mktemp("chooser") / "films"
     (films / "2026" / "May").mkdir(parents=True)
     shutil.copy(SAMPLES / "person" / "person.mp4", films / "2026" / "May")
     shutil.copytree(SAMPLES / "box", films / "2026" / "box")
@@ -27,15 +28,24 @@ def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
         str(films / "2026" / "box" / "session.json"), "--workspace", str(films / "workspace")
     )
     with let_in(browser, drawn=False) as context:
-        tab = context.new_page()
-        tab.goto(keypose.address)
-        tab.wait_for_selector("html[data-ready]", state="attached")
-        send = "async (a) => (await window.keypose.module('store/link.js')).send(a)"
-        tab.evaluate(send, {"do": "close"})
-        until(lambda: section(tab, "file") is None, "the start screen")
-        yield tab
+        yield context, keypose
     code, words = keypose.end()
     assert code == 0, words
+
+
+@pytest.fixture
+def page(shared: tuple[BrowserContext, Keypose]) -> Iterator[Page]:
+    """The start screen, in a browser that remembers nothing."""
+    context, keypose = shared
+    tab = context.new_page()
+    tab.goto(keypose.address)
+    tab.wait_for_selector("html[data-ready]", state="attached")
+    send = "async (a) => (await window.keypose.module('store/link.js')).send(a)"
+    tab.evaluate(send, {"do": "close"})
+    until(lambda: section(tab, "file") is None, "the start screen")
+    yield tab
+    tab.evaluate("() => localStorage.clear()")
+    tab.close()
 
 
 def test_folders_are_walked_by_keyboard_and_a_video_shows_its_first_frame(page: Page) -> None:

@@ -287,6 +287,21 @@ def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_want
     assert not {"numba", "scipy"} & loaded_by(f"import {module}")
 
 
+@pytest.mark.parametrize(("chosen", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_blas_has_one_thread_unless_somebody_has_chosen_another_number(
+    chosen: dict[str, str], threads: str
+) -> None:
+    code = (
+        "from keypose.app.cli.main import main; main(['models', '--json']); "
+        "import os; print(os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    usual = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=usual | chosen, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split()[-1] == threads
+
+
 def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "keypose.app", "track", str(tmp_path / "none.json")],

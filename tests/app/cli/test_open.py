@@ -6,6 +6,7 @@ import json
 import shutil
 import signal
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -14,13 +15,17 @@ from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose, Visitor
 
 
-@pytest.fixture
-def session(tmp_path: Path) -> Path:
-    folder = tmp_path / "person"
+def copied(folder: Path) -> Path:
+    """The session file of a copy of the person sample, its video beside it."""
     folder.mkdir()
     for name in ("person.mp4", "session.json"):
         shutil.copy(ROOT / "sample_videos" / "person" / name, folder)
     return folder / "session.json"
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Path:
+    return copied(tmp_path / "person")
 
 
 @pytest.fixture
@@ -37,6 +42,43 @@ def tab(keypose: Keypose) -> Iterator[Visitor]:
     visitor.leave()
 
 
+@dataclass(frozen=True)
+class Work:
+    """A server, a session that it has just opened, and the one tab."""
+
+    keypose: Keypose
+    session: Path
+    tab: Visitor
+
+
+@pytest.fixture(scope="module")
+def lasting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Keypose, Path]]:
+    """A server that several tests use one after the other, and a folder it may look into."""
+    folder = tmp_path_factory.mktemp("lasting") / "person"
+    running = Keypose(str(copied(folder)), "--workspace", str(folder / "workspace"))
+    yield running, folder
+    code, words = running.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+@pytest.fixture
+def work(lasting: tuple[Keypose, Path], tmp_path: Path) -> Iterator[Work]:
+    """That server with a session of one's own, and a tab that has come since."""
+    keypose, folder = lasting
+    session = copied(folder / tmp_path.name)
+    opener = Visitor(keypose)
+    # The folder that Keypose runs in is 0, that of the session it was begun with 1.
+    opener.do(do="open", kind="file", id=f"1/{session.relative_to(folder)}")
+    opener.until(lambda: (opener.seen["file"] or {}).get("path") == str(session))
+    opener.do(do="live", on=False)
+    opener.leave()
+    tab = Visitor(keypose)
+    tab.until(lambda: tab.seen["tabs"] == 1)
+    yield Work(keypose, session, tab)
+    tab.leave()
+
+
 def turn(x: float, stroke: str | None = None) -> dict[str, object]:
     return {"do": "angles", "part": "left_forearm", "x": x, "stroke": stroke}
 
@@ -45,7 +87,8 @@ def angle_of(tab: Visitor) -> float:
     return float(tab.seen["pose"]["angles"]["left_forearm"][0])
 
 
-def test_a_tab_receives_everything_when_it_comes(tab: Visitor) -> None:
+def test_a_tab_receives_everything_when_it_comes(work: Work) -> None:
+    tab = work.tab
     assert tab.seen["file"]["frames"] == 73
     assert tab.seen["keys"]["frames"] == [0, 24, 48, 72]
     assert len(tab.seen["body"]["parts"]) == len(tab.seen["pose"]["T"]) == 16
@@ -73,8 +116,8 @@ def test_500_rapid_edits_end_alike_on_the_page_on_the_server_and_on_disk(
     again.end()
 
 
-def test_edits_of_one_tab_reach_the_others(tab: Visitor, keypose: Keypose) -> None:
-    other = Visitor(keypose)
+def test_edits_of_one_tab_reach_the_others(work: Work) -> None:
+    tab, other = work.tab, Visitor(work.keypose)
     assert other.seen["tabs"] == 2
     tab.do(**turn(-30))
     other.until(lambda: angle_of(other) == pytest.approx(-30))
@@ -84,7 +127,8 @@ def test_edits_of_one_tab_reach_the_others(tab: Visitor, keypose: Keypose) -> No
     tab.until(lambda: tab.seen["tabs"] == 1)
 
 
-def test_a_refused_action_says_why_and_changes_nothing(tab: Visitor) -> None:
+def test_a_refused_action_says_why_and_changes_nothing(work: Work) -> None:
+    tab = work.tab
     before = json.dumps(tab.seen["pose"])
     tab.do(do="angles", part="left_forearm", x=1e9)
     assert "x" in tab.refusal()
@@ -93,18 +137,20 @@ def test_a_refused_action_says_why_and_changes_nothing(tab: Visitor) -> None:
     assert json.dumps(tab.seen["pose"]) == before
 
 
-def test_what_is_no_message_does_not_disturb_the_others(tab: Visitor, keypose: Keypose) -> None:
+def test_what_is_no_message_does_not_disturb_the_others(work: Work) -> None:
+    tab = work.tab
     for nonsense in ("[]", "7", '{"do": {}}', '{"do": "go", "frame": 1e300}', '{"n": "x"}'):
         tab.line.send(nonsense)
     tab.do(do="go", frame=5)
     assert tab.seen["view"]["frame"] == 5
-    broken = Visitor(keypose)
+    broken = Visitor(work.keypose)
     broken.line.send("{")
     tab.do(do="go", frame=6)
     assert tab.seen["view"]["frame"] == 6
 
 
-def test_tracking_streams_passes_and_the_result_is_saved(tab: Visitor, session: Path) -> None:
+def test_tracking_streams_passes_and_the_result_is_saved(work: Work) -> None:
+    tab = work.tab
     tab.do(do="go", frame=12)
     tab.do(do="track", what="this")
     tab.until(lambda: tab.seen["pose"]["source"] == "tracked")
@@ -112,14 +158,15 @@ def test_tracking_streams_passes_and_the_result_is_saved(tab: Visitor, session: 
     assert tab.seen["segments"][0]["state"] in ("good", "check")
     assert tab.seen["lanes"]["waist"][12] is not None
     tab.until(lambda: tab.seen["saved"]["state"] == "saved")
-    results = load_session(session).results
+    results = load_session(work.session).results
     assert results is not None
     assert [(s.first_frame, s.last_frame) for s in results.segments] == [(0, 24)]
 
 
 def test_a_changed_keyframe_makes_its_segments_outdated_and_undo_makes_them_good(
-    tab: Visitor,
+    work: Work,
 ) -> None:
+    tab = work.tab
     tab.do(do="settings", quality="preview")
     tab.do(do="track", what="all")
     tab.until(lambda: tab.seen["job"]["state"] == "done")
@@ -132,7 +179,8 @@ def test_a_changed_keyframe_makes_its_segments_outdated_and_undo_makes_them_good
     tab.until(lambda: [s["state"] for s in tab.seen["segments"]] == good)
 
 
-def test_with_live_on_a_changed_keyframe_is_tracked_at_once(tab: Visitor) -> None:
+def test_with_live_on_a_changed_keyframe_is_tracked_at_once(work: Work) -> None:
+    tab = work.tab
     tab.do(do="live", on=True)
     tab.do(do="go", frame=24)
     tab.do(**turn(-5))

@@ -6,9 +6,9 @@ import asyncio
 import os
 import signal
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 
@@ -89,6 +89,25 @@ def in_office(visit: Callable[[Office], Awaitable[None]]) -> None:
     asyncio.run(main())
 
 
+Visits: TypeAlias = Callable[[Callable[[Office], Awaitable[None]]], None]
+
+
+@pytest.fixture(scope="module")
+def lasting() -> Iterator[Visits]:
+    """Runs visits to one office whose worker is not ended between them."""
+    with asyncio.Runner() as runner:
+
+        async def opened() -> Office:
+            return Office()
+
+        async def visited(visit: Callable[[Office], Awaitable[None]]) -> None:
+            await visit(office)
+
+        office = runner.run(opened())
+        yield lambda visit: runner.run(visited(visit))
+        office.tracking.close()
+
+
 def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
     place: tuple[Session, Path],
 ) -> None:
@@ -117,7 +136,7 @@ def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
 
 
 def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
-    place: tuple[Session, Path],
+    place: tuple[Session, Path], lasting: Visits
 ) -> None:
     of, path = place
     with Video.open(path) as video:
@@ -135,11 +154,11 @@ def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
             )
             assert mine.verdict == segment.verdict
 
-    in_office(visit)
+    lasting(visit)
 
 
 def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
-    place: tuple[Session, Path],
+    place: tuple[Session, Path], lasting: Visits
 ) -> None:
     of, video = place
 
@@ -150,7 +169,7 @@ def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
             assert len(office.of(job, JobFinished)) == 1
         assert len(office.of(jobs[-1], SegmentFinished)) == 2
 
-    in_office(visit)
+    lasting(visit)
 
 
 def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(place: tuple[Session, Path]) -> None:
@@ -167,7 +186,9 @@ def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(place: tuple[Sessi
     in_office(visit)
 
 
-def test_a_cancelled_job_ends_and_the_next_one_works(place: tuple[Session, Path]) -> None:
+def test_a_cancelled_job_ends_and_the_next_one_works(
+    place: tuple[Session, Path], lasting: Visits
+) -> None:
     of, video = place
 
     async def visit(office: Office) -> None:
@@ -178,7 +199,7 @@ def test_a_cancelled_job_ends_and_the_next_one_works(place: tuple[Session, Path]
         second = office.tracking.start(of, video, wanted(of)[:1])
         assert await office.ended(second) == JobFinished(second, cancelled=False)
 
-    in_office(visit)
+    lasting(visit)
 
 
 def test_a_killed_worker_is_reported_and_replaced(place: tuple[Session, Path]) -> None:
@@ -199,7 +220,9 @@ def test_a_killed_worker_is_reported_and_replaced(place: tuple[Session, Path]) -
     in_office(visit)
 
 
-def test_a_video_that_is_not_there_is_reported_in_one_sentence(place: tuple[Session, Path]) -> None:
+def test_a_video_that_is_not_there_is_reported_in_one_sentence(
+    place: tuple[Session, Path], lasting: Visits
+) -> None:
     of, video = place
 
     async def visit(office: Office) -> None:
@@ -211,7 +234,7 @@ def test_a_video_that_is_not_there_is_reported_in_one_sentence(place: tuple[Sess
         after = office.tracking.start(of, video, wanted(of))
         assert await office.ended(after) == JobFinished(after, cancelled=False)
 
-    in_office(visit)
+    lasting(visit)
 
 
 def test_closing_ends_the_process_even_while_it_gets_ready() -> None:

@@ -54,6 +54,17 @@ def test_the_page_leads_to_other_addresses_once_any_file_has_changed(folder: Pat
         asked(files, before)
 
 
+def test_what_was_read_once_is_answered_as_it_was_without_the_disk(folder: Path) -> None:
+    files = PageFiles(folder, "/files")
+    address = address_in(files.page())
+    first = asked(files, address)
+    (folder / "page.js").unlink()
+    again = asked(files, address)
+    assert (again.status_code, again.body, again.raw_headers) == (200, b"one", first.raw_headers)
+    with pytest.raises(HTTPException, match="404"):
+        asked(files, "page.js")
+
+
 def test_another_server_of_the_same_files_has_the_same_addresses(folder: Path) -> None:
     first = address_in(PageFiles(folder, "/files").page())
     assert asked(PageFiles(folder, "/files"), first).status_code == 200
