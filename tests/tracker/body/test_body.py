@@ -140,7 +140,7 @@ def test_a_preset_names_its_sources_and_says_what_is_estimated(name: str) -> Non
     assert ("NHANES" in source) == name.startswith("elderly")
 
 
-@pytest.mark.parametrize("name", ("adult_male", "adult_female"))
+@pytest.mark.parametrize("name", ["adult_male", "adult_female"])
 def test_an_arm_is_measured_from_the_shoulder_joint_and_not_from_the_bone_above(name: str) -> None:
     body = preset(name)
     upper_arm = body.parts[body.index("left_forearm")].joint_m[1]

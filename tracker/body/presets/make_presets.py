@@ -327,9 +327,9 @@ def _source(who: Person) -> str:
     sex = "women" if who.woman else "men"
     text = (
         "Segment lengths: Drillis and Contini 1966 as printed in Winter, Biomechanics and Motor "
-        "Control of Human Movement, fractions of stature; upper arm, and shoulder over hip: de Leva "
-        "1996. Breadths, depths and girths: ANSUR II "
-        f"(Gordon et al. 2014, U.S. Army survey of 2012), means of {sex}. "
+        "Control of Human Movement, fractions of stature; upper arm, and shoulder over hip: de "
+        "Leva 1996. Breadths, depths and girths: ANSUR II (Gordon et al. 2014, U.S. Army survey of "
+        f"2012), means of {sex}. "
     )
     if who.elderly:
         text += (
