@@ -161,15 +161,14 @@ def fit(
 ) -> Posed:
     """Size the body and pose every marked frame; the body starts `depth_m` from the camera.
 
-    The first frame is tried facing eight ways, the best is followed through the others. Marks are
-    named as in MARKS, or "Head", "hip", or by a part (its joint) or a landmark of the body.
+    Every frame is tried facing eight ways by itself, and from the best of these all are solved
+    together. Marks are named as in MARKS, or "Head", "hip", or by a part (its joint) or a landmark
+    of the body.
     """
-    first = _Problem(body, camera, marked[:1], fit_sizes=False, habits=habits)
-    starts = [_try(first, _start(first, depth_m), 0.25 * k * np.pi) for k in range(8)]
-    best = min(starts, key=lambda s: s[0])
+    alone = [_alone(body, camera, mark, depth_m, habits) for mark in marked]
     problem = _Problem(body, camera, marked, fit_sizes=True, habits=habits)
-    problem.Rs_camera_root = np.tile(best[2], (len(marked), 1, 1))
-    x = np.concatenate([np.zeros(len(SIZES)), np.tile(best[1][len(SIZES) :], len(marked))])
+    problem.Rs_camera_root = np.stack([R for _, R in alone])
+    x = np.concatenate([np.zeros(len(SIZES)), *(pose for pose, _ in alone)])
     skeleton, Rs, ps, _ = problem.unpack(_solved(problem, x))
     poses = {m.frame: Pose(R, p) for m, R, p in zip(marked, Rs, ps, strict=True)}
     return Posed(skeleton, poses, _miss(skeleton, camera, marked, poses))
@@ -184,6 +183,16 @@ def _solved(problem: _Problem, x: Array) -> Array:
         # number of its threads; the iterative solver has no such case and takes longer.
         how: dict[str, Any] = {"max_nfev": 40, "x_scale": "jac", "tr_solver": "lsmr"}
         return np.asarray(least_squares(problem.residuals, x, **how).x)
+
+
+def _alone(
+    body: Body, camera: Camera, mark: Marked, depth_m: float, habits: Mapping[str, Habit]
+) -> tuple[Array, Array]:
+    """The best pose of one frame, and the camera's view of the body that it starts from."""
+    problem = _Problem(body, camera, [mark], fit_sizes=False, habits=habits)
+    starts = [_try(problem, _start(problem, depth_m), 0.25 * k * np.pi) for k in range(8)]
+    _, x, R = min(starts, key=lambda start: start[0])
+    return x[len(SIZES) :], R
 
 
 def _start(problem: _Problem, depth_m: float) -> Array:

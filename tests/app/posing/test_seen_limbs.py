@@ -105,7 +105,7 @@ def test_an_elbow_or_knee_is_dragged_and_its_hand_or_foot_stays_where_it_is_seen
     """Unless the limb would have to turn about itself by far, which is done in part only."""
     view, handle = sights()["main"], handle_named(PERSON, MIDDLE_OF[end])
     off = []
-    for seed in range(5):
+    for seed in range(7):
         goal, at_end = within_reach(pose, end, seed)
         at = view.project(points(PERSON, pose)[handle.anchor]), view.project(goal)
         sent = gesture("main", as_sent(handle), *at)

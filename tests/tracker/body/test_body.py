@@ -20,6 +20,7 @@ from keypose.tracker.body.scaling import height
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
+from tests.rendering.mocap import FOLDER, needs_mocap
 
 BODIES = Path(__file__).parents[3] / "tracker" / "body" / "presets"
 EXAMPLES = sorted((Path(__file__).parents[3] / "sample_videos" / "bodies").glob("*.json"))
@@ -137,6 +138,57 @@ def test_a_preset_names_its_sources_and_says_what_is_estimated(name: str) -> Non
     source = preset(name).source
     assert all(word in source for word in ("Drillis", "ANSUR II", "Estimated"))
     assert ("NHANES" in source) == name.startswith("elderly")
+
+
+@pytest.mark.parametrize("name", ["adult_male", "adult_female"])
+def test_an_arm_is_measured_from_the_shoulder_joint_and_not_from_the_bone_above(name: str) -> None:
+    body = preset(name)
+    upper_arm = body.parts[body.index("left_forearm")].joint_m[1]
+    assert upper_arm / STATURE_M[name] == pytest.approx(0.160, abs=0.003)
+
+
+@pytest.mark.parametrize("name", PEOPLE)
+def test_a_trunk_is_as_long_beside_the_legs_as_between_joints_of_living_people(name: str) -> None:
+    joints = preset_joints(name)
+    trunk = np.linalg.norm(joints["upper_arm"] - joints["thigh"])
+    legs = np.linalg.norm(joints["thigh"] - joints["foot"])
+    # 0.602 in de Leva's men; people recorded by several cameras have 0.59 to 0.63.
+    assert trunk / legs == pytest.approx(0.605, abs=0.015)
+
+
+@needs_mocap
+def test_a_recorded_man_has_the_proportions_of_the_preset() -> None:
+    with np.load(FOLDER / "cmu_02_01.npz") as data:
+        names, xyz = data["names"].tolist(), data["xyz"]
+    theirs = {
+        ours: (xyz[:, names.index(f"l{end}")] + xyz[:, names.index(f"r{end}")]) / 2
+        for ours, end in (("upper_arm", "clavicle"), ("thigh", "hipjoint"))
+    }
+    legs = _length(xyz, names, "lhipjoint", "lfemur") + _length(xyz, names, "lfemur", "ltibia")
+    trunk = np.linalg.norm(theirs["upper_arm"] - theirs["thigh"], axis=-1).mean()
+    arm = _length(xyz, names, "lclavicle", "lhumerus")
+    joints = preset_joints("adult_male")
+    own = np.linalg.norm(joints["thigh"] - joints["foot"])
+    own_trunk = np.linalg.norm(joints["upper_arm"] - joints["thigh"])
+    assert own_trunk / own == pytest.approx(trunk / legs, rel=0.05)
+    own_arm = np.linalg.norm(joints["upper_arm"] - joints["forearm"])
+    assert own_arm / own == pytest.approx(arm / legs, rel=0.05)
+
+
+def preset_joints(name: str) -> dict[str, np.ndarray]:
+    """Joints of the left side in the rest pose, in the plane that halves the body."""
+    body = preset(name)
+    _, Ts = rest(body)
+    return {
+        part.name.removeprefix("left_"): Ts[i, :3, 3] * (0.0, 1.0, 1.0)
+        for i, part in enumerate(body.parts)
+        if part.name.startswith("left_")
+    }
+
+
+def _length(xyz: np.ndarray, names: list[str], start: str, end: str) -> float:
+    bone = xyz[:, names.index(end)] - xyz[:, names.index(start)]
+    return float(np.linalg.norm(bone, axis=-1).mean())
 
 
 @pytest.mark.parametrize("name", PEOPLE)

@@ -137,8 +137,8 @@ def test_without_keyframes_it_keeps_its_place_before_the_camera(tmp_path: Path) 
     motion = load_motion(_npz(tmp_path / "gvhmr.npz", **_under("smpl_params_incam")))
     bare = SESSION.model_copy(update={"keyframes": ()})
     found = fit_to_session(bare, motion, "gvhmr.npz", TIMES_S)
-    away = found.fit.trajectory.ps_camera_root - TRUTH.ps_camera_root
-    assert np.abs(away - found.scale * ORIGIN).max() < 0.05
+    place = found.scale * (TRUTH.ps_camera_root + ORIGIN)
+    assert np.abs(found.fit.trajectory.ps_camera_root - place).max() < 0.05
     loose = load_motion(_npz(tmp_path / "loose.npz", **PARAMS))
     with pytest.raises(FormatError, match=r"does not say in which frame it is: choose its world"):
         fit_to_session(bare, loose, "loose.npz", TIMES_S)

@@ -9,6 +9,8 @@ Sources
       Summary Statistics, NATICK/TR-15/007, 2014. Means of 4,082 men and 1,986 women.
   [D] Drillis and Contini, Body Segment Parameters, 1966, as printed in Winter, Biomechanics and
       Motor Control of Human Movement, figure 4.1. Fractions of stature.
+  [L] de Leva, Adjustments to Zatsiorsky-Seluyanov's segment inertia parameters, Journal of
+      Biomechanics 29, 1996, table 4. Between joint centres, young men and women.
   [N] Fryar et al., Anthropometric Reference Data for Children and Adults: United States,
       August 2021-August 2023 (NHANES), Vital and Health Statistics 3(50), 2025.
   [J] American Academy of Orthopaedic Surgeons, Joint Motion: Method of Measuring and Recording,
@@ -61,13 +63,20 @@ AGE_HIP = (105.0 / 105.4, 108.6 / 109.3)  # table 14
 AGE_ARM = (33.4 / 34.85, 32.1 / 32.9)  # table 16, mid-upper arm
 
 # [D], heights above the floor and lengths over stature.
-ANKLE, KNEE, HIP, SHOULDER, CHIN = 0.039, 0.285, 0.530, 0.818, 0.870
-UPPER_ARM, FOREARM, HAND = 0.186, 0.146, 0.108
+ANKLE, KNEE, ACROMION, CHIN = 0.039, 0.285, 0.818, 0.870
+FOREARM, HAND = 0.146, 0.108
+
+# [L], over stature, men and women. [D] has the upper arm from the acromion, 0.186, and the joint
+# lies under it.
+UPPER_ARM = (281.7 / 1741, 275.1 / 1735)
+SHOULDER_OVER_HIP = 0.5 * (515.5 / 1741 + 497.9 / 1735)
 
 # Estimates, over stature: places inside the trunk that no survey measures from outside.
 CROTCH, ROOT, LUMBAR, CHEST_TOP, HEAD_JOINT = 0.490, 0.555, 0.610, 0.832, 0.890
-SHOULDER_DROP = 0.017
-"""The joint lies under the bony point whose height [D] gives."""
+SHOULDER_DROP = 0.007
+"""The joint lies under the bony point whose height [D] gives; anatomy has it 0.01 lower, and the
+hip at the trochanter, 0.530; but then the trunk is shorter than [L] and motion capture have it."""
+SHOULDER, HIP = ACROMION - SHOULDER_DROP, ACROMION - SHOULDER_DROP - SHOULDER_OVER_HIP
 
 # Estimates: a solid that is too thick claims points of the background, one that is too thin only
 # loses some of its own, so all girths are taken slightly under.
@@ -221,9 +230,10 @@ def _head_radii(who: Person) -> tuple[Radii, Radii]:
 
 def _arm(who: Person, side: str) -> list[Part]:
     out = 1 if side == "left" else -1
-    upper, fore, hand = (round(f * who.adult_stature, 4) for f in (UPPER_ARM, FOREARM, HAND))
+    lengths = (UPPER_ARM[who.woman], FOREARM, HAND)
+    upper, fore, hand = (round(f * who.adult_stature, 4) for f in lengths)
     shoulder, elbow, wrist = who.arm_radii
-    joint_y = who.up(LUMBAR) - who.up(SHOULDER - SHOULDER_DROP)
+    joint_y = who.up(LUMBAR) - who.up(SHOULDER)
     # The upper arm reaches above its joint: the round of the shoulder.
     top = _frustum(-0.7 * shoulder, upper, (shoulder, shoulder), (elbow, elbow))
     low = _frustum(0, fore, (elbow, elbow), (wrist, wrist))
@@ -317,8 +327,9 @@ def _source(who: Person) -> str:
     sex = "women" if who.woman else "men"
     text = (
         "Segment lengths: Drillis and Contini 1966 as printed in Winter, Biomechanics and Motor "
-        "Control of Human Movement, fractions of stature. Breadths, depths and girths: ANSUR II "
-        f"(Gordon et al. 2014, U.S. Army survey of 2012), means of {sex}. "
+        "Control of Human Movement, fractions of stature; upper arm, and shoulder over hip: de "
+        "Leva 1996. Breadths, depths and girths: ANSUR II (Gordon et al. 2014, U.S. Army survey of "
+        f"2012), means of {sex}. "
     )
     if who.elderly:
         text += (

@@ -55,7 +55,7 @@ def test_a_possible_change_of_person_is_proposed() -> None:
 
 
 def test_a_limb_whose_depth_nobody_gives_is_marked_as_maybe_flipped() -> None:
-    clip = walk(30)
+    clip = walk(30, facing_deg=150)
     assert clip.keypoints.p_hips is not None
     p_hips = clip.keypoints.p_hips.copy()
     arm = [place(f"left_{joint}") for joint in ("shoulder", "elbow", "wrist")]

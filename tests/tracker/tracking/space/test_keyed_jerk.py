@@ -52,7 +52,7 @@ def test_where_no_limb_is_keyed_off_its_way_nothing_is_granted(
 def test_a_limb_keyed_to_and_fro_is_granted_what_that_takes_and_the_rest_of_the_body_nothing(
     person: Scene,
 ) -> None:
-    motion = raised(person, 31, 60.0)
+    motion = raised(person, 31, 75.0)
     points, sigma, found = granted(person, motion, (29, 31, 33), (0, FRAMES - 1))
     parts = np.array([part for ((part, _),) in points.points])
     names = person.skeleton.body.names
