@@ -77,6 +77,7 @@ def test_on_the_start_screen_a_session_is_renamed_duplicated_deleted_and_put_bac
 
 def test_a_name_given_while_the_list_is_on_its_way_is_shown(work: tuple[Page, Path]) -> None:
     page, session = work
+    until(lambda: page.evaluate("() => Boolean(window.keypose.ui.library)"), "an earlier list")
     on_its_way: list[tuple[Route, APIResponse]] = []
     page.route("**/library*", lambda route: on_its_way.append((route, route.fetch())), times=1)
     close(page)
