@@ -20,6 +20,12 @@ MARK_CHANGE = """async () => {
 }"""
 """The page shows that the server has reported a change of the sessions."""
 
+ASK_ANEW = """async () => {
+  const { loadLibrary } = await window.keypose.module('store/library.js');
+  void loadLibrary();
+}"""
+"""The page asks for the list of sessions, and the test goes on meanwhile."""
+
 
 @pytest.fixture
 def work(browser: Browser, tmp_path: Path) -> Iterator[tuple[Page, Path]]:
@@ -77,11 +83,11 @@ def test_on_the_start_screen_a_session_is_renamed_duplicated_deleted_and_put_bac
 
 def test_a_name_given_while_the_list_is_on_its_way_is_shown(work: tuple[Page, Path]) -> None:
     page, session = work
-    until(lambda: page.evaluate("() => Boolean(window.keypose.ui.library)"), "an earlier list")
+    close(page)
     on_its_way: list[tuple[Route, APIResponse]] = []
     page.route("**/library*", lambda route: on_its_way.append((route, route.fetch())), times=1)
-    close(page)
     page.evaluate(MARK_CHANGE)
+    page.evaluate(ASK_ANEW)
     until(lambda: settled(page) or on_its_way, "the list with the old name")
     page.locator(".recrow .rec").focus()
     page.keyboard.press("F2")
