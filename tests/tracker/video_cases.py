@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,21 @@ def number_in(picture: Picture) -> int:
     return sum(1 << bit for bit, on in enumerate(bright[1:-1]) if on)
 
 
+@contextmanager
+def scheduling_kept() -> Iterator[None]:
+    """Afterwards the process is scheduled as before: where root runs it, SVT-AV1 makes the thread
+    that encodes, and so every later browser and server of a test, a real-time one, before which
+    everything else on the computer must wait."""
+    if not hasattr(os, "sched_getscheduler"):
+        yield
+        return
+    policy, parameter = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, policy, parameter)
+
+
 def write_clip(
     path: Path,
     pictures: Sequence[Picture],
@@ -52,7 +69,7 @@ def write_clip(
     tags: dict[str, str] | None = None,
 ) -> Path:
     """Write `pictures` as a video; `turn` is what the file asks to be done before showing."""
-    with av.open(str(path), "w", format=container_format) as container:
+    with scheduling_kept(), av.open(str(path), "w", format=container_format) as container:
         container.metadata.update(tags or {})
         stream: Any = container.add_stream(codec, rate=rate, options=options or {})
         stream.height, stream.width = pictures[0].shape[:2]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -75,6 +76,14 @@ def test_no_frame_of_an_undamaged_film_is_damaged(tmp_path: Path, kind: FilmKind
 def test_no_frame_of_a_sample_is_damaged(film: Path) -> None:
     with Video.open(film) as video:
         assert examined(video) == set()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getscheduler"), reason="this system has no such calls")
+def test_a_film_is_written_without_making_the_tests_a_real_time_process(tmp_path: Path) -> None:
+    before = os.sched_getscheduler(0)
+    for kind in FILMS:
+        write_film(tmp_path, kind)
+        assert os.sched_getscheduler(0) == before, kind.name
 
 
 def test_an_encoders_note_without_its_first_byte_is_no_damage(tmp_path: Path) -> None:
