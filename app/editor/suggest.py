@@ -20,6 +20,7 @@ from keypose.app.editor.problems import (
 from keypose.app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
 from keypose.app.editor.verdict_text import add_keyframe, frame_range
 from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.verdict import WORST_FIRST
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -93,7 +94,7 @@ def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | Non
     """
     waiting = [track for track in tracks if _is_open(known, track)]
     bad = [track for track in waiting if track.kind != "good"]
-    for kinds in (("lost",), ("lost", "check", "good")):
+    for kinds in (("lost",), WORST_FIRST):
         wrong = [track for track in bad if track.kind in kinds and blames_keys(track)]
         if wrong:
             return _about(known, max(wrong, key=_need))

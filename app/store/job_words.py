@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Literal, TypeAlias
 
 from keypose.app.jobs import Drafting, FollowingAhead
+from keypose.tracker.session.verdict import KINDS
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -49,6 +50,6 @@ def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:
         return "finished frames are kept; Fit continues from there"
     if state == "cancelled":
         return "finished segments are kept" if any(kinds) else "no segment finished"
-    counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
+    counts = ((kind, kinds.count(kind)) for kind in KINDS)
     names = {"check": "to check"}
     return ", ".join(f"{count} {names.get(kind, kind)}" for kind, count in counts if count)

@@ -53,7 +53,7 @@ from keypose.app.store.job_words import (
 from keypose.app.store.state import Job, Running
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
-from keypose.tracker.session.verdict import WORST_FIRST
+from keypose.tracker.session.verdict import worst_of
 from keypose.tracker.storage.results import Results, Span, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -351,9 +351,9 @@ class Runner:
         finished = f"{done} {spans_text(list(self._wanted))}"
         title = {"done": finished, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
         found = [] if words else self._found()
-        kinds = {track.kind for track in found if track is not None}
-        worst = next((kind for kind in WORST_FIRST if kind in kinds), None)
-        self.job = Job(state, title, words or closing_words(state, found), 100, worst=worst)
+        worst = worst_of(track.kind for track in found if track is not None)
+        closing = words or closing_words(state, found)
+        self.job = Job(state, title, closing, 100, worst=worst)
         self.running = {}
 
     def _found(self) -> list[SegmentResult | None]:

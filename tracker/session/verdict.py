@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Iterable
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
@@ -10,7 +11,8 @@ from pydantic import Field, model_validator
 from keypose.tracker.session.settings import FrameIndex, Plain
 
 Kind: TypeAlias = Literal["good", "check", "lost"]
-WORST_FIRST: Final[tuple[Kind, ...]] = ("lost", "check", "good")
+KINDS: Final[tuple[Kind, ...]] = ("good", "check", "lost")
+WORST_FIRST: Final = KINDS[::-1]
 Cause: TypeAlias = Literal[
     "good",
     "uncertain",
@@ -51,6 +53,12 @@ other: none of these; `text` says what."""
 
 _OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
 _WITHOUT_A_PLACE: Final = ("good", "nothing_seen", "other")
+
+
+def worst_of(kinds: Iterable[Kind | None]) -> Kind | None:
+    """The worst verdict of several segments, some of which may have none; None where none has."""
+    found = set(kinds)
+    return next((kind for kind in WORST_FIRST if kind in found), None)
 
 
 class Verdict(Plain):

@@ -21,6 +21,7 @@ from keypose.app.jobs.batch.task import Summary
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_head
 from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import KINDS, WORST_FIRST
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
@@ -76,7 +77,7 @@ def _head(entries: Sequence[Entry], seconds: float) -> Html:
     done = sum(summary.is_done for summary in summaries)
     tiles = [
         _tile(str(count), element("span", kind.capitalize(), class_=f"verdict {kind}"))
-        for kind in ("good", "check", "lost")
+        for kind in KINDS
         if (count := sum(summary.count(kind) for summary in summaries))
     ]
     tiles.append(_tile(f"{seconds:.0f}", "seconds"))
@@ -109,7 +110,7 @@ def _outcomes(entries: Sequence[Entry]) -> Html:
 
 def _outcome(number: int, entry: Entry) -> Html:
     summary = entry.summary
-    counts = (str(summary.count(kind)) for kind in ("good", "check", "lost"))
+    counts = (str(summary.count(kind)) for kind in KINDS)
     figures = (element("td", f, class_="num") for f in (*counts, f"{summary.seconds:.1f}"))
     link = element("a", entry.name, href=f"#session-{number}", style="color: inherit")
     return element(
@@ -178,9 +179,9 @@ def _picture(subject: Subject, video: Video | None, frame: int) -> Html | None:
 
 def _worth_a_look(subject: Subject) -> list[int]:
     """The frames that verdicts name, the lost ones first; the middle of the motion without any."""
-    named = [track for track in subject.fitting.values() if track.kind in ("lost", "check")]
-    named.sort(key=lambda track: track.kind != "lost")
-    tracks = named or list(subject.fitting.values())[len(subject.fitting) // 2 :][:1]
+    fitting = list(subject.fitting.values())
+    named = [t for kind in WORST_FIRST if kind != "good" for t in fitting if t.kind == kind]
+    tracks = named or fitting[len(fitting) // 2 :][:1]
     return [_frame_of(track) for track in tracks[:MOST_PICTURES]]
 
 

@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.tracker.formats.verdict_words import verdict_words
-from keypose.tracker.session.verdict import CAUSES, Cause, Verdict
+from keypose.tracker.session.verdict import CAUSES, Cause, Verdict, worst_of
 
 INCOMPLETE: dict[str, dict[str, Any]] = {
     "needs a part": {"cause": "not_seen", "frames": (3, 4), "go": 3},
@@ -33,6 +33,12 @@ def test_the_frame_to_go_to_is_the_middle_of_what_is_to_be_checked() -> None:
     assert Verdict.check("diverged", (46, 46)).go == 46
     assert Verdict.contradiction(3, 4).go == 3
     assert Verdict.not_followed(7).go == 7
+
+
+def test_the_worst_verdict_of_several_is_found_where_some_have_none() -> None:
+    assert worst_of(["good", None, "lost", "check"]) == "lost"
+    assert worst_of(["good", "check", "good"]) == "check"
+    assert worst_of([None]) is None
 
 
 def test_every_cause_is_explained_in_the_schema() -> None:
