@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from keypose.app.cli.json_output import json_value, print_json
-from keypose.tracker.session.verdict import KINDS
 
 if TYPE_CHECKING:
     from keypose.app.jobs.batch.report import Entry
@@ -194,7 +193,7 @@ class _BarReporter(_TextReporter):
 
 def _outcome(summary: Summary) -> str:
     """ "tracked, 3 good, 1 check", or why not."""
-    kinds = [f"{n} {kind}" for kind in KINDS if (n := summary.count(kind))]
+    kinds = [f"{n} {kind}" for kind in ("good", "check", "lost") if (n := summary.count(kind))]
     words = ", ".join([WORDS[summary.state], *kinds])
     return f"{words}. {summary.words}" if summary.words else words
 
@@ -205,11 +204,12 @@ def _table(entries: Sequence[Entry]) -> Iterator[str]:
         return
     width = max(len("session"), *(len(_short(entry.name)) for entry in entries))
     outcomes = max(len("outcome"), *(len(WORDS[entry.summary.state]) for entry in entries))
-    head = "".join(f"{word:>7}" for word in (*KINDS, "s"))
+    figures = ("good", "check", "lost")
+    head = "".join(f"{word:>7}" for word in (*figures, "s"))
     yield f"{'session':<{width}}  {'outcome':<{outcomes}}{head}"
     for entry in entries:
         summary = entry.summary
-        cells = "".join(f"{summary.count(kind):>7}" for kind in KINDS)
+        cells = "".join(f"{summary.count(kind):>7}" for kind in figures)
         line = f"{_short(entry.name):<{width}}  {WORDS[summary.state]:<{outcomes}}{cells}"
         yield f"{line}{summary.seconds:>7.1f}  {summary.words}".rstrip()
 
