@@ -14,6 +14,9 @@ each further frame, and what is left is done once a film, however long it is.
 it is expected to be worked. "now" goes from place to place as the review lists them, never plays
 anything, and learns from somebody else when all is right: kept to compare with.
 
+What begins with a draft begins as a clip is opened, with the body of a preset, which the draft
+sizes. What does not has a body that is sized already.
+
 Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
 are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
 `--no-page` is given.
@@ -108,6 +111,7 @@ def effort(report: Report) -> None:
 def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
     """One person's work on a clip."""
     began = time.process_time()
+    clip = clip.unsized() if strategy.drafts else clip
     with desk(noisy(clip, SIGMA_PX, seed), strategy.settings) as there:
         there.tracks = strategy.tracks
         strategy.work(Hand.of(there, seed, strategy.by_picture))

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from keypose.sample_videos.make_samples import encode
-from keypose.tracker.body.body import Body
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate, joined
@@ -91,6 +91,13 @@ class Watched:
             self, last=last, seen={f: at for f, at in self.seen.items() if f <= last},
             true={f: at for f, at in self.true.items() if f <= last},
         )  # fmt: skip
+
+    def unsized(self) -> Watched:
+        """The clip as it is opened: with the body of a preset."""
+        body = preset("adult_female" if self.name == "walk" else "adult_male")
+        places = {name: _on_preset(body, name) for name in self.places}
+        session = self.session.model_copy(update={"body": body})
+        return replace(self, session=session, places=places)
 
     @property
     def box(self) -> tuple[int, tuple[float, float, float, float]]:
@@ -251,6 +258,13 @@ def _places(body: Body) -> dict[str, BodyPoint]:
     head = body.index("head")
     found: dict[str, BodyPoint] = {n: ((body.index(n), (0.0, 0.0, 0.0)),) for n in JOINTS[1:]}
     return {"head_top": ((head, body.parts[head].landmarks["head_top"]),), **found}
+
+
+def _on_preset(body: Body, name: str) -> BodyPoint:
+    """Where on a preset's body a joint lies."""
+    if name in body.names:
+        return ((body.index(name), (0.0, 0.0, 0.0)),)
+    return place(body, {"head_top": "Head", "hips": "hip"}[name])
 
 
 def _pixel(uv: Array) -> tuple[float, float]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from keypose.app.editor import actions as do
-from keypose.tracker.body.body import Body, preset
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
-from keypose.tracker.solver.body_points import BodyPoint
-from tests.benchmarks.clips import place
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.counting import Effort
 from tests.benchmarks.human.desk import desk
@@ -38,7 +35,7 @@ class FirstKeyframe:
 
 def first_keyframe(clip: Watched, first: First, seed: int) -> FirstKeyframe:
     """The first keyframe with the body of a preset, which nobody has sized."""
-    with desk(unsized(clip), TrackSettings(cues=ALL_CUES, smooth=True)) as there:
+    with desk(clip.unsized(), TrackSettings(cues=ALL_CUES, smooth=True)) as there:
         hand = Hand.of(there, seed)
         first.work(hand)
         (frame,) = there.keys
@@ -47,20 +44,6 @@ def first_keyframe(clip: Watched, first: First, seed: int) -> FirstKeyframe:
         seen = there.clip.true[frame]
         off = [px(np.subtract(seen[name], at[name])) for name in measured]
         return FirstKeyframe(there.ledger.effort(1), Outcome(float(np.median(off)), max(off)))
-
-
-def unsized(clip: Watched) -> Watched:
-    """The clip as it is opened: with the body of a preset."""
-    body = preset("adult_female" if clip.name == "walk" else "adult_male")
-    places = {name: _place(body, name) for name in clip.places}
-    return replace(clip, session=clip.session.model_copy(update={"body": body}), places=places)
-
-
-def _place(body: Body, name: str) -> BodyPoint:
-    """Where on a body a joint lies."""
-    if name in body.names:
-        return ((body.index(name), (0.0, 0.0, 0.0)),)
-    return place(body, {"head_top": "Head", "hips": "hip"}[name])
 
 
 def with_box(hand: Hand) -> None:

@@ -38,13 +38,15 @@ FITTED_FROM_PX = 40.0
 
 @dataclass(frozen=True)
 class Strategy:
-    """A way to work, what it tracks with, whether anything is tracked, and how sizes are judged,
-    see `Hand`."""
+    """A way to work, what it tracks with, whether anything is tracked, whether it begins with a
+    draft, which sizes the body as well (else it is sized already), and how sizes are judged, see
+    `Hand`."""
 
     name: str
     settings: TrackSettings
     work: Callable[[Hand], None]
     tracks: bool = True
+    drafts: bool = True
     by_picture: bool = False
 
 
@@ -408,9 +410,9 @@ def _use_tracked(desk: Desk) -> None:
         desk.act("click", "use the tracked pose", do.TakeTracked())
 
 
-LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False)
-PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals)
-BEFORE = Strategy("before", TrackSettings(), before)
+LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False, drafts=False)
+PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals, drafts=False)
+BEFORE = Strategy("before", TrackSettings(), before, drafts=False)
 KEYED = Strategy("whole keyframes", TrackSettings(cues=ALL_CUES, smooth=True), now_by_keyframes)
 PLACES = Strategy("every place", TrackSettings(cues=ALL_CUES, smooth=True), now_by_places)
 NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
