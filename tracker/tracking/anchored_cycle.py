@@ -21,6 +21,7 @@ from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.cues.drift_scale import drift_scale
 from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
@@ -95,6 +96,10 @@ def track_anchored(
     begun = begun or Starts(())
     tried: list[Pass] = []
     ends: list[Ended] = []
+    scale = 1.0
+    if begun.chains is not None:
+        measured, _, _ = _measure(free, segment, method, begun.ways[0].trajectory)
+        scale = drift_scale(segment, begun.chains, measured)
     for anchors in candidates:
         correction = Correction(free, segment, anchors)
         alone = Pass("keypoints", from_keypoints(correction, from_afar), None)
@@ -105,7 +110,8 @@ def track_anchored(
             continue
         for start in (alone, *begun.ways[:1]):
             if is_sound(scene, segment, start.trajectory):
-                ended = yield from cycle(correction, method, start, tried)
+                work = cycle(replace(correction, drift_scale=scale), method, start, tried)
+                ended = yield from work
                 if start is alone and not from_afar:
                     ended = replace(ended, cost=ended.cost + START_MARGIN)
                 ends.append(ended)
@@ -113,7 +119,7 @@ def track_anchored(
         motion, index = yield from _by_brightness(scene, segment, method, begun, tried)
         measured, drift, score = _measure(free, segment, method, motion)
         for anchors in candidates:
-            correction = Correction(free, segment, anchors)
+            correction = Correction(free, segment, anchors, drift_scale=scale)
             ends.append(_ended(correction, motion, measured, drift, score, index))
     if silhouette:
         ends = [_beside_what_moves(scene, segment, ended) for ended in ends]
@@ -189,7 +195,7 @@ def cycle(
     yield tried[-1]
     refined = present
     if not correction.open_end:
-        steady = _steadied(correction, present, IN_REFINEMENT)
+        steady = _steadied(correction, present, IN_REFINEMENT * correction.drift_scale)
         others = steady.problem(measured, Cauchy(), bends=False)
         given = (free, segment.clip, present, method.refinement, others)
         refined = refine(*given, even=segment.own is None)

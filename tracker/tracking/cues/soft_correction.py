@@ -8,11 +8,15 @@ to x_{j+1} and m_j that which a pass measured at the present motion,
 
 Without keypoints the first sum alone spreads what is missing at the second keyframe over the steps
 by their doubts: that is DRIFT §3 in least squares.
+
+Where brightness leads farther astray than its doubts say (`drift_scale.py`), λ times as far,
+its steps count by w / λ². It does so slowly, so that how the steps change, m_{j+1} − m_j, stays as
+sure as it is, and the motion does not shake for it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,13 +54,15 @@ CRITERIA = Criteria(
 class Correction:
     """What a segment's motion is corrected with: anchors, limits and smoothness.
 
-    scene: of the skeleton with free joints.
+    scene: of the skeleton with free joints.  drift_scale: how many times as far as its doubts say
+    brightness leads astray.
     """
 
     scene: Scene
     segment: Segment
     anchors: Anchors
     open_end: bool = False
+    drift_scale: float = 1.0
 
     def solve(self, present: Trajectory, measured: Increments, kernel: Kernel) -> Trajectory:
         """The motion nearest to what was measured and to the anchors, from `present` on."""
@@ -64,19 +70,19 @@ class Correction:
             return present
         return least_squares(self.problem(measured, kernel), present, CRITERIA).state
 
-    def problem(self, measured: Link, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
+    def problem(self, measured: Increments, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
         """All terms; without `bends` smoothness is left to somebody else, unless a motion of before
         says how it goes."""
         scene, skeleton = self.scene, self.scene.skeleton
         terms = self.frame_terms(slice(1, None if self.open_end else -1), kernel)
-        links: tuple[Link, ...] = (measured,)
+        links = with_drift(measured, self.drift_scale)
         if self.segment.own is not None:
-            links = (measured, *own_motion_links(scene, self.segment.own))
+            links = (*links, *own_motion_links(scene, self.segment.own))
         elif bends:
             inner = self.segment.last_frame - self.segment.first_frame - 1
             bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
             even = np.zeros((inner, skeleton.dof_count))
-            links = (measured, Smoothness(skeleton, even, bend, SQUARED))
+            links = (*links, Smoothness(skeleton, even, bend, SQUARED))
         return SegmentPoses(skeleton, scene.arrays, terms, links, self.open_end)
 
     def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
@@ -106,6 +112,20 @@ def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> 
     return Increments(
         skeleton, np.where(known, steps, 0.0), np.where(known, precision, 0.0), Huber()
     )
+
+
+def with_drift(measured: Increments, scale: float) -> tuple[Link, ...]:
+    """Steps by which brightness leads so many times as far astray as their doubts say, slowly."""
+    if scale <= 1.0 or len(measured.measured) < 2:
+        return (measured,)
+    share = 1 / scale**2
+    slow = replace(measured, precision=share * measured.precision)
+    both = np.stack([measured.precision[:-1], measured.precision[1:]])
+    known = (both > 0).all(axis=0)
+    # variances of two steps add up in their difference
+    changes = (1 - share) * known * both.prod(axis=0) / np.where(known, both.sum(axis=0), 1.0)
+    wanted = np.diff(measured.measured, axis=0)
+    return slow, Smoothness(measured.skeleton, wanted, changes, measured.kernel)
 
 
 def even_increments(scene: Scene, path: Trajectory) -> Increments:
