@@ -165,8 +165,8 @@ def _decoded(packet: bytes, coding: Coding) -> tuple[bytes, ...] | None:
 
 def _slices(packet: bytes, coding: Coding) -> Iterator[Unit]:
     if coding.codec == "vp9":
-        for start, end in inner_tiles(packet):
-            yield Unit(start, _end_of_data(packet, start, end), 4)
+        for start, end in inner_tiles(packet):  # zeros at a tile's end are read, no padding
+            yield Unit(start, end, 4)
         return
     length = coding.length_bytes
     units = _length_prefixed_units(packet, length) if length else _start_code_units(packet)

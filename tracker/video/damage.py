@@ -28,9 +28,11 @@ from av.video.stream import VideoStream
 from keypose.tracker.video.consumption import Coding, is_misread
 from keypose.tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
 from keypose.tracker.video.index import FrameIndex
+from keypose.tracker.video.vp9 import begins_with_key
 
 _STRICTER = {"vp9": "libvpx-vp9"}
-"""Decoders that notice damage FFmpeg's own pass over, by codec."""
+"""Decoders that notice damage FFmpeg's own pass over, by codec. They tell of no frame that it is a
+key: its packet does."""
 _CHECKS = {"mpeg4": "bitstream+buffer"}
 """What FFmpeg's decoders check only when they are asked to, by codec: of MPEG-4 the range of its
 values, and where the first frames end."""
@@ -216,6 +218,7 @@ class _Reading:
         self._coding = Coding(decoder.codec.canonical_name, decoder.extradata)
         self._late = decoder.codec.canonical_name in _ONE_LATE
         self._order, self._count = -1, -1
+        self._tells_keys = decoder.name not in _STRICTER.values()
         self._keys: set[int] = set()  # packets the container calls keys
 
     def steps(self, path: Path, container: InputContainer, stream: VideoStream) -> Iterator[_Step]:
@@ -223,7 +226,7 @@ class _Reading:
         for packet in packets(path, container, stream):
             self._order += 1
             packet.opaque = self._order
-            if packet.is_keyframe:
+            if packet.is_keyframe and (self._tells_keys or begins_with_key(bytes(packet))):
                 self._keys.add(self._order)
             packet = self._without_stray(packet)
             number = self._number_of(packet.pts) if is_timed else None
@@ -265,7 +268,8 @@ class _Reading:
             self._count += 1
             order = frame.opaque if isinstance(frame.opaque, int) else self._order
             sound = not frame.is_corrupt and (frame.width, frame.height) == self._size
-            key = order in self._keys and frame.key_frame and frame.pict_type == PictureType.I
+            told = frame.key_frame and frame.pict_type == PictureType.I
+            key = order in self._keys and (told or not self._tells_keys)
             yield _Step("frame", order, self._number_of(frame.pts), sound, key)
 
     def _number_of(self, pts: int | None) -> int | None:

@@ -1,4 +1,5 @@
-"""Where the tiles of a VP9 key frame lie in its packet, read from the uncompressed header."""
+"""Whether a packet of VP9 is a key frame, and where its tiles lie, read from the uncompressed
+header."""
 
 from __future__ import annotations
 
@@ -37,6 +38,14 @@ def inner_tiles(packet: bytes) -> list[Span]:
     return spans
 
 
+def begins_with_key(packet: bytes) -> bool:
+    """Whether the first frame of a packet is a key frame: built on nothing before it."""
+    try:
+        return _key_head(_Bits(packet)) is not None
+    except IndexError:
+        return False
+
+
 class _Bits:
     """Reads a header bit by bit; IndexError at its end."""
 
@@ -62,18 +71,25 @@ class _Bits:
         return (self._at + 7) >> 3
 
 
-def _tile_count(bits: _Bits) -> tuple[int, int]:
-    """How many tiles a key frame has, and the byte at which they begin; 0 of no key frame."""
+def _key_head(bits: _Bits) -> tuple[int, bool] | None:
+    """Profile of a key frame, and whether it is resilient to errors; None of another frame."""
     marker, low, high = bits.read(2), bits.read(1), bits.read(1)
     profile = low + 2 * high
     if marker != _FRAME_MARKER or (profile == 3 and bits.flag()):
-        return 0, 0
+        return None
     if bits.flag() or bits.flag():  # shows a frame again, or is built on others
-        return 0, 0
+        return None
     bits.flag()  # whether it is shown
     is_resilient = bits.flag()
-    if bits.read(24) != _SYNC_CODE:
+    return (profile, is_resilient) if bits.read(24) == _SYNC_CODE else None
+
+
+def _tile_count(bits: _Bits) -> tuple[int, int]:
+    """How many tiles a key frame has, and the byte at which they begin; 0 of no key frame."""
+    head = _key_head(bits)
+    if head is None:
         return 0, 0
+    profile, is_resilient = head
     _pass_colors(bits, profile)
     width = bits.read(16) + 1
     bits.read(16)
