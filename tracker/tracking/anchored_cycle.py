@@ -62,6 +62,7 @@ class Ended:
 
     cost: of all evidence together.  score: grey levels², None where brightness does not count.
     drift_px (N - 1, M): what was left to correct.
+    drift_scale: how many times as far as its doubts say brightness leads astray.
     """
 
     index: int
@@ -70,6 +71,7 @@ class Ended:
     score: float | None
     drift_px: Array
     anchors: Anchors
+    drift_scale: float = 1.0
 
 
 def track_anchored(
@@ -219,7 +221,8 @@ def _ended(
     steps = len(motion) - 1
     unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + NOISE)
     cost = correction.cost(motion, measured) + float(unexplained)
-    return Ended(index, motion, cost, score, drift, correction.anchors)
+    scale = correction.drift_scale
+    return Ended(index, motion, cost, score, drift, correction.anchors, scale)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -263,7 +266,8 @@ def joint_evidence(
     free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
     """What the keypoints show of the best motion, and how far from it the others lie that took left
-    and right alike. keyed: its rows that are keyframes."""
+    and right alike: so many times as far as brightness counts less, since what leads them to one
+    another is then the keypoints that both have. keyed: its rows that are keyframes."""
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
@@ -273,7 +277,7 @@ def joint_evidence(
         anchors.parts,
         np.where(anchors.known, away, np.nan),
         anchors.visibility,
-        np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
+        best.drift_scale * np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
         height,
         keyed,
     )
