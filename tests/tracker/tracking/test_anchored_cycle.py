@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,12 @@ import pytest
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.tracking import anchored_cycle
-from keypose.tracker.tracking.anchored_cycle import START_MARGIN, Ended, track_anchored
+from keypose.tracker.tracking.anchored_cycle import (
+    START_MARGIN,
+    Ended,
+    joint_evidence,
+    track_anchored,
+)
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import FAST
 from tests.tracker.tracking.cues.people import Filmed, moving
@@ -57,3 +63,18 @@ def test_of_what_nothing_is_known_the_motion_counts_that_is_contradicted_least(
 ) -> None:
     assert led_to(99.0, monkeypatch, known=False) is not FILM.truth
     assert led_to(101.0, monkeypatch, known=False) is FILM.truth
+
+
+def test_where_brightness_counts_less_two_motions_lie_the_farther_apart() -> None:
+    """What led them to one another are the keypoints that both follow."""
+    nothing = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
+    (anchors,) = FILM.anchors()
+    ends = [
+        Ended(index, motion, 1.0, None, nothing, anchors)
+        for index, motion in enumerate((FILM.truth, FILM.segment.interpolated()))
+    ]
+    best = replace(ends[0], drift_scale=2.5)
+    plain = joint_evidence(FILM.free, ends, ends[0]).apart
+    assert plain.max() > 0.01
+    scaled = joint_evidence(FILM.free, [best, ends[1]], best).apart
+    np.testing.assert_allclose(scaled, 2.5 * plain)
