@@ -14,6 +14,7 @@ from keypose.app.editor.segment_evidence import gain
 from keypose.app.posing import PointerView, lanes, parts_at
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import part_transforms, pose_transforms
+from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -114,6 +115,14 @@ class Judged:
         Ts = part_transforms(self.skeleton, path.Rs_parent_part[row], path.ps_camera_root[row])
         depth = float(self.camera.depth(Ts[self.index(part), :3, 3]))
         return math.sqrt(self.camera.fx * self.camera.fy) / depth if depth > 0 else None
+
+    def height_px(self, track: SegmentResult) -> float | None:
+        """How tall the body is in the picture in the middle of a segment; None where nobody
+        knows."""
+        if self.skeleton is None:
+            return None
+        scale = self.px_per_m(track, (track.first + track.last) // 2, None)
+        return None if scale is None else scale * height(self.skeleton.body)
 
     def hidden_behind(self, track: SegmentResult, frame: int, part: str) -> str | None:
         """The part of another limb that is seen in place of a part's far end; None where there is

@@ -115,7 +115,7 @@ def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
     if first is not None and verdict is not None and not _agrees(first, verdict):
         said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
         listed += [] if _is_same(known, said, first) else [said]
-    for doubt in doubts(track, known.limbs):
+    for doubt in doubts(track, known.limbs, known.height_px(track)):
         one = _of_limb(known, track, doubt)
         if not any(_is_same(known, one, other) for other in listed):
             listed.append(one)
@@ -160,7 +160,7 @@ def _inside(track: SegmentResult, frame: int) -> int:
 def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Problem:
     """Where the limb that is most in doubt is farthest off; without one at the frame where a
     keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
-    doubtful = next(iter(doubts(track, known.limbs)), None)
+    doubtful = next(iter(doubts(track, known.limbs, known.height_px(track))), None)
     row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
     frame = _inside(track, track.first + row)
     if verdict.kind != "good" and _is_about(verdict, frame):

@@ -10,7 +10,6 @@ import numpy as np
 
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.storage.results import Span
-from keypose.tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR
 from keypose.tracker.tracking.diagnostics.expected_gain import MENDED
 from keypose.tracker.tracking.diagnostics.runs import runs
 from keypose.tracker.tracking.result import SegmentResult
@@ -25,11 +24,11 @@ ROOT_LEVER_M = 0.3
 """The lever at which a turn of the root moves the body as far as a shift does."""
 HIDDEN, HIDDEN_FRAMES = 0.15, 3
 """As in the verdict: a part below this observability, for so many frames, is not seen."""
-IN_DOUBT = 0.08
-"""Probability of being wrong from which a joint is worth a look; as the mean over all joints it
-makes a segment one to check."""
-LEAST_PX = 3.0
-"""Nothing that is expected to be off by less is worth a look."""
+IN_DOUBT, LEAST_PX = 0.02, 3.0
+"""A joint that is expected to be off by more than this share of the body's height, and by more than
+so many pixels, is worth a look."""
+RIGHT_SHARE = 0.25
+"""Of the joints those are taken to be right that are expected to be off by least."""
 NEAR_PEAK = 0.9
 """Frames of nearly the largest error are as good a place: among them a keyframe gains most."""
 GAP = 4
@@ -87,11 +86,11 @@ def part_errors_px(track: SegmentResult) -> Array | None:
 
 
 def right_error_px(track: SegmentResult) -> float | None:
-    """Pixels by which a joint that is right is expected to be off; None where none is observed."""
+    """Pixels by which joints that are right are expected to be off; None where none is observed."""
     errors = part_errors_px(track)
     inside = np.zeros(0) if errors is None else errors[1:-1]
     some = inside[inside > 0]
-    return float(some.min()) if len(some) else None
+    return float(np.quantile(some, RIGHT_SHARE)) if len(some) else None
 
 
 def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
@@ -106,15 +105,18 @@ def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
     return first + int(np.where(near, expected_gain(track)[first : last + 1], -1.0).argmax())
 
 
-def doubts(track: SegmentResult, limbs: Sequence[Sequence[int]]) -> list[Doubt]:
+def doubts(
+    track: SegmentResult, limbs: Sequence[Sequence[int]], height_px: float | None
+) -> list[Doubt]:
     """The runs of frames in which a limb's worst part is in doubt, the worst first.
 
-    limbs: the parts that are looked at together.
+    limbs: the parts that are looked at together.  height_px: of the body in the picture; None where
+    nobody knows.
     """
-    errors, right = part_errors_px(track), right_error_px(track)
-    if errors is None or right is None:
+    errors = part_errors_px(track)
+    if errors is None:
         return []
-    worth = max(LEAST_PX, right + IN_DOUBT * (WRONG_ERROR / RIGHT_ERROR - 1) * right)
+    worth = max(LEAST_PX, IN_DOUBT * (height_px or 0.0))
     found = []
     for limb in limbs:
         for first, last in _runs_over(errors[:, list(limb)].max(axis=1), worth):

@@ -32,8 +32,15 @@ def drop(at: Desk, name: str, content: bytes) -> None:
 
 
 def shown(sheet: Locator, words: str) -> None:
-    """Wait until the dialog says something: the file is read in a process that has to begin."""
-    until(lambda: sheet.get_by_text(words).is_visible(), words)
+    """Wait until the dialog says something: the file is read in a process that has to begin. It
+    must not say instead that this is not possible."""
+
+    def said() -> bool:
+        failed = sheet.get_by_role("alert")
+        assert not failed.is_visible(), failed.inner_text()
+        return sheet.get_by_text(words).is_visible()
+
+    until(said, words)
 
 
 def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:

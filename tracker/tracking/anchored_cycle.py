@@ -265,9 +265,8 @@ def _outcome(
 def joint_evidence(
     free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
-    """What the keypoints show of the best motion, and how far from it the others lie that took left
-    and right alike: so many times as far as brightness counts less, since what leads them to one
-    another is then the keypoints that both have. keyed: its rows that are keyframes."""
+    """What tracking saw of the best motion: its keypoints, how far from it brightness leads, and
+    how far the others lie that took left and right alike. keyed: its rows that are keyframes."""
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
@@ -277,10 +276,21 @@ def joint_evidence(
         anchors.parts,
         np.where(anchors.known, away, np.nan),
         anchors.visibility,
-        best.drift_scale * np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
+        np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
+        _drift_by_part(free, best)[:, anchors.parts] / height,
         height,
+        best.drift_scale,
         keyed,
     )
+
+
+def _drift_by_part(free: Scene, end: Ended) -> Array:
+    """(N, P) pixels by which a part's worst mark drifts in the steps to and from a frame, in the
+    mean of both."""
+    by_step = np.zeros((len(end.drift_px), free.skeleton.part_count))
+    np.maximum.at(by_step.T, free.marks[1], end.drift_px.T)
+    around = np.concatenate([by_step[:1], by_step, by_step[-1:]])
+    return np.asarray(0.5 * (around[:-1] + around[1:]))
 
 
 def _joint_pixels(free: Scene, end: Ended) -> Array:

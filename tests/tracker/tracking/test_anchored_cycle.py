@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -65,16 +64,19 @@ def test_of_what_nothing_is_known_the_motion_counts_that_is_contradicted_least(
     assert led_to(101.0, monkeypatch, known=False) is FILM.truth
 
 
-def test_where_brightness_counts_less_two_motions_lie_the_farther_apart() -> None:
-    """What led them to one another are the keypoints that both follow."""
-    nothing = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
+def test_evidence_has_the_drift_of_a_parts_worst_mark_and_how_far_the_other_motion_lies() -> None:
     (anchors,) = FILM.anchors()
+    drift = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
+    part = int(anchors.parts[-1])
+    mark = int(np.flatnonzero(FILM.free.marks[1] == part)[-1])
+    drift[3, mark] = 5.0
     ends = [
-        Ended(index, motion, 1.0, None, nothing, anchors)
+        Ended(index, motion, 1.0, None, drift, anchors, drift_scale=2.5)
         for index, motion in enumerate((FILM.truth, FILM.segment.interpolated()))
     ]
-    best = replace(ends[0], drift_scale=2.5)
-    plain = joint_evidence(FILM.free, ends, ends[0]).apart
-    assert plain.max() > 0.01
-    scaled = joint_evidence(FILM.free, [best, ends[1]], best).apart
-    np.testing.assert_allclose(scaled, 2.5 * plain)
+    found = joint_evidence(FILM.free, ends, ends[0])
+    assert found.drift_scale == 2.5
+    assert found.apart.max() > 0.01
+    there = found.drift[:, anchors.parts == part]
+    np.testing.assert_allclose(there[3:5], 0.5 * 5.0 / anchors.height_px)
+    assert np.count_nonzero(found.drift) == there[3:5].size

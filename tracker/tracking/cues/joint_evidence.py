@@ -1,19 +1,20 @@
-"""What keypoints show of a tracked motion: how likely each joint is wrong, and by how much.
+"""By how much each joint of a tracked motion is expected to be off, from what tracking saw.
 
-Three things go together with the error of a joint: how far its keypoint lies from it at the worst
-frame near by, how well the keypoint is seen, and how far the motions apart lie that two different
-starts led to. Errors last longer than a frame and keypoints shake, so a few frames show more than
-one. Within filmed clips whose joints were marked by hand, each judged by the others, the area under
-the curve of joints more than 15 px off on a person 400 px tall is 0.82 in the mean, of single
-frames 0.73. Of those more than 10 px off it is 0.73 (0.64): on the smallest person that is 5 px,
-which is about what marks are good to. On rendered people, who are known exactly and were not used,
-it is 0.89 for 15 px and 0.85 for 10. The covariance of the solve, how well a part is observed, its
-residual and the distance from the nearest keyframe add up to 0.07 there, and take as much away on
-filmed clips: none of them is used.
+Three things go together with the error of a joint. How far brightness leads from the motion at its
+part: where pictures say otherwise than keypoints and keyframes, something is wrong. How far the
+motions lie apart that two different starts led to. And how many times as far as its doubts say
+brightness leads astray in the whole segment (`drift_scale.py`). Errors last longer than a frame, so
+a few frames show more than one. How far a joint lies from its keypoint, and how well that is seen,
+say nothing besides: brightness puts many a joint right whose keypoint is elsewhere. Where keypoints
+alone were followed there is nothing else.
 
-Of a segment as a whole the two motions alone say most: whether joints are off by less than 5 px in
-the mean shows in how near they ended to one another (area 0.87 on nine clips; by the mean
-probability 0.66).
+The error is taken to be log-logistic about its median, which is a product of powers of the three:
+at once by how much a joint is off, and how likely that is more than a given length. Of ten clips,
+three filmed and marked by hand, seven rendered, each judged by the others: the area under the curve
+of joints more than 10 px off on a person 400 px tall is 0.85 over all joints, of those more than 15
+px off 0.88; the mean of what is expected is right to within 15 % from 5 px on, and a pixel too much
+below. By clip it is 0.86 to 0.98 on rendered people; on filmed ones 0.82, 0.67 and 0.53 at 10 px,
+which marks by hand hardly resolve, and 0.86, 0.90 and 0.67 at 15.
 """
 
 from __future__ import annotations
@@ -27,27 +28,33 @@ from keypose.tracker.geometry.rotations import Array
 
 WRONG = 0.0375
 """Of the body's height in the picture: a joint farther off is wrong. Marks by hand tell no less."""
-LEAST = 0.003
-"""Below it differences say nothing."""
+LEAST, LEAST_DRIFT = 0.003, 0.0001
+"""Below them differences between motions, and those of a step from what brightness says, say
+nothing."""
 NEAR = 5
 """Frames on either side that count for a joint as well."""
-BASE, BY_DISTANCE, BY_HIDDEN, BY_APART = 7.0, 1.18, 0.08, 1.03
-"""Logistic regression of wrong joints on the logarithms of the three; slopes common to errors of 7
-to 20 px on a person 400 px tall (proportional odds), the base that of 15."""
-ALONE_BASE, ALONE_BY_DISTANCE, ALONE_BY_HIDDEN = 1.9, 1.07, 0.31
-"""The same where there was one start only, as from keypoints alone."""
-RIGHT_ERROR, WRONG_ERROR = 0.012, 0.05
-"""Mean error of joints that are right, and of those that are wrong: shares of the body's height."""
-AGREED, BY_LENGTH = 0.0061, 0.1
-"""A segment is taken to be right where the geometric mean of `apart` + LEAST, times its length in
-frames to this power, is at most AGREED. Of 133 segments of nine clips, four of them filmed, 97 % of
-those are right, and of the right ones 71 % are among them; with a limit for each clip that was set
-on the others 97 % and 62 %."""
+BASE, BY_APART, BY_SCALE, BY_DRIFT, SPREAD = 0.25, 0.15, 0.29, 0.65, 0.348
+"""Median error = e^BASE · apart^BY_APART · scale^BY_SCALE · drift^BY_DRIFT, a share of the height;
+SPREAD is the scale of its logarithm. Errors up to 1.5 % counted as no more than that when this was
+fitted: marks by hand are good to no less."""
+ALONE_BASE, ALONE_BY_DISTANCE, ALONE_BY_HIDDEN, ALONE_SPREAD = -2.64, 0.35, 0.07, 0.365
+"""The same where there was one start only, as from keypoints alone: by the distance of keypoints
+and how little they are seen."""
+MOST = 0.5
+"""Nothing is expected to be off by more."""
+TINY = 1e-9
+FEW, LITTLE_PX, TALL_PX = 0.1, 4.2, 400.0
+"""A segment is good where all joints at all frames but so few are expected to be off by so little,
+in the picture or on a person so tall: marks in a larger one are no finer."""
 KEYED_WRONG, KEYED_SURE = 0.04, 0.8
 """A joint of a keyframe is doubted that lies this far from a keypoint which is seen so well."""
 BACK, COMES_BACK = slice(1, 4), 0.5
 """In these frames after the one that follows a keyframe, a joint is back at its keypoint to so much
 of its distance. Where it is not, it is the keypoint that is elsewhere, and the joint goes on."""
+KEYED_ERROR = 0.02
+"""Nor is a keyframe doubted where pictures do not contradict the motion beside it: of 30 keypoints
+elsewhere on right keyframes at most 0.019 was expected there, with limbs turned by 30° 0.024 to
+0.035 where keypoints showed it."""
 UNKNOWN = 0.05
 """How far a joint is taken to be from its keypoint where there is none."""
 
@@ -58,7 +65,9 @@ class JointEvidence:
 
     parts (K,): the part that carries each.  distance (N, K): of its keypoint, NaN without one.
     visibility (N, K).  apart (N, K): of the motions from different starts, NaN where there was one.
+    drift (N, K): how far brightness leads from the motion in one step, at the part's worst mark.
     height_px: of the body, in pixels of the pictures worked on.
+    drift_scale: how many times as far as its doubts say brightness leads astray.
     keyed: rows that are keyframes.
     """
 
@@ -66,59 +75,73 @@ class JointEvidence:
     distance: Array
     visibility: Array
     apart: Array
+    drift: Array
     height_px: float
+    drift_scale: float = 1.0
     keyed: tuple[int, ...] = (0, -1)
+
+    @property
+    def error(self) -> Array:
+        """(N, K) the median of what a joint is expected to be off by; 0 at keyframes."""
+        return self._expected[0]
 
     @property
     def wrong(self) -> Array:
         """(N, K) probability that a joint is off by more than WRONG; 0 at keyframes."""
-        from scipy.ndimage import maximum_filter1d  # scipy: loads longer than a page needs to start
-        from scipy.special import expit
-
-        farthest = np.where(np.isfinite(self.distance), self.distance, -1.0)
-        farthest = maximum_filter1d(farthest, 2 * NEAR + 1, axis=0, mode="nearest")
-        distance = np.log(np.where(farthest < 0, UNKNOWN, farthest) + LEAST)
-        hidden = np.log(1 - _mean_near(self.visibility) + LEAST)
-        apart = _mean_near(self.apart)
-        alone = ALONE_BASE + ALONE_BY_DISTANCE * distance + ALONE_BY_HIDDEN * hidden
-        both = BASE + BY_DISTANCE * distance + BY_HIDDEN * hidden + BY_APART * np.log(apart + LEAST)
-        wrong = expit(np.where(np.isfinite(apart), both, alone))
-        wrong[list(self.keyed)] = 0.0
-        return np.asarray(wrong)
+        error, spread = self._expected
+        return np.asarray(1 / (1 + (WRONG / np.maximum(error, TINY)) ** (1 / spread)))
 
     @property
-    def agreed(self) -> bool | None:
-        """Whether both starts led to the same motion; None where there was one."""
-        between = np.delete(self.apart, list(self.keyed), axis=0)
-        if not np.isfinite(between).all():
-            return None
-        if not between.size:
-            return True
-        length = len(self.apart) - 1
-        return bool(np.log(between + LEAST).mean() + BY_LENGTH * np.log(length) <= np.log(AGREED))
+    def is_good(self) -> bool:
+        """Whether all joints but few are expected to be off by little."""
+        between = np.delete(self.error, list(self.keyed), axis=0)
+        px = between * min(self.height_px, TALL_PX)
+        return not between.size or bool(np.quantile(px, 1 - FEW) <= LITTLE_PX)
 
     def expected_error(self, parts: int) -> Array:
-        """(N, P) shares of the body's height by which a part's worst joint is expected to be off;
-        NaN for parts that carry none."""
-        by_joint = RIGHT_ERROR + (WRONG_ERROR - RIGHT_ERROR) * self.wrong
-        by_joint[list(self.keyed)] = 0.0
+        """(N, P) shares of the body's height by which a part's worst joint is expected to be off,
+        in the mean; NaN for parts that carry none."""
+        error, spread = self._expected
+        by_joint = error * (np.pi * spread / np.sin(np.pi * spread))  # mean of a log-logistic
         expected = np.full((len(by_joint), parts), np.nan)
         for joint, part in enumerate(self.parts):
             expected[:, part] = np.fmax(expected[:, part], by_joint[:, joint])
         return expected
 
+    @property
+    def _expected(self) -> tuple[Array, Array]:
+        """(N, K) the median of every error, and (N, K) the spread of its logarithm."""
+        from scipy.ndimage import maximum_filter1d  # scipy: loads longer than a page needs to start
+
+        # of one start: the farthest keypoint near by
+        farthest = np.where(np.isfinite(self.distance), self.distance, -1.0)
+        farthest = maximum_filter1d(farthest, 2 * NEAR + 1, axis=0, mode="nearest")
+        distance = np.log(np.where(farthest < 0, UNKNOWN, farthest) + LEAST)
+        hidden = np.log(1 - _mean_near(self.visibility) + LEAST)
+        alone = ALONE_BASE + ALONE_BY_DISTANCE * distance + ALONE_BY_HIDDEN * hidden
+        # of two: what they and the pictures say
+        apart, drift = _mean_near(self.apart), _mean_near(self.drift)
+        both = BASE + BY_APART * np.log(apart + LEAST) + BY_DRIFT * np.log(drift + LEAST_DRIFT)
+        both += BY_SCALE * np.log(self.drift_scale)
+        is_both = np.isfinite(apart)
+        error = np.minimum(np.exp(np.where(is_both, both, alone)), MOST)
+        error[list(self.keyed)] = 0.0
+        return error, np.where(is_both, SPREAD, ALONE_SPREAD)
+
     def keyed_wrong(self, limbs: NDArray[np.bool_]) -> tuple[int, int] | None:
         """The row of a keyframe, 0 or N − 1, and its joint that lies farthest from a keypoint which
-        is seen well, and is back at it soon; None where all lie near.
+        is seen well, and is back at it soon, against what pictures say; None where all lie near.
 
         limbs (P,): the parts whose joints are asked. On a stiff trunk shoulders and hips of a right
         pose lie off by as much.
         """
         rows = np.array([0, len(self.distance) - 1])
-        distance = np.nan_to_num(self.distance)
+        distance, error = np.nan_to_num(self.distance), self.error
         after = [distance[1:-1][BACK], distance[-2:0:-1][BACK]]
         back = np.array([some.max(axis=0, initial=0.0) for some in after])
-        asked = (self.visibility[rows] >= KEYED_SURE) & limbs[self.parts]
+        beside = [error[1:-1][:NEAR], error[-2:0:-1][:NEAR]]
+        moved = np.array([some.max(axis=0, initial=0.0) for some in beside]) > KEYED_ERROR
+        asked = (self.visibility[rows] >= KEYED_SURE) & limbs[self.parts] & moved
         away = distance[rows] * (asked & (back < COMES_BACK * distance[rows]))
         k, joint = np.unravel_index(int(away.argmax()), away.shape)
         return (int(rows[k]), int(joint)) if away[k, joint] > KEYED_WRONG else None

@@ -27,11 +27,8 @@ from keypose.tracker.tracking.segment import Segment, extent_px
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
 """Shares of the body's extent in the picture. A segment is lost where both are exceeded."""
-LOST_WRONG, CHECK_WRONG = 0.25, 0.08
-"""Mean probability of a wrong joint from which a segment is lost, or to be checked."""
-DOUBTFUL, CHECK_FRAMES = 0.35, 0.10
-"""A segment is to be checked where in this share of its frames a joint is wrong with so much. Both
-count where one start alone was tracked from: two agree, or they do not."""
+LOST_WRONG = 0.25
+"""Mean probability of a wrong joint from which a segment is lost."""
 HIDDEN = 0.5
 """Mean visibility of a joint below which it counts as not seen."""
 UNSEEN = 0.15
@@ -112,7 +109,7 @@ def _judge_joints(
         )
     if segment.damaged:
         return Verdict.check("damaged", _longest_run(segment.damaged))
-    if not (_has_few_doubts(joints) if joints.agreed is None else joints.agreed):
+    if not joints.is_good:
         return _doubtful_joint(scene, first, joints)
     skeleton = scene.skeleton
     carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
@@ -121,12 +118,6 @@ def _judge_joints(
         frame, name = first + keyed[0], skeleton.body.names[int(joints.parts[keyed[1]])]
         return Verdict.check("keyframe_off_keypoints", (frame, frame), name)
     return GOOD
-
-
-def _has_few_doubts(joints: JointEvidence) -> bool:
-    """Where there was one start only."""
-    doubtful = (joints.wrong > DOUBTFUL).any(axis=1)
-    return bool(doubtful.mean() <= CHECK_FRAMES and joints.wrong.mean() <= CHECK_WRONG)
 
 
 def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict:

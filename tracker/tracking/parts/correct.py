@@ -217,7 +217,8 @@ def _joints(
     if base is None:
         return None
     carried = np.isin(base.parts, limb.parts)
-    distance, visibility, apart = base.distance.copy(), base.visibility.copy(), base.apart.copy()
+    before = (base.distance, base.visibility, base.apart, base.drift)
+    distance, visibility, apart, drift = (values.copy() for values in before)
     for outcome, piece in zip(own, rows, strict=True):
         if outcome is None or outcome.joints is None:
             continue
@@ -225,7 +226,9 @@ def _joints(
         distance[piece, carried] = found.distance[:, carried]
         visibility[piece, carried] = found.visibility[:, carried]
         apart[piece, carried] = found.apart[:, carried]
+        drift[piece, carried] = found.drift[:, carried]
     for piece in rows[1:]:
-        distance[piece.start, carried] = apart[piece.start, carried] = 0.0
+        for values in (distance, apart, drift):
+            values[piece.start, carried] = 0.0
         visibility[piece.start, carried] = 1.0
-    return replace(base, distance=distance, visibility=visibility, apart=apart)
+    return replace(base, distance=distance, visibility=visibility, apart=apart, drift=drift)
