@@ -109,6 +109,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
     do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
+    do.SoftenKeys: EditKind(pin_edits.soften_keys, "soften keyframes"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
     do.SetNote: EditKind(note_edits.set_note, "write the note at", "frame"),
     do.MoveNote: EditKind(note_edits.move_note, "move the note at", "frame"),

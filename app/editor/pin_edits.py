@@ -108,6 +108,19 @@ def named_proposals(state: EditorState, action: do.AcceptPins | do.DismissPins) 
     return found
 
 
+def soften_keys(state: EditorState, action: do.SoftenKeys) -> Session:
+    """Of the keyframes that are named, and still are keyframes, the motion need only come near."""
+    if not set(state.keys).intersection(action.frames):
+        raise Refused("None of these frames is a keyframe any more.")
+    return with_keyframes(
+        state.doc,
+        [
+            each.model_copy(update={"soft": True}) if each.frame in action.frames else each
+            for each in state.doc.keyframes
+        ],
+    )
+
+
 def soften_key(state: EditorState, action: do.SoftenKey | do.ExactKey) -> Session:
     """A keyframe that the motion need only come near, or one it meets exactly."""
     keyframe = find(state.doc.keyframes, action.frame)

@@ -213,6 +213,11 @@ def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
             yield place
 
 
+def drafts_to_confirm(doc: Session) -> tuple[int, ...]:
+    """Their frames, without those of which a person could not tell whether they are right."""
+    return tuple(place.frame for place in _drafts(Judged.over(doc, {}), doc))
+
+
 def _is_unclear(doc: Session, place: Place) -> bool:
     """Whether a person marked this very draft as unclear."""
     return any(

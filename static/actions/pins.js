@@ -14,6 +14,14 @@ export const allPins = () => server.pins ?? [];
 
 export const proposedPins = () => server.proposed_pins ?? [];
 
+const JERK_CM = 8; // less is not seen as the motion plays
+
+/** Pins that hold a part far from where exact keyframes have it, the worst first. */
+export const contradictions = () => (server.space ?? []).filter(({ kind, cm }) => kind === 'pin' && cm >= JERK_CM);
+
+/** The keyframes that they contradict. */
+export const contradicted = () => [...new Set(contradictions().flatMap(({ keyframes }) => keyframes))].sort((a, b) => a - b);
+
 export const framesOf = ({ first, last }) => range(first, last);
 
 /** Whether a part is a hand or a foot, or whatever ends a limb. */

@@ -51,6 +51,7 @@ export const SYNONYMS = {
   acceptPins: 'contacts proposals feet',
   dismissPins: 'reject proposals contacts',
   softKey: 'soft exact hard keyframe weight loose',
+  softKeys: 'soft contradict pin jerk keyframes',
   trackChanged: 'solve run compute process calculate outdated update',
   trackThis: 'solve segment current run',
   trackAll: 'solve everything whole run recompute',

@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
-import { titleOf } from '../actions/actions.js';
+import { labelOf, perform, titleOf } from '../actions/actions.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { button } from '../controls/fields.js';
 import { section } from './section.js';
@@ -14,7 +14,7 @@ import { section } from './section.js';
 const MOST = 3;
 
 /** What mends a finding with one press; nothing where there is no such thing. */
-/** @type {Record<string, { label: string, title?: string, act: (found: SpaceFinding) => void }>} */
+/** @type {Record<string, { label: string | ((found: SpaceFinding) => string), title?: string, act: (found: SpaceFinding) => void }>} */
 const REMEDIES = {
   pin: {
     label: 'Pin it',
@@ -41,11 +41,14 @@ const REMEDIES = {
       send({ do: 'untwist', part });
     },
   },
-  soften: { label: 'Soften the keyframe', title: titleOf('softKey'), act: ({ go }) => send({ do: 'soften_key', frame: go }) },
+  soften: { label: (found) => labelOf('softKeys', keyframesOf(found)), title: titleOf('softKeys'), act: (found) => perform('softKeys', keyframesOf(found)) },
   level: { label: 'Level the feet', act: () => send({ do: 'up_from_feet' }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
 };
+
+/** @param {SpaceFinding} found */
+const keyframesOf = ({ keyframes, go }) => keyframes ?? [go];
 
 export function space() {
   const found = server.space ?? [];
@@ -63,10 +66,11 @@ function more(rest) {
 /** @param {SpaceFinding} found */
 function card(found) {
   const remedy = REMEDIES[found.remedy];
+  const label = typeof remedy?.label === 'function' ? remedy.label(found) : remedy?.label;
   return html`<div class="finding" role="group" aria-label=${found.words}>
     <p>${found.words}</p>
     <div class="row">
-      ${remedy ? button({ name: '', label: remedy.label, title: remedy.title, kind: 'sm', act: () => remedy.act(found) }) : nothing}
+      ${remedy ? button({ name: '', label, title: remedy.title, kind: 'sm', act: () => remedy.act(found) }) : nothing}
       ${['lens', 'up'].includes(found.kind) ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
     </div>
   </div>`;

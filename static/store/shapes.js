@@ -248,6 +248,8 @@
  * @property {number} last
  * @property {number} go  The frame to look at.
  * @property {'pin' | 'floor' | 'turn' | 'soften' | 'smooth' | 'level' | 'lens' | ''} remedy  What mends it with one press.
+ * @property {number[]} [keyframes]  Those that a pin contradicts.
+ * @property {number} [cm]  By how much at most.
  */
 
 /**

@@ -10,7 +10,7 @@ import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actio
 import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
 import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.js';
 import { isUnderWay, noMotionYet } from '../actions/tracking.js';
-import { proposedPins } from '../actions/pins.js';
+import { contradicted, contradictions, proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
 import { count } from '../controls/words.js';
 import { dropdown } from '../controls/fields.js';
@@ -56,6 +56,7 @@ function drawSuggestion() {
   if (isReviewing() && !['track', 'pose'].includes(server.suggest?.kind)) return nothing;
   if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
+  if (!confirmation() && contradictions().length) return drawContradictions();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return html`<div class="sug none"></div>`;
   const { title, words } = server.job ?? {};
@@ -110,6 +111,15 @@ function proposedWord() {
   const isOne = new Set(proposedPins().map(({ part }) => part)).size === 1;
   if (isOne) return `${proposedPins()[0].label.toLowerCase()} stands`;
   return shorts.every((short) => short === 'foot') ? 'feet stand' : 'hands and feet stand';
+}
+
+/** Pins hold a part where keyframes do not have it: the body jerks from one to the other. */
+function drawContradictions() {
+  const [{ words }] = contradictions();
+  const title = `Pins contradict ${count(contradicted().length, 'keyframe')}.`;
+  return html`<div class="sug look" role="status" title=${`${title} ${words}`}>
+    ${icon('warn')}<span class="tx"><b>${title}</b> <span class="mut">${words}.</span></span>
+    <button class="btn sm pri" title=${titleOf('softKeys')} @click=${() => perform('softKeys')}>${labelOf('softKeys')}</button></div>`;
 }
 
 /** A draft waits to be confirmed before anything else. */

@@ -54,6 +54,17 @@ test('a keyframe is softened, and made exact again', () => {
   assert.equal(whyNot('softKey', 7), 'Frame 7 is not a keyframe');
 });
 
+test('keyframes that pins contradict by more than is seen are softened together', () => {
+  assert.equal(whyNot('softKeys'), 'No pin contradicts a keyframe');
+  const found = { kind: 'pin', words: '', part: 'left_foot', first: 0, last: 60, remedy: 'soften' };
+  server.space = [{ ...found, go: 50, cm: 36, keyframes: [0, 50] }, { ...found, go: 24, cm: 2, keyframes: [24] }];
+  assert.deepEqual(pins.contradicted(), [0, 50]);
+  assert.equal(whyNot('softKeys'), '');
+  assert.equal(labelOf('softKeys'), 'Soften 2 keyframes');
+  assert.equal(labelOf('softKeys', [24]), 'Soften the keyframe');
+  server.space = [];
+});
+
 test('a bar is pulled at its ends and moved by its middle', () => {
   const at = (frame) => pinAt(row, { x: scale.x(frame), y: 125 });
   assert.deepEqual(at(40), { kind: 'pin', index: 1, end: 'first' });

@@ -79,6 +79,12 @@ class PinResult(Plain):
         exclude_if=is_unknown,
         description="The exact keyframe that it contradicts most; left out where there is none.",
     )
+    others: tuple[FrameIndex, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Further exact keyframes that it contradicts, ascending; left out where there "
+        "are none.",
+    )
 
 
 class SpaceFinding(Plain):

@@ -74,6 +74,18 @@ def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
     return bool(depths_m(skeleton, pose, top) @ depths_m(skeleton, turned, top) <= 0)
 
 
+def strays_px(
+    skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int
+) -> float:
+    """How far from where it was seen a joint of part `top`, or of what hangs on it, came to lie at
+    most; infinite behind the camera."""
+    places = _places(skeleton)
+    inside = skeleton.below[np.array([place[0][0] for place in places]), top]
+    points = BodyPoints(skeleton, places)
+    uv, others = (camera.project(points.at(pose_transforms(skeleton, p))) for p in (pose, turned))
+    return float(np.nan_to_num(np.linalg.norm(uv - others, axis=-1)[inside], nan=np.inf).max())
+
+
 def depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:
     """How much farther than a part's joint those that hang on it are, and their landmarks; of the
     whole body, where its limbs hang on the trunk."""

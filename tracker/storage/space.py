@@ -109,6 +109,7 @@ def _pin_results(
     for pin in pins:
         worst = max((d for owner, d in off if owner is pin), key=np.max)
         frame = pin.first_frame + int(np.argmax(worst))
+        against = _contradicted(pin, worst, exact)
         yield PinResult(
             part=pin.part,
             landmarks=pin.landmarks,
@@ -117,15 +118,16 @@ def _pin_results(
             off_m=float(worst.max()),
             usual_off_m=float(np.median(worst)),
             frame=frame,
-            keyframe=_contradicted(pin, worst, exact),
+            keyframe=next(iter(against), None),
+            others=tuple(sorted(against[1:])),
         )
 
 
-def _contradicted(pin: Pin, off_m: Array, exact: Sequence[int]) -> int | None:
-    """The exact keyframe at which a pin is farthest off, if that is far."""
+def _contradicted(pin: Pin, off_m: Array, exact: Sequence[int]) -> list[int]:
+    """The exact keyframes at which a pin is far off, the worst first."""
     at = {frame: off_m[frame - pin.first_frame] for frame in exact if _holds(pin, frame)}
-    worst = max(at, key=lambda frame: at[frame], default=None)
-    return worst if worst is not None and at[worst] > CONTRADICTS_M else None
+    far = [frame for frame in at if at[frame] > CONTRADICTS_M]
+    return sorted(far, key=lambda frame: -at[frame])
 
 
 def _holds(pin: Pin, frame: int) -> bool:

@@ -106,6 +106,13 @@ class SoftenKey(Edit):
     frame: FrameIndex
 
 
+class SoftenKeys(Edit):
+    """The motion need only come near some keyframes, such as those that pins contradict."""
+
+    do: Literal["soften_keys"] = "soften_keys"
+    frames: Frames
+
+
 class ExactKey(Edit):
     """The motion meets a keyframe exactly, as it does unless it was softened."""
 
@@ -145,6 +152,7 @@ Keying: TypeAlias = (
     | UnkeyParts
     | KeyAngle
     | SoftenKey
+    | SoftenKeys
     | ExactKey
 )
 Noting: TypeAlias = SetNote | MoveNote | DeleteNote

@@ -172,7 +172,10 @@ SECTIONS: dict[str, _Section] = {
         work_values.reduction,
     ),
     "draft": _Section(
-        _both(_doc("drafts", "keyframes", "drafted"), lambda o: (work_values.is_latest_draft(o),)),
+        _both(
+            _doc("body", "camera", "drafts", "keyframes", "drafted", "reviewed"),
+            lambda o: (work_values.is_latest_draft(o),),
+        ),
         work_values.draft,
     ),
     "job": _Section(lambda o: (o.job,), motion_values.job),

@@ -43,7 +43,8 @@ def space(app_state: AppState) -> Json:
                 row = {
                     "kind": "pin", "words": pin_sentence(pin), "part": pin.part,
                     "first": pin.first_frame, "last": pin.last_frame, "go": pin.keyframe,
-                    "remedy": "soften",
+                    "remedy": "soften", "keyframes": sorted({pin.keyframe, *pin.others}),
+                    "cm": round(100 * pin.off_m, 1),
                 }  # fmt: skip
                 weighted.append((_WEIGHTS["slides"] * pin.off_m, row))
     rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from keypose.app.editor.drafted import frame_runs, missing_frames
+from keypose.app.editor.review import drafts_to_confirm
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
@@ -152,14 +153,15 @@ def is_latest_draft(app_state: AppState) -> bool:
 
 def draft(app_state: AppState) -> Json:
     """What the last draft of the clip found, until none of its drafts is left: the frames where
-    nobody was found and nothing is posed yet, and the drafts that should be confirmed as keyframes
-    and are none yet. first, last: of the frames drafted last; drafted: how many of them were."""
+    nobody was found and nothing is posed yet, and the drafts that should be confirmed as keyframes,
+    are none yet, and of which nobody has said that the picture does not show it. first, last: of the frames drafted last; drafted: how many of them were."""
     doc = doc_of(app_state)
     if doc is None or doc.drafted is None:
         return None
     given, waiting = doc.drafted, {draft.frame for draft in doc.drafts}
     if not waiting:
         return None
+    to_confirm = drafts_to_confirm(doc)
     asked = range(given.first_frame, given.last_frame + 1)
     posed, lacking = {*waiting, *(k.frame for k in doc.keyframes)}, missing_frames(given)
     return {
@@ -178,7 +180,7 @@ def draft(app_state: AppState) -> Json:
                 "parts": [part_label(part) for part in place.parts],
             }
             for place in given.places
-            if place.frame in waiting
+            if place.frame in to_confirm
         ],
     }
 

@@ -1,7 +1,7 @@
 // Pins, and keyframes that give way to them.
 
 import {
-  acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor, proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
+  acceptMessage, allPins, beginPin, contradicted, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor, proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
 } from '../pins.js';
 import { frame, isKey } from '../playhead.js';
 
@@ -37,6 +37,12 @@ export const PINS = {
     title: 'A soft keyframe gives way in depth to pins and smoothness',
     off: (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`),
     message: (at = frame()) => ({ do: isSoft(at) ? 'exact_key' : 'soften_key', frame: at }),
+  },
+  softKeys: {
+    label: (keyframes = contradicted()) => `Soften ${keyframes.length === 1 ? 'the keyframe' : `${keyframes.length} keyframes`}`, icon: 'key',
+    title: 'Keyframes that pins contradict give way in depth to pins and smoothness',
+    off: (keyframes = contradicted()) => (keyframes.length ? '' : 'No pin contradicts a keyframe'),
+    message: (keyframes = contradicted()) => ({ do: 'soften_keys', frames: keyframes }),
   },
   splitPin: {
     label: 'Split the pin', icon: 'mid', title: 'Two places instead of one, the second from this keyframe on',

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from keypose.app.editor import depth_turn
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.app.editor.desk import after, desk
 
 LIMB_PX, BODY_PX = 3.0, 5.0
@@ -54,6 +57,23 @@ def test_a_limb_goes_the_other_way_in_depth_and_stays_where_it_is_seen(
     still = [name for name in before.doc.body.names if name.startswith(("waist", "chest", "head"))]
     ways = joints(before), joints(turned)
     assert all((ways[0][name] == ways[1][name]).all() for name in still), "the rest is untouched"
+
+
+def test_a_limb_that_would_be_seen_elsewhere_is_not_turned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its joints do not bend that way, and the nearest that they do is another picture."""
+    before = after(desk(), {"do": "go", "frame": 24})
+    shin = before.doc.body.index("right_shin")
+    plain = depth_turn.turned_in_depth
+
+    def swung(*given: Any) -> Pose:
+        found = plain(*given)
+        Rs = found.Rs_parent_part.copy()
+        Rs[shin] = exp_rotation(np.array([0.0, 0.0, 0.5])) @ Rs[shin]
+        return Pose(Rs, found.p_camera_root)
+
+    monkeypatch.setattr(depth_turn, "turned_in_depth", swung)
+    with pytest.raises(Refused, match="Right thigh cannot bend the other way"):
+        after(before, {"do": "turn_in_depth", "part": "right_thigh"})
 
 
 def test_the_whole_body_is_turned_with_one_press_and_undone_with_another() -> None:

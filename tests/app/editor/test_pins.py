@@ -370,6 +370,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"do": "split_pin", "index": 1, "frame": 5}, "This pin no longer exists"),
     ({"do": "floor", "height_m": 0.01}, "The floor would go through the camera"),
     ({"do": "soften_key", "frame": 5}, "Frame 5 is not a keyframe"),
+    ({"do": "soften_keys", "frames": [5, 6]}, "None of these frames is a keyframe any more"),
     ({"do": "accept_pins"}, "No pin is proposed here any more"),
 ]
 
@@ -399,6 +400,7 @@ def test_a_body_without_the_pinned_part_is_refused() -> None:
         ({"do": "accept_pins"}, "accept proposed pins"),
         ({"do": "split_pin", "index": 0, "frame": 5}, "split a pin at 5"),
         ({"do": "soften_key", "frame": 50}, "soften keyframe 50"),
+        ({"do": "soften_keys", "frames": [0, 50]}, "soften keyframes"),
         ({"do": "floor"}, "change the floor"),
     ],
 )

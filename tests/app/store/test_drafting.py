@@ -148,6 +148,18 @@ def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> Non
     try_at(path, act)
 
 
+def test_a_draft_that_nobody_can_judge_is_proposed_no_more(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({**DRAFT, "first": 2, "last": 12})
+        desk.find(3, 8)
+        desk.do({"do": "cannot_tell", "frame": 3, "part": None})
+        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [8]
+        desk.do({"do": "undo"})
+        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [3, 8]
+
+    try_at(path, act)
+
+
 def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
     found: list[Any] = []
 

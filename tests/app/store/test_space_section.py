@@ -71,7 +71,7 @@ def known(edit: EditorState) -> EditorState:
 def test_the_worst_is_reported_first_with_what_mends_it() -> None:
     off = PinResult(
         part="left_foot", first_frame=0, last_frame=20, off_m=0.08, usual_off_m=0.001, frame=0,
-        keyframe=0,
+        keyframe=0, others=(12, 16),
     )  # fmt: skip
     reported = solved(
         known(stepping((5, 12))), found("slides", 0.06), found("off_floor", 0.1), pins=(off,)
@@ -80,6 +80,7 @@ def test_the_worst_is_reported_first_with_what_mends_it() -> None:
         ("off_floor", "pin"), ("pin", "soften"), ("slides", "pin"),
     ]  # fmt: skip
     assert reported[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
+    assert (reported[1]["keyframes"], reported[1]["cm"]) == ([0, 12, 16], 8.0)
 
 
 def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:

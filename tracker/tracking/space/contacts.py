@@ -31,6 +31,9 @@ LOW_M, NEAR_S = 0.12, 0.75
 """How far above its lowest place, within so long before and after, a foot may stand."""
 STEP_M = 0.30
 """How far above another that stands: one foot on a beam or a stair, but none held up still."""
+GUESSED_UP, GUESSED_STEP_M = np.array([0.0, -1.0, 0.0]), 0.40
+"""Where nobody knows how the camera tilts it is taken to stand level, and so much is allowed: feet
+0.3 m apart along the view differ by 0.1 m in a camera tilted by 20°."""
 TOES_S = 0.15
 """Toes that stay for so long after the heel has left get a pin of their own."""
 
@@ -40,8 +43,8 @@ def proposed_pins(
 ) -> tuple[Pin, ...]:
     """Pins for the feet of a body, where they stand still; whole feet, then toes alone.
 
-    up_camera: unit vector, None where up is not known: then nothing distinguishes slow feet in
-    the air from standing ones.
+    up_camera: unit vector, None where up is not known: then only a foot held far above another
+        that stands is told from a standing one.
     """
     feet = list(_feet(skeleton.body))
     if not feet or len(motion) < 3:
@@ -140,16 +143,16 @@ def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> ND
     stands still below it."""
     from scipy.ndimage import minimum_filter1d
 
-    if up_camera is None:
-        return np.ones(places.shape[:2], dtype=np.bool_)
-    high = places @ up_camera
+    high = places @ (GUESSED_UP if up_camera is None else up_camera)
+    step = GUESSED_STEP_M if up_camera is None else STEP_M
     near = 2 * int(NEAR_S * frames_per_second) + 1
-    low = high < minimum_filter1d(high, near, axis=0, mode="nearest") + LOW_M
+    lowest = minimum_filter1d(high, near, axis=0, mode="nearest")
+    low = (high < lowest + LOW_M) | (up_camera is None)
     still = np.stack(
         [speed_m_s(places[:, k], frames_per_second) < START_M_S for k in range(high.shape[1])],
         axis=1,
     )
     for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes
         standing = np.where(still[:, kind], high[:, kind], np.inf).min(axis=1, keepdims=True)
-        low[:, kind] &= high[:, kind] < standing + STEP_M
+        low[:, kind] &= high[:, kind] < standing + step
     return np.asarray(low)
