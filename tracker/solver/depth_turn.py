@@ -74,9 +74,7 @@ def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
     return bool(depths_m(skeleton, pose, top) @ depths_m(skeleton, turned, top) <= 0)
 
 
-def strays_px(
-    skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int
-) -> float:
+def strays_px(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int) -> float:
     """How far from where it was seen a joint of part `top`, or of what hangs on it, came to lie at
     most; infinite behind the camera."""
     places = _places(skeleton)

@@ -62,7 +62,6 @@ class Ended:
 
     cost: of all evidence together.  score: grey levels², None where brightness does not count.
     drift_px (N - 1, M): what was left to correct.
-    drift_scale: how many times as far as its doubts say brightness leads astray.
     """
 
     index: int
@@ -71,7 +70,6 @@ class Ended:
     score: float | None
     drift_px: Array
     anchors: Anchors
-    drift_scale: float = 1.0
 
 
 def track_anchored(
@@ -221,8 +219,7 @@ def _ended(
     steps = len(motion) - 1
     unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + NOISE)
     cost = correction.cost(motion, measured) + float(unexplained)
-    scale = correction.drift_scale
-    return Ended(index, motion, cost, score, drift, correction.anchors, scale)
+    return Ended(index, motion, cost, score, drift, correction.anchors)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -279,7 +276,6 @@ def joint_evidence(
         np.max(apart, axis=0) / height if apart else np.full(away.shape, np.nan),
         _drift_by_part(free, best)[:, anchors.parts] / height,
         height,
-        best.drift_scale,
         keyed,
     )
 

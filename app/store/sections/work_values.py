@@ -154,7 +154,8 @@ def is_latest_draft(app_state: AppState) -> bool:
 def draft(app_state: AppState) -> Json:
     """What the last draft of the clip found, until none of its drafts is left: the frames where
     nobody was found and nothing is posed yet, and the drafts that should be confirmed as keyframes,
-    are none yet, and of which nobody has said that the picture does not show it. first, last: of the frames drafted last; drafted: how many of them were."""
+    are none yet, and of which nobody has said that the picture does not show it. first, last: of
+    the frames drafted last; drafted: how many of them were."""
     doc = doc_of(app_state)
     if doc is None or doc.drafted is None:
         return None

@@ -71,11 +71,10 @@ def test_evidence_has_the_drift_of_a_parts_worst_mark_and_how_far_the_other_moti
     mark = int(np.flatnonzero(FILM.free.marks[1] == part)[-1])
     drift[3, mark] = 5.0
     ends = [
-        Ended(index, motion, 1.0, None, drift, anchors, drift_scale=2.5)
+        Ended(index, motion, 1.0, None, drift, anchors)
         for index, motion in enumerate((FILM.truth, FILM.segment.interpolated()))
     ]
     found = joint_evidence(FILM.free, ends, ends[0])
-    assert found.drift_scale == 2.5
     assert found.apart.max() > 0.01
     there = found.drift[:, anchors.parts == part]
     np.testing.assert_allclose(there[3:5], 0.5 * 5.0 / anchors.height_px)

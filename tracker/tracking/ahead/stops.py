@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.video.pyramid import Clip
 
-MOST_ERROR: Final = 0.045
+MOST_ERROR: Final = 0.06
 """Of the body's height in the picture: a part that is expected to be off by more is not trusted."""
 INSIDE_SHARE: Final = 0.5
 """Of the marks that are in the picture at the keyframe: with fewer the body has left it."""
