@@ -108,9 +108,8 @@ class JointEvidence:
     @property
     def _away(self) -> Array:
         """(N,) frames to the nearest keyframe."""
-        rows = np.arange(len(self.distance))
-        keyed = rows[list(self.keyed)]
-        return np.abs(rows[:, None] - keyed).min(axis=1).astype(float)
+        rows = np.arange(len(self.distance), dtype=float)
+        return np.asarray(np.abs(rows[:, None] - rows[list(self.keyed)]).min(axis=1))
 
     @property
     def _expected(self) -> tuple[Array, Array]:
