@@ -39,7 +39,9 @@ function draw() {
   host.classList.toggle('quad', ui.layout === 'quad');
   render(server.file && server.view ? bars() : nothing, host);
   for (const bar of host.querySelectorAll('.glass')) {
-    bar.classList.toggle('faded', interaction.drag !== null || isHandleCoveredBy(bar));
+    // What a draft found is read while the pointer rests where the box was drawn: at the body.
+    const rests = bar.id !== 'mdraft' && isHandleCoveredBy(bar);
+    bar.classList.toggle('faded', interaction.drag !== null || rests);
   }
 }
 

@@ -15,6 +15,7 @@ from tests.browser.interaction import (
     screens,
     section,
     settled,
+    spot,
     until,
     until_counted,
     until_state,
@@ -164,6 +165,9 @@ def test_a_draft_is_reported_of_shown_on_the_timeline_and_undone(page: Page) -> 
     until_counted(page, ".coach", 0)  # what to confirm leads on
     banner(page).wait_for()
     assert "Drafted 73 frames." in banner(page).inner_text()
+    page.mouse.move(*spot(page, "head_top"))
+    settled(page)
+    assert "faded" not in str(banner(page).get_attribute("class")), "it is read beside the body"
     frames = [place["frame"] for place in section(page, "draft.proposals")]
     until_counted(page, "#tsvg .place", len(frames))
     until_counted(page, "#tsvg .drafted", 1)

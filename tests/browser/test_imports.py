@@ -40,7 +40,11 @@ def shown(sheet: Locator, words: str) -> None:
         assert not failed.is_visible(), failed.inner_text()
         return sheet.get_by_text(words).is_visible()
 
-    until(said, words)
+    try:
+        until(said, words)
+    except AssertionError as late:
+        seen = sheet.inner_text() if sheet.is_visible() else "is closed"
+        raise AssertionError(f"{late}; the dialog: {seen}") from None
 
 
 def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
