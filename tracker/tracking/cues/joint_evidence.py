@@ -12,8 +12,8 @@ at once by how much a joint is off, and how likely that is more than a given len
 one filmed by four cameras, two filmed and marked by hand, seven rendered, each judged by the
 others: the area under the curve of joints more than 10 px off on a person 400 px tall is 0.87 over
 all joints and 0.82 to 0.98 by clip, but 0.68 on one whose marks are good to 5 px there; of those
-more than 15 px off 0.89, and 0.83 to 0.99. By tenths of all joints the mean of what is expected is
-what joints are off by to within a third.
+more than 15 px off 0.89, and 0.83 to 0.99. By tenths of all joints, what is expected in the mean is
+1.0 to 1.5 times what they are off by.
 """
 
 from __future__ import annotations
