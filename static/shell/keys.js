@@ -82,8 +82,11 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || cancelDraft() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
 }
+
+/** The guide stays open while it waits for a draft. */
+const cancelDraft = () => server.job?.kind === 'draft' && cancelJob();
 
 /** A text that is marked in a message is what Ctrl C should copy. */
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;

@@ -152,6 +152,20 @@ def test_enter_sends_the_box_with_the_frame_it_lies_on(page: Page) -> None:
     assert page.evaluate("() => window.keypose.ui.tool") == "select"
 
 
+def test_esc_ends_a_draft_and_leaves_the_guide_open(page: Page) -> None:
+    page.evaluate("async () => (await window.keypose.module('guide/guide.js')).openGuide()")
+    page.locator(".coach").wait_for()
+    draw(page, 310, 10, 520, 350)
+    page.keyboard.press("Enter")
+    until_state(page, "job", lambda job: (job["kind"], job["state"]) == ("draft", "running"))
+    page.evaluate("() => document.activeElement?.blur()")  # Esc leaves a control first
+    page.keyboard.press("Escape")
+    until_state(page, "job.state", lambda state: state != "running")
+    assert section(page, "draft") is None
+    assert page.locator(".coach").is_visible()
+    page.evaluate("async () => (await window.keypose.module('guide/guide.js')).closeGuide()")
+
+
 def banner(page: Page) -> Locator:
     return page.locator("#mdraft")
 
