@@ -44,6 +44,9 @@ MISSED, UNSEEN = 1.7, 0.004
 """A part is off by so many times what following back misses the keyframe by, in the mean, and by
 such a share of the height for every step in which the picture does not show its motion."""
 
+MOST_BY_BRIGHTNESS, MOST_BY_KEYPOINTS = 0.03, 0.06
+"""Shares of the height: a part that is expected to be off by more is not trusted. What following
+back misses is less than what may be wrong; with keypoints it is the mean of what may."""
 SURE, ELSEWHERE = 0.01, 0.06
 """Shares of the height: brightness that expects a smaller error is sure; what it is sure of lies
 elsewhere when it is farther away than this."""
@@ -55,10 +58,12 @@ class Followed:
 
     expected_error (N, P): by which a part is expected to be off, a share of the body's height in
         the picture; NaN for parts of which nothing is known.
+    most_error: from which on a part is not trusted.
     """
 
     motion: Trajectory
     expected_error: Array
+    most_error: float
 
 
 def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> Followed:
@@ -75,7 +80,8 @@ def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> Followed:
     at, known = np.array([0, *steps]), np.array(missed)
     every = np.arange(len(motion))
     error = np.stack([np.interp(every, at, known[:, p]) for p in range(parts)], axis=-1)
-    return Followed(motion, MISSED * error + UNSEEN * _unseen(scene, chain)[: len(motion)])
+    error = MISSED * error + UNSEEN * _unseen(scene, chain)[: len(motion)]
+    return Followed(motion, error, MOST_BY_BRIGHTNESS)
 
 
 def _unseen(scene: Scene, chain: Chain) -> Array:
@@ -137,7 +143,7 @@ def by_keypoints(
     if plain is not None:
         count = len(plain.motion)
         error[:count] = np.fmax(error[:count], _contradicted(free, best.trajectory, plain))
-    return Followed(best.trajectory, error)
+    return Followed(best.trajectory, error, MOST_BY_KEYPOINTS)
 
 
 def _contradicted(free: Scene, motion: Trajectory, plain: Followed) -> Array:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.video.pyramid import Clip
 
-MOST_ERROR: Final = 0.06
-"""Of the body's height in the picture: a part that is expected to be off by more is not trusted."""
 INSIDE_SHARE: Final = 0.5
 """Of the marks that are in the picture at the keyframe: with fewer the body has left it."""
 CUT_GREY, CUT_TIMES = 20.0, 6.0
@@ -91,7 +89,7 @@ def _leaves(scene: Scene, followed: Followed) -> int | None:
 def _doubted(scene: Scene, followed: Followed, is_last: bool) -> Iterator[Stopped]:
     """Parts that may be wrong for more than a moment."""
     error = np.nan_to_num(followed.expected_error)
-    bad, count = error > MOST_ERROR, len(error)
+    bad, count = error > followed.most_error, len(error)
     for part in np.flatnonzero(bad.any(axis=0)):
         for first, last in runs(bad[:, part]):
             lasts = last - first + 1 >= SHORTEST_RUN
