@@ -47,7 +47,7 @@ function lane(part) {
 /** A part without motions of its own moves with the one it is a child of. */
 function follows({ parent }) {
   const label = partNamed(parent)?.label.toLowerCase();
-  return label ? `Follows the ${label}, not tracked` : 'Not tracked';
+  return label ? `Moves with the ${label}` : 'Not tracked';
 }
 
 function restWord(part) {
