@@ -10,9 +10,8 @@ from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
-from keypose.tracker.body.scaling import height
 from keypose.tracker.session.schema import Session
-from keypose.tracker.solver.depth_turn import depths_m, strays_px, turned_in_depth, turns_round
+from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth, turns_round
 
 LEAST_M = 0.02
 """A limb whose joints lie no farther apart in depth looks the same either way."""
@@ -29,8 +28,7 @@ def turn_in_depth(state: EditorState, action: do.TurnInDepth) -> Session:
         raise Refused(f"{name} lies across the view: it looks the same either way.")
     camera = state.doc.camera
     turned = turned_in_depth(skeleton, camera, pose, top)
-    tall_px = height(skeleton.body) * camera.fy / float(camera.depth(pose.p_camera_root))
-    strays = top != 0 and strays_px(skeleton, camera, pose, turned, top) > MOST_STRAY * tall_px
-    if strays or not turns_round(skeleton, pose, turned, top):
+    leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
+    if leaves or not turns_round(skeleton, pose, turned, top):
         raise Refused(f"{name} cannot bend the other way. Turn a part further out alone.")
     return with_pose(state, turned, partial=action.partial)

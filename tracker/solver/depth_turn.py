@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -74,14 +75,16 @@ def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
     return bool(depths_m(skeleton, pose, top) @ depths_m(skeleton, turned, top) <= 0)
 
 
-def strays_px(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int) -> float:
+def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int) -> float:
     """How far from where it was seen a joint of part `top`, or of what hangs on it, came to lie at
-    most; infinite behind the camera."""
+    most: a share of the body's height in the picture, infinite behind the camera."""
     places = _places(skeleton)
     inside = skeleton.below[np.array([place[0][0] for place in places]), top]
     points = BodyPoints(skeleton, places)
     uv, others = (camera.project(points.at(pose_transforms(skeleton, p))) for p in (pose, turned))
-    return float(np.nan_to_num(np.linalg.norm(uv - others, axis=-1)[inside], nan=np.inf).max())
+    tall_px = height(skeleton.body) * camera.fy / float(camera.depth(pose.p_camera_root))
+    off_px = np.nan_to_num(np.linalg.norm(uv - others, axis=-1)[inside], nan=np.inf)
+    return float(off_px.max()) / tall_px
 
 
 def depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:

@@ -42,6 +42,7 @@ and how little they are seen."""
 MOST = 0.5
 """Nothing is expected to be off by more."""
 TINY = 1e-9
+"""A share of the height that stands for none, so that it has odds."""
 FEW, LITTLE_PX, TALL_PX = 0.05, 4.7, 400.0
 """A segment is good where all joints at all frames but so few are expected to be off by so little,
 in the picture or on a person so tall: marks in a larger one are no finer."""
