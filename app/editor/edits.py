@@ -53,6 +53,10 @@ def _delete_keyframe(state: EditorState, action: do.DeleteKey) -> Session:
     return keyframe_edits.delete_keyframe(state, action.frame)
 
 
+def _delete_draft(state: EditorState, action: do.DeleteDraft) -> Session:
+    return keyframe_edits.delete_draft(state, action.frame)
+
+
 def _move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
     _in_video(state, action.to)
     return keyframe_edits.move_keyframe(state, action)
@@ -102,6 +106,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.Rename: EditKind(_rename, "rename"),
     do.AddKey: EditKind(_add_keyframe, "add keyframe", "frame"),
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
+    do.DeleteDraft: EditKind(_delete_draft, "delete draft", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
     do.DeleteKeys: EditKind(key_range_edits.delete_keyframes, key_range_edits.deleting),
     do.RetimeKeys: EditKind(key_range_edits.retime_keyframes, key_range_edits.retiming),

@@ -39,6 +39,13 @@ def delete_keyframe(state: EditorState, frame: int) -> Session:
     return _without(state.doc, _require(state, frame))
 
 
+def delete_draft(state: EditorState, frame: int) -> Session:
+    """Without the draft at a frame."""
+    if find(state.doc.drafts, frame) is None:
+        raise Refused(f"Frame {frame} has no draft.")
+    return with_drafts(state.doc, without(state.doc.drafts, frame))
+
+
 def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
     """The keyframe at another frame."""
     if action.to == action.frame:

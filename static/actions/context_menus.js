@@ -4,6 +4,7 @@
 import { line } from '../controls/menu.js';
 import { whyNot } from './actions.js';
 import { menuItem } from './buttons.js';
+import { isDraftAlone } from './keying.js';
 import { frame, isKey } from './playhead.js';
 import { TITLES } from './synonyms.js';
 
@@ -42,7 +43,7 @@ export const CONTEXTS = {
 /** Of a pair the one that fits the frame stands in a menu. */
 const FITS = {
   addKeyframe: () => !isKey(frame()),
-  deleteKeyframe: () => isKey(frame()),
+  deleteKeyframe: () => isKey(frame()) || isDraftAlone(frame()),
   copyKeyHere: (from) => from !== frame(),
 };
 

@@ -83,8 +83,15 @@ function partWords(parts) {
 /** "3 places to confirm" */
 export const placesWords = () => `${count(placesToConfirm().length, 'place')} to confirm`;
 
-/** "Drafted 150 of 180 frames.", or "Drafted 31–179." where it is one end that lacks. */
-export function draftedWords({ first, last, drafted, missing }) {
+/** "Drafted 150 of 180 frames.", or "Drafted 31–179." where it is one end that lacks; and of how many
+ * the tracked pose is shown. */
+export function draftedWords(draft) {
+  const { drafted, behind } = draft;
+  const where = drafted === 1 ? 'there' : `at ${behind === drafted ? 'all' : behind} of them`;
+  return behind ? `${foundWords(draft)} The tracked motion is shown ${where}.` : foundWords(draft);
+}
+
+function foundWords({ first, last, drafted, missing }) {
   const all = last - first + 1;
   if (drafted === all) return `Drafted ${count(all, 'frame')}.`;
   const [gap] = missing;

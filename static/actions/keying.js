@@ -17,10 +17,14 @@ export function addKey() {
   send({ do: 'add_key', frame: at });
 }
 
-/** Delete a keyframe, by default the one under the playhead. */
+/** Whether a frame has no keyframe, and its draft is what can be deleted there. */
+export const isDraftAlone = (at) => !isKey(at) && !partKeyAt(at) && draftFrames().includes(at);
+
+/** Delete a keyframe, or a draft where there is none; by default the one under the playhead. */
 export function deleteKey(at = frame()) {
-  const what = partKeyAt(at) ? 'Part keyframe' : 'Keyframe';
-  sayDeleted(send({ do: 'delete_key', frame: at }), `${what} ${at} deleted.`);
+  const isDraft = isDraftAlone(at);
+  const what = isDraft ? 'Draft' : partKeyAt(at) ? 'Part keyframe' : 'Keyframe';
+  sayDeleted(send({ do: isDraft ? 'delete_draft' : 'delete_key', frame: at }), `${what} ${at} deleted.`);
 }
 
 /** What message n has deleted can be had back at once. */
@@ -28,7 +32,7 @@ export function sayDeleted(n, words) {
   toast({ kind: 'info', words, button: { label: 'Undo', run: () => bringBack(n) }, brief: true });
 }
 
-export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) ? '' : `Frame ${at} is not a keyframe`);
+export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) || draftFrames().includes(at) ? '' : `Frame ${at} is not a keyframe`);
 
 function bringBack(n) {
   if (isNewest(n)) send({ do: 'undo' });

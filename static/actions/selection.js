@@ -7,7 +7,7 @@ import { newStroke, send } from '../store/link.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { count } from '../controls/words.js';
 import { between, joined, listed, met, shifted, toggled } from './key_ranges.js';
-import { deleteKey, sayDeleted, whyNotDelete } from './keying.js';
+import { deleteKey, isDraftAlone, sayDeleted, whyNotDelete } from './keying.js';
 import { partKeys } from './limbs.js';
 import { frame, keyFrames } from './playhead.js';
 
@@ -115,8 +115,11 @@ export function deleteAny(at) {
   return selectKeys(NONE);
 }
 
-export const deleteLabel = (at) =>
-  (at === undefined && selectedKeys().length > 1 ? `Delete ${selectedKeys().length} keyframes` : 'Delete keyframe');
+export function deleteLabel(at) {
+  if (at === undefined && selectedKeys().length > 1) return `Delete ${selectedKeys().length} keyframes`;
+  const isOfSelected = at === undefined && selectedKeys().length > 0;
+  return !isOfSelected && isDraftAlone(at ?? frame()) ? 'Delete draft' : 'Delete keyframe';
+}
 
 // --- a key that stays down moves them as one step of undo
 

@@ -412,7 +412,8 @@
  * @property {number} first  Of the frames drafted last.
  * @property {number} last
  * @property {number} drafted  How many of these were.
- * @property {Spot[]} missing  Runs of frames, of all drafts, where nobody was found and nothing is posed.
+ * @property {number} behind  Of how many of these the tracked pose is shown.
+ * @property {Spot[]} missing  Runs of frames, of all drafts, where nobody was found and nothing is posed or tracked.
  * @property {DraftPlace[]} proposals  Those to confirm that are no keyframes yet.
  */
 

@@ -21,11 +21,13 @@ test('between keyframes the segment is shown, not the drafts', () => {
 });
 
 test('a draft says which frames it found, and where nobody was', () => {
-  const found = (last, many, missing) => ({ latest: true, first: 0, last, drafted: many, missing, proposals: [] });
+  const found = (last, many, missing) => ({ latest: true, first: 0, last, drafted: many, behind: 0, missing, proposals: [] });
   assert.equal(draftedWords(found(179, 180, [])), 'Drafted 180 frames.');
   assert.equal(draftedWords(found(179, 149, [[0, 30]])), 'Drafted 31–179.');
   assert.equal(draftedWords(found(179, 170, [[170, 179]])), 'Drafted 0–169.');
   assert.equal(draftedWords(found(9, 7, [[3, 4], [6, 6]])), 'Drafted 7 of 10 frames.');
+  assert.equal(draftedWords({ ...found(179, 180, []), behind: 24 }), 'Drafted 180 frames. The tracked motion is shown at 24 of them.');
+  assert.equal(draftedWords({ ...found(8, 9, []), behind: 9 }), 'Drafted 9 frames. The tracked motion is shown at all of them.');
   const reported = (...missing) => {
     server.draft = found(179, 100, missing);
     return nobodyWords();

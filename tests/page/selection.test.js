@@ -54,6 +54,16 @@ test('the selection is deleted as one, a named keyframe alone', () => {
   assert.equal(whyNot('deleteKeyframe'), 'Frame 3 is not a keyframe');
 });
 
+test('without a keyframe a draft is what is deleted', () => {
+  server.keys = { frames: [0, 20], drafts: [3, 20] };
+  server.view.frame = 3;
+  assert.equal(labelOf('deleteKeyframe'), 'Delete draft');
+  assert.equal(whyNot('deleteKeyframe'), '');
+  assert.equal(labelOf('deleteKeyframe', 20), 'Delete keyframe');
+  selection.selectKeys([0, 20]);
+  assert.equal(labelOf('deleteKeyframe'), 'Delete 2 keyframes');
+});
+
 test('the selection moves with keys until something is in the way, which is named', () => {
   assert.equal(whyNot('later'), 'Select keyframes first: drag a box over them');
   selection.selectKeys([0, 20]);

@@ -31,6 +31,13 @@ class DeleteKey(Edit):
     frame: FrameIndex
 
 
+class DeleteDraft(Edit):
+    """The draft of a frame: shown there again is what is tracked, or lies between keyframes."""
+
+    do: Literal["delete_draft"] = "delete_draft"
+    frame: FrameIndex
+
+
 class MoveKey(Edit):
     do: Literal["move_key"] = "move_key"
     frame: FrameIndex
@@ -144,6 +151,7 @@ class DeleteNote(Edit):
 Keying: TypeAlias = (
     AddKey
     | DeleteKey
+    | DeleteDraft
     | MoveKey
     | DuplicateKey
     | DeleteKeys

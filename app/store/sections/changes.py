@@ -174,6 +174,7 @@ SECTIONS: dict[str, _Section] = {
     "draft": _Section(
         _both(
             _doc("body", "camera", "drafts", "keyframes", "drafted", "reviewed"),
+            _TRACKED,
             lambda o: (work_values.is_latest_draft(o),),
         ),
         work_values.draft,

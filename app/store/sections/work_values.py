@@ -153,23 +153,27 @@ def is_latest_draft(app_state: AppState) -> bool:
 
 def draft(app_state: AppState) -> Json:
     """What the last draft of the clip found, until none of its drafts is left: the frames where
-    nobody was found and nothing is posed yet, and the drafts that should be confirmed as keyframes,
-    are none yet, and of which nobody has said that the picture does not show it. first, last: of
-    the frames drafted last; drafted: how many of them were."""
-    doc = doc_of(app_state)
-    if doc is None or doc.drafted is None:
+    nobody was found and nothing is posed or tracked yet, and the drafts that should be confirmed as
+    keyframes, are none yet, and of which nobody has said that the picture does not show it. first,
+    last: of the frames drafted last; drafted: how many of them were; behind: of how many of these
+    the tracked pose is shown instead."""
+    edit, doc = app_state.edit, doc_of(app_state)
+    if edit is None or doc is None or doc.drafted is None:
         return None
     given, waiting = doc.drafted, {draft.frame for draft in doc.drafts}
     if not waiting:
         return None
     to_confirm = drafts_to_confirm(doc)
     asked = range(given.first_frame, given.last_frame + 1)
-    posed, lacking = {*waiting, *(k.frame for k in doc.keyframes)}, missing_frames(given)
+    lacking = missing_frames(given)
+    tracked = {frame for frame in (*waiting, *lacking) if edit.tracked(frame) is not None}
+    posed = {*waiting, *tracked, *(k.frame for k in doc.keyframes)}
     return {
         "latest": is_latest_draft(app_state),
         "first": given.first_frame,
         "last": given.last_frame,
         "drafted": len(asked) - len({*lacking}.intersection(asked)),
+        "behind": len(waiting & tracked & {*asked}),
         "missing": [
             [run.first_frame, run.last_frame]
             for run in frame_runs(frame for frame in lacking if frame not in posed)

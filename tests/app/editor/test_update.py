@@ -186,6 +186,7 @@ def test_a_frame_beyond_the_end_is_the_last_one() -> None:
         ({"do": "move_key", "frame": 24, "to": 48}, "is already a keyframe"),
         ({"do": "move_key", "frame": 24, "to": 400}, "frames 0 to 72"),
         ({"do": "delete_key", "frame": 3}, "is not a keyframe"),
+        ({"do": "delete_draft", "frame": 3}, "Frame 3 has no draft"),
         ({"do": "paste_pose"}, "Copy a pose first"),
         ({"do": "take_tracked"}, "not tracked"),
         ({"do": "angles", "part": "tail", "x": 3}, "no part 'tail'"),
@@ -295,6 +296,17 @@ def test_a_keyframe_that_comes_to_a_drafted_frame_is_what_is_shown_there() -> No
         state = after(drafted, {"do": do, "frame": 24, "to": 12})
         assert state.doc.drafts == ()
         assert shown_pose(state).source == "keyframe"
+
+
+def test_a_draft_is_deleted_alone_and_what_stood_behind_it_is_shown_again() -> None:
+    before = after(desk(), {"do": "go", "frame": 12})
+    drafted = after(before, TURN)
+    state = after(drafted, {"do": "delete_draft", "frame": 12})
+    assert state.doc.drafts == ()
+    assert state.keys == before.keys
+    assert shown_pose(state).source == shown_pose(before).source == "between"
+    assert state.history.past[-1].label == "delete draft 12"
+    assert after(state, {"do": "undo"}).doc is drafted.doc
 
 
 def test_an_edit_at_a_frame_with_a_keyframe_and_a_draft_can_be_seen() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,15 @@ from keypose.app.store.sections import Sections
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.fitting.draft import Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
+from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import load_keypoints
+from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
 from tests.app.serving import ROOT
 from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
@@ -72,6 +77,16 @@ class Desk(StoreDesk):
         Worker.newest.report(
             Drafted(self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals)
         )
+
+    def track(self, first: int, last: int) -> None:
+        """The segment between two keyframes is tracked."""
+        edit = self.store.app_state.edit
+        assert edit is not None
+        poses = {k.frame: k.pose(edit.skeleton) for k in edit.doc.keyframes}
+        key = segment_keys(edit.doc)[first, last]
+        motion = interpolate(poses[first], poses[last], first, last)
+        track = replace(SegmentResult.on_the_way(Pass("pass", motion, 1.0), key), verdict=GOOD)
+        self.store._set(edit=replace(edit, results=Results({key: track})))
 
 
 def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
@@ -191,6 +206,22 @@ def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(path: Pat
         assert desk.doc.keypoints.seeds == (3, 10)
         desk.do({"do": "go", "frame": 10}, {"do": "add_key", "frame": 10})
         assert desk.section["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
+
+    try_at(path, act)
+
+
+def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({"do": "add_key", "frame": 0}, {"do": "add_key", "frame": 6})
+        desk.do({**DRAFT, "last": 12})
+        desk.find(3, 4, 8, 12)
+        desk.track(0, 6)
+        shown = desk.section
+        assert shown["missing"] == [[7, 7], [9, 11]]
+        assert (shown["drafted"], shown["behind"]) == (4, 2)
+        desk.do({"do": "delete_key", "frame": 6})
+        assert desk.section["missing"] == [[1, 2], [5, 7], [9, 11]]
+        assert desk.section["behind"] == 0
 
     try_at(path, act)
 
