@@ -24,6 +24,7 @@ import numpy as np
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, Trajectory, joined
+from keypose.tracker.keypoints.model_files import FULL, Model, find_model
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.result import SegmentResult
@@ -58,15 +59,17 @@ class Posed:
     keyposes: Mapping[int, Pose]
     prepared: dict[bool, Tracker] = field(default_factory=dict)
 
-    def tracker(self, static_camera: bool = False, keypoints: bool = False) -> Tracker:
-        """A tracker of these keyframes, with a picture of the empty scene or without, and with the
-        bundled network's keypoints or without."""
+    def tracker(self, static_camera: bool = False, network: Model | None = None) -> Tracker:
+        """A tracker of these keyframes, with a picture of the empty scene or without, and with a
+        network's keypoints or without."""
         if static_camera not in self.prepared:
             self.prepared[static_camera] = Tracker(
                 self.video, self.clip.camera, self.skeleton, self.keyposes,
                 static_camera=static_camera,
             )  # fmt: skip
-        source = DetectedKeypoints(self.video, self.clip.camera) if keypoints else None
+        source = None
+        if network is not None:
+            source = DetectedKeypoints(self.video, self.clip.camera, model=network)
         plain = self.prepared[static_camera]
         return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
 
@@ -130,7 +133,9 @@ def with_settings(settings: TrackSettings) -> Way:
     """Tracked as settings say."""
 
     def way(posed: Posed) -> Tracked:
-        tracker = posed.tracker(bool(settings.static_camera), "keypoints" in settings.cues_used)
+        network = find_model(settings.network or FULL.name)
+        used = network if "keypoints" in settings.cues_used else None
+        tracker = posed.tracker(bool(settings.static_camera), used)
         return track(tracker, **settings.model_dump())
 
     return way
