@@ -26,6 +26,9 @@ from keypose.tracker.tracking.result import SegmentResult
 GOALS_PX: Final = (3, 5, 8, 12)
 USUAL_GOAL_PX: Final = 5
 
+ELSEWHERE: Final = 0.1
+"""A share of the body's height: a draft that is this far from where it was is another one."""
+
 Reason: TypeAlias = Problem | SpaceFinding | DraftPlace
 """Why a place should be looked at."""
 
@@ -219,10 +222,12 @@ def drafts_to_confirm(doc: Session) -> tuple[int, ...]:
 
 
 def _is_unclear(doc: Session, place: Place) -> bool:
-    """Whether a person marked this very draft as unclear."""
+    """Whether a person marked this draft as unclear. It may have learned from keyframes since, but
+    a draft that is elsewhere is another one."""
+    elsewhere_m = ELSEWHERE * height(doc.body)
     return any(
         answer_given.frame == place.frame
-        and bool(np.allclose(answer_given.seen_m, place.end_m, atol=1e-6))
+        and float(np.linalg.norm(answer_given.seen_m - place.end_m)) < elsewhere_m
         for answer_given in doc.reviewed
     )
 

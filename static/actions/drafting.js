@@ -100,26 +100,25 @@ function foundWords({ first, last, drafted, missing }) {
   return `Drafted ${drafted} of ${count(all, 'frame')}.`;
 }
 
-/** "No person found in frames 10–30 and 6.": where a draft is missing, the longest first; or ''. */
+/** "No person found in frames 10–30 and 6.": where a draft is missing, the longest of them; or ''. */
 export function nobodyWords() {
-  const runs = [...(server.draft?.missing ?? [])].sort((one, other) => length(other) - length(one));
+  const runs = server.draft?.missing ?? [];
   if (runs.length === 0) return '';
-  const frames = runs.map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const named = [...runs].sort((one, other) => length(other) - length(one)).slice(0, PLACES_NAMED);
+  const frames = runs.filter((run) => named.includes(run)).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
   const isOne = runs.length === 1 && length(runs[0]) === 0;
-  return `No person found in ${isOne ? 'frame' : 'frames'} ${listed(frames)}.`;
+  return `No person found in ${isOne ? 'frame' : 'frames'} ${listed(frames, runs.length - frames.length)}.`;
 }
 
 /** "The person may change at 96 and 140.": where two people cross; or ''. */
 export function personWords() {
   const at = placesToConfirm().filter((place) => place.reason === 'person').map((place) => String(place.frame));
-  return at.length === 0 ? '' : `The person may change at ${listed(at)}.`;
+  const named = at.slice(0, PLACES_NAMED);
+  return at.length === 0 ? '' : `The person may change at ${listed(named, at.length - named.length)}.`;
 }
 
 /** "3, 9, 14 and 2 more places". @param {string[]} places */
-function listed(places) {
-  const more = places.length - PLACES_NAMED;
-  return joined(more > 0 ? [...places.slice(0, PLACES_NAMED), count(more, 'more place')] : places);
-}
+const listed = (places, more = 0) => joined(more > 0 ? [...places, count(more, 'more place')] : places);
 
 const PLACES_NAMED = 3;
 

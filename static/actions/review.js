@@ -5,8 +5,11 @@ import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { view } from '../views/views.js';
-import { goTo, isKey, stopPlaying } from './playhead.js';
-import { answered, answerOf, currentRow, listOf, openRows, pauseLeft, placesAbove, turned, withUndone } from './review_list.js';
+import { toast } from '../controls/toasts.js';
+import { frame, goTo, isKey, stopPlaying } from './playhead.js';
+import {
+  answered, answerOf, currentRow, listOf, openRows, pauseLeft, placesAbove, presentPlace, ranked, turned, withUndone,
+} from './review_list.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
 
@@ -21,6 +24,7 @@ let keyedBefore = '';
 /** The row that a keyframe has corrected, after which the list goes on. */
 let correctedRow = null;
 let timer = 0;
+let wasAtWork = false;
 
 export const isReviewing = () => Boolean(ui.review);
 
@@ -36,6 +40,7 @@ export const place = () => (ui.review ? currentRow(ui.review) : undefined);
 export function mountReview() {
   watch(['review', 'done'], followAnswers);
   watch(['keys', 'u:dragging'], followKeys);
+  watch(['job'], followJob);
   watch(['file'], () => server.file?.path !== before?.path && leave());
 }
 
@@ -80,14 +85,26 @@ export const whyNoPlace = () => (place() ? '' : 'Nothing is left to review');
 /** @type {Record<'accepted' | 'unclear', string>} */
 const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
 
+/** Whether another frame is looked at than the place's. */
+export const isElsewhere = () => Boolean(place()) && place()?.frame !== frame();
+
 /** @param {'accepted' | 'unclear'} given */
 export function answer(given) {
   const row = place();
   if (!row) return;
+  if (isElsewhere()) return show(row); // what is answered is seen
   // A row that was answered and clicked again has its answer: the list goes on.
   if (answerOf(ui.review, row.id)) return turn(1);
-  send({ do: WORDS[given], frame: row.frame, part: row.part });
+  const now = presentPlace(server.review?.places ?? [], row);
+  if (!now) return passGone(row);
+  send({ do: WORDS[given], frame: now.frame, part: now.part });
   note(row.id, given);
+}
+
+/** What was drafted, tracked or deleted meanwhile leaves nothing to answer. */
+function passGone(row) {
+  toast({ kind: 'info', words: `Nothing is left to review at frame ${row.frame}.`, detail: 'It has changed since. The list is up to date again.' });
+  turn(1);
 }
 
 /** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
@@ -144,6 +161,15 @@ function followAnswers() {
   else if (list !== ui.review) change(list);
 }
 
+/** What was tracked or drafted is ranked with the rest, unless the pointer would find another row
+ * under it. */
+function followJob() {
+  const isAtWork = server.job?.state === 'running';
+  const isOver = wasAtWork && !isAtWork;
+  wasAtWork = isAtWork;
+  if (isOver && ui.review && !ui.dragging && !ui.reviewHeld) change(ranked(ui.review, places()));
+}
+
 /** A keyframe at the place, of the limb or of all, corrects it; a moment after the last drag the list
  * goes on. */
 function followKeys() {
@@ -164,9 +190,9 @@ function goOnAfter(row, waited = 0) {
 }
 
 /** What is keyed at a frame, as one text that differs when that does. */
-function keyedAt(frame) {
-  const parts = (server.keys?.parts ?? []).find((key) => key.frame === frame)?.parts ?? [];
-  return isKey(frame) ? 'all' : parts.join(' ');
+function keyedAt(at) {
+  const parts = (server.keys?.parts ?? []).find((key) => key.frame === at)?.parts ?? [];
+  return isKey(at) ? 'all' : parts.join(' ');
 }
 
 // --- the picture
@@ -220,8 +246,9 @@ export function onReviewKey(chord, event) {
 
 /** What the keys do here, for the status bar; null outside of a review. */
 export function reviewHints() {
-  if (!isReviewing() || ui.dragging) return null;
+  if (!isReviewing() || ui.dragging || ui.tool === 'box') return null;
   if (!place()) return [['Esc', 'close review']];
+  if (isElsewhere()) return [['Enter', `back to frame ${place().frame}`], ['N', 'next'], ['Shift N', 'previous'], ['Esc', 'close review']];
   return [
     ['Enter', 'accept'], ['Drag', place().kind === 'draft' ? 'correct' : 'correct, keys this limb only'], ['N', 'next'], ['Shift N', 'previous'],
     ['Shift Enter', 'cannot tell'], ['Esc', 'close review'],

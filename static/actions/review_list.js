@@ -70,6 +70,31 @@ export function turned(list, places, way) {
   return { ...list, rows, current: next?.id ?? null };
 }
 
+/**
+ * Ranked anew while the current row is looked at, which stays what it is.
+ * @param {ReviewList} list
+ * @param {ReviewPlace[]} places  Those over the goal as they are known now.
+ * @returns {ReviewList}
+ */
+export function ranked(list, places) {
+  const row = currentRow(list);
+  const open = places.filter(({ id }) => !answerOf(list, id));
+  if (!row) return { ...list, rows: open, current: open[0]?.id ?? null };
+  const now = presentPlace(open, row);
+  return { ...list, rows: now ? open.map((place) => (place === now ? row : place)) : [row, ...open] };
+}
+
+/**
+ * What a row is about, as it is known now: its limb at that time; undefined where there is nothing to review any more.
+ * @param {ReviewPlace[]} places
+ * @param {ReviewPlace} row
+ */
+export const presentPlace = (places, row) =>
+  places.find(({ id }) => id === row.id) ?? places.find((place) => isAlike(place, row));
+
+const isAlike = (one, other) =>
+  one.kind === other.kind && one.part === other.part && one.first <= other.last && other.first <= one.last;
+
 /** The open row that follows one in its order, or goes before it; round the end. */
 function beside(open, rows, id, way) {
   const at = open.findIndex((row) => row.id === id);

@@ -11,7 +11,7 @@ import { drawBoxAt } from './sketch.js';
 
 export function draftbar() {
   const { draft } = server;
-  if (!draft?.latest || ui.draftRead === server.revision || ui.tool === 'box' || ui.review) return nothing;
+  if (!draft?.latest || ui.draftRead === server.revision || ui.tool === 'box') return nothing;
   const nobody = nobodyWords();
   const person = personWords();
   const at = nobody && boxFrameFor(draft);
@@ -19,7 +19,7 @@ export function draftbar() {
     ${icon(nobody || person ? 'warn' : 'check')}
     <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`} ${person}</span>
     ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}
-    ${placesToConfirm().length ? actionButton('review', undefined, { name: undefined, label: `${placesWords()}: review`, title: 'Look at them one after another' }) : nothing}
+    ${placesToConfirm().length && !ui.review ? actionButton('review', undefined, { name: undefined, label: `${placesWords()}: review`, title: 'Look at them one after another' }) : nothing}
     ${actionButton('undo', undefined, { name: undefined, label: 'Undo draft', title: 'Remove the draft', kind: 'ghost' })}
     ${iconButton({ name: 'x', label: 'Close', act: () => setUi('draftRead', server.revision) })}
   </div>`;

@@ -71,7 +71,7 @@ function drawRow(list, row) {
         <span class="rv-why cut">${row.reason}</span>
       </span>
     </button>
-    ${isCurrent && !answer ? actions(row) : answer && ui.reviewHeld === row.id ? html`<div class="rv-held" inert>${actions(row)}</div>` : nothing}
+    ${isCurrent && !answer && ui.tool !== 'box' ? actions(row) : answer && ui.reviewHeld === row.id ? html`<div class="rv-held" inert>${actions(row)}</div>` : nothing}
   </div>`;
 }
 

@@ -7,7 +7,7 @@ import { actionIcon } from '../actions/buttons.js';
 import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
-import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
+import { isElsewhere, isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
 import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.js';
 import { isUnderWay, noMotionYet } from '../actions/tracking.js';
 import { contradicted, contradictions, proposedPins } from '../actions/pins.js';
@@ -52,7 +52,7 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm:
  * done, how far it is. */
 function drawSuggestion() {
   if (isPreview()) return newSizes();
-  if (placeToReview()) return reviewing(placeToReview());
+  if (placeToReview() && ui.tool !== 'box') return reviewing(placeToReview());
   if (isReviewing() && !['track', 'pose'].includes(server.suggest?.kind)) return nothing;
   if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
@@ -81,10 +81,12 @@ function newSizes() {
 
 /** A place is looked at; the answer is given here as well. */
 function reviewing(row) {
-  const title = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
+  const away = isElsewhere();
+  const asked = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
+  const title = away ? `In review: frame ${row.frame}` : asked;
   return html`<div class="sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
-    <span class="tx"><b>${title}</b> <span class="mut">Enter accepts, drag corrects.</span></span>
-    ${primary('acceptPlace', 'Accept')}${primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')}</div>`;
+    <span class="tx"><b>${title}</b> <span class="mut">${away ? row.label : 'Enter accepts, drag corrects.'}</span></span>
+    ${primary('acceptPlace', labelOf('acceptPlace'))}${primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')}</div>`;
 }
 
 /** The review was closed before its end. */

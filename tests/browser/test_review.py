@@ -126,6 +126,21 @@ def test_enter_at_a_place_that_was_answered_already_leads_on(page: Page) -> None
     until_state(page, "review.answered.length", lambda many: many == 2)
 
 
+def test_enter_at_another_frame_leads_back_before_anything_is_accepted(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until_state(page, "view.frame", lambda frame: frame == 10)
+    page.keyboard.press("ArrowRight")
+    until_state(page, "view.frame", lambda frame: frame == 11)
+    until(lambda: "In review: frame 10" in page.locator("#tr .sug").inner_text(), "the place")
+    screens(page, "review-elsewhere")
+    page.keyboard.press("Enter")
+    until_state(page, "view.frame", lambda frame: frame == 10)
+    answered(page)
+    assert section(page, "review.answered") == []
+    page.keyboard.press("Enter")
+    until_state(page, "review.answered.length", lambda many: many == 1)
+
+
 def test_its_end_says_how_many_were_accepted_and_how_many_left_open(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Right forearm")

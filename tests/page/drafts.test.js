@@ -37,7 +37,8 @@ test('a draft says which frames it found, and where nobody was', () => {
   assert.equal(reported([61, 61]), 'No person found in frame 61.');
   assert.equal(reported([0, 30], [96, 96]), 'No person found in frames 0–30 and 96.');
   assert.equal(reported([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in frames 0–1, 5–6, 8–9 and 2 more places.');
-  assert.equal(reported([0, 1], [3, 9], [170, 179]), 'No person found in frames 170–179, 3–9 and 0–1.');
+  assert.equal(reported([0, 1], [3, 9], [170, 179]), 'No person found in frames 0–1, 3–9 and 170–179.');
+  assert.equal(reported([0, 1], [3, 3], [6, 9], [12, 14], [20, 29]), 'No person found in frames 6–9, 12–14, 20–29 and 2 more places.');
 });
 
 test('a draft says where the person may change', () => {

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import './browser.js';
 import {
-  answered, answerOf, currentRow, doneWords, listOf, openRows, pauseLeft, placesAbove, turned, withUndone,
+  answered, answerOf, currentRow, doneWords, listOf, openRows, pauseLeft, placesAbove, presentPlace, ranked, turned, withUndone,
 } from '../../static/actions/review_list.js';
 
 const place = (id, px) => ({ id, frame: Number(id), px });
@@ -85,4 +85,30 @@ test('after a correction the list waits a moment, and longer while the pointer i
 test('it goes on when the pointer has left the body meanwhile', () => {
   assert.equal(pauseLeft(400, true), 400);
   assert.equal(pauseLeft(400, false), 0);
+});
+
+const spanned = (id, part, first, last, kind = 'tracked') => ({ id, part, first, last, kind, frame: first, px: 8 });
+
+test('what is looked at stays while the list is ranked anew around it', () => {
+  const list = { ...listOf(PLACES), current: '34' };
+  const worse = [place('40', 20), ...PLACES.filter(({ id }) => id !== '87')];
+  assert.deepEqual(ids(ranked(list, worse)), ['40', '34', '68', '56', '21']);
+  assert.equal(ranked(list, worse).current, '34');
+  const gone = ranked(list, [place('40', 20), place('68', 8)]);
+  assert.deepEqual(ids(gone), ['34', '40', '68'], 'also where it is gone');
+  assert.equal(gone.current, '34');
+  const ended = { ...listOf(PLACES), current: null };
+  assert.equal(ranked(ended, worse).current, '40');
+  assert.equal(ranked(ended, []).current, null);
+});
+
+test('a place tracked anew is the one of its limb at its time, under another frame', () => {
+  const row = spanned('72-left_shin', 'left_shin', 70, 76);
+  const moved = spanned('74-left_shin', 'left_shin', 74, 79);
+  const other = spanned('72-right_shin', 'right_shin', 70, 76);
+  assert.equal(presentPlace([other, moved], row), moved);
+  assert.equal(presentPlace([other, moved, row], row), row);
+  assert.equal(presentPlace([other, spanned('90-left_shin', 'left_shin', 90, 92)], row), undefined);
+  const list = ranked({ ...listOf([row]), current: row.id }, [other, moved]);
+  assert.deepEqual(list.rows, [other, row], 'what is looked at keeps its frame');
 });

@@ -120,7 +120,7 @@ SECTIONS: dict[str, _Section] = {
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), pose_values.pose),
-    "keys": _Section(_doc("body", "keyframes", "part_keyframes", "drafts"), pose_values.keys),
+    "keys": _Section(_both(_POSES, _TRACKED), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "errors": _Section(_TRACKED, error_values.errors),
     "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), review_values.review),

@@ -6,7 +6,7 @@ from keypose.app.editor.angle_curve import angle_curve
 from keypose.app.editor.part_edits import keyed_limbs, keyed_words
 from keypose.app.editor.placed_corners import corners_placed
 from keypose.app.editor.posing_edits import angles_at
-from keypose.app.editor.shown import draft_at, shown_pose
+from keypose.app.editor.shown import counts, draft_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.trail import end_trail
 from keypose.app.posing import at_limit
@@ -75,13 +75,13 @@ def _gesture(edit: EditorState) -> Json:
 
 
 def keys(app_state: AppState) -> Json:
-    """Frames of keyframes and drafts."""
-    doc = doc_of(app_state)
-    if doc is None:
+    """Frames of keyframes, and of drafts that nothing tracked is shown instead of."""
+    edit, doc = app_state.edit, doc_of(app_state)
+    if edit is None or doc is None:
         return {"frames": [], "drafts": [], "soft": [], "parts": []}
     return {
         "frames": [keyframe.frame for keyframe in doc.keyframes],
-        "drafts": [draft.frame for draft in doc.drafts],
+        "drafts": [draft.frame for draft in doc.drafts if counts(edit, draft)],
         "soft": [keyframe.frame for keyframe in doc.keyframes if keyframe.soft],
         "parts": [_part_keyframe(doc.body, each) for each in doc.part_keyframes],
     }

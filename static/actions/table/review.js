@@ -1,7 +1,7 @@
 // The review of the places that are least sure.
 
 import { count } from '../../controls/words.js';
-import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from '../review.js';
+import { answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview } from '../review.js';
 
 /** @typedef {import('./action.js').Action} Action */
 
@@ -12,7 +12,8 @@ export const REVIEW = {
     title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
   },
   acceptPlace: {
-    label: 'Accept', title: 'The motion is right here', keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
+    label: () => (isElsewhere() ? `Back to ${place().frame}` : 'Accept'),
+    title: () => (isElsewhere() ? 'Go to the place that is reviewed' : 'The motion is right here'), keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
     run: () => answer('accepted'),
   },
   nextPlace: { label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(1) },

@@ -63,6 +63,10 @@ class Desk(StoreDesk):
         return Sections().changed(self.store.app_state)["draft"]
 
     @property
+    def keys(self) -> Any:
+        return Sections().changed(self.store.app_state)["keys"]
+
+    @property
     def order(self) -> DraftOrder:
         order: FitOrder = Worker.newest.fits[-1]
         assert isinstance(order, DraftOrder)
@@ -77,6 +81,16 @@ class Desk(StoreDesk):
         Worker.newest.report(
             Drafted(self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals)
         )
+
+    def move_drafts(self, by_m: float) -> None:
+        """All drafts to the right."""
+        edit = self.store.app_state.edit
+        assert edit is not None
+        moved = tuple(
+            d.model_copy(update={"root_m": (d.root_m[0] + by_m, *d.root_m[1:])})
+            for d in edit.doc.drafts
+        )
+        self.store._set(edit=edit.with_doc(edit.doc.model_copy(update={"drafts": moved})))
 
     def track(self, first: int, last: int) -> None:
         """The segment between two keyframes is tracked."""
@@ -175,6 +189,20 @@ def test_a_draft_that_nobody_can_judge_is_proposed_no_more(path: Path) -> None:
     try_at(path, act)
 
 
+@pytest.mark.parametrize(("moved_m", "asked"), [(0.05, [8]), (0.5, [3, 8])])
+def test_a_draft_is_asked_for_again_only_once_it_is_another_one(
+    path: Path, moved_m: float, asked: list[int]
+) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({**DRAFT, "first": 2, "last": 12})
+        desk.find(3, 8)
+        desk.do({"do": "cannot_tell", "frame": 3, "part": None})
+        desk.move_drafts(moved_m)
+        assert [proposal["frame"] for proposal in desk.section["proposals"]] == asked
+
+    try_at(path, act)
+
+
 def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
     found: list[Any] = []
 
@@ -219,9 +247,11 @@ def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(path: P
         shown = desk.section
         assert shown["missing"] == [[7, 7], [9, 11]]
         assert (shown["drafted"], shown["behind"]) == (4, 2)
+        assert desk.keys["drafts"] == [8, 12]
         desk.do({"do": "delete_key", "frame": 6})
         assert desk.section["missing"] == [[1, 2], [5, 7], [9, 11]]
         assert desk.section["behind"] == 0
+        assert desk.keys["drafts"] == [3, 4, 8, 12]
 
     try_at(path, act)
 
