@@ -12,7 +12,7 @@ import { menusWith } from './context_menus.js';
 import { allNotes, noteLine } from './notes.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
 import { isReviewing } from './review.js';
-import { SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
+import { JOINTS, SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
 import { GROUPS } from './table.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
@@ -122,9 +122,11 @@ function partEntries() {
   return (server.body?.parts ?? []).map((part) => made({
     id: `part:${part.name}`, kind: 'Part', group: 'Parts', title: part.label, side: part.side, off: '',
     on: server.view?.selected === part.name ? true : undefined, more: 'Select this part',
-    words: `select ${part.name}`, run: () => select(part.name),
+    words: `select ${part.name} ${jointOf(part.name)}`, run: () => select(part.name),
   }));
 }
+
+const jointOf = (name) => JOINTS[name.replace(/^(left|right)_/, '')] ?? '';
 
 function settingEntries() {
   const tabs = [['part', 'Part'], ['body', 'Body'], ['camera', 'Camera'], ['track', 'Track']].map(([tab, label]) =>

@@ -40,7 +40,7 @@ export const SYNONYMS = {
   importFile: 'bvh c3d trc csv npz amass smpl mocap openpose mediapipe coco sleap deeplabcut chan load motion keypoints camera',
   addPart: 'bone limb prop racket tool new',
   deletePart: 'remove bone limb',
-  drawBox: 'detect person automatic pose estimation draft',
+  drawBox: 'detect person automatic pose estimation draft another other person actor',
   swapSides: 'flip mirror exchange left right leg arm',
   turnInDepth: 'flip depth ambiguity toward away behind front leg arm limb bend',
   resetPart: 'rest default clear rotation zero',
@@ -117,7 +117,7 @@ export const SYNONYMS = {
   exportFilm: 'video movie mp4 gif webm render overlay clip',
   exportImages: 'pictures stills frames png jpg',
   exportSheet: 'contact sheet overview poses print',
-  exportMotion: 'options unit rig fps rate scale up axis fbx',
+  exportMotion: 'options unit rig fps rate scale up axis fbx retarget character skeleton',
   saveAllMotion: 'everything zip download',
   saveBvh: 'export motion blender maya motionbuilder unreal unity animation mocap fbx',
   saveGlb: 'export motion blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman vrm fbx',
@@ -135,6 +135,9 @@ export const SYNONYMS = {
   lightTheme: 'appearance day mode colours colors',
   systemTheme: 'appearance auto mode colours colors',
 };
+
+/** The joint at which a part hangs, by which it is looked for as well. @type {Record<string, string>} */
+export const JOINTS = { thigh: 'hip', shin: 'knee', foot: 'ankle', upper_arm: 'shoulder', forearm: 'elbow', hand: 'wrist' };
 
 /** What it is called where it stands without the heading of the menu or bar it is from. */
 /** @type {Partial<Record<import('./table.js').ActionId, string>>} */

@@ -163,7 +163,7 @@ export function sketchHint() {
   const { sketch } = interaction;
   if (!sketch) return null;
   if (SHAPES[sketch.tool]) return SHAPES[sketch.tool].hint();
-  if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
+  if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole. Where the camera looks down, draw the horizon instead.';
   const begun = sketch.points.length;
   if (!begun) return 'Click around anything that moves but is not the body.';
   if (begun < 3) return 'Keep clicking. Backspace removes the last corner, Esc cancels.';

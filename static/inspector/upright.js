@@ -20,7 +20,7 @@ export function upright() {
     ${fact('Roll', `${shortNumber(roll, 1)}°`, 'How far the camera leans to one side')}
     ${drawingButton('vertical', {
       name: 'mid', label: 'Draw a vertical in the image', busy: 'Drag along something upright',
-      title: 'Drag along a door frame, a wall’s edge, a lamp post',
+      title: 'Drag along a door frame, a wall’s edge, a lamp post. Shows the roll: draw the horizon where the camera looks down',
     })}
     ${drawingButton('horizon', {
       name: 'floor', label: 'Draw the horizon', busy: 'Drag along the horizon',
