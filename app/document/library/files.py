@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
 from keypose.app.document.library.names import printable
@@ -57,6 +57,10 @@ class Found:
     modified_s: float
 
 
+MADE_BY_TOOLS: Final = ("node_modules", "__pycache__", ".egg-info")
+"""How folders are called that lie beside a program's source."""
+
+
 @dataclass(frozen=True)
 class Listing:
     """What was found, by folder and name; `more`: the search ended before everything was seen."""
@@ -66,14 +70,15 @@ class Listing:
 
 
 def find_files(roots: Sequence[Path]) -> Listing:
-    """Everything that can be opened in these folders and those inside them; hidden ones are not
-    looked into, links to folders not followed, links to files that lie outside left out."""
+    """Everything that can be opened in these folders and those inside them; hidden ones and those
+    that tools make are not looked into, links to folders not followed, links to files that lie
+    outside left out."""
     found: dict[Path, Found] = {}
     left = _Budget()
     for number, root in enumerate(roots):
         for folder, folders, names in os.walk(root):
             here = Path(folder)
-            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            folders[:] = sorted(name for name in folders if is_listed(name))
             if len(here.relative_to(root).parts) >= DEEPEST:
                 folders.clear()
             if not left.spend(len(folders) + len(names)) or len(found) >= MOST_FILES:
@@ -104,6 +109,11 @@ def is_inside(path: Path, roots: Sequence[Path]) -> bool:
         return any(real.is_relative_to(root.resolve()) for root in roots)
     except (OSError, RuntimeError, ValueError):  # a ring of links, a name no file can have
         return False
+
+
+def is_listed(name: str) -> bool:
+    """Whether a folder may hold what somebody looks for."""
+    return not name.startswith(".") and not name.endswith(MADE_BY_TOOLS)
 
 
 def is_hidden(place: str) -> bool:

@@ -14,6 +14,7 @@ from keypose.app.document.library.files import (
     found_at,
     is_hidden,
     is_inside,
+    is_listed,
     kind_of,
     kind_of_folder,
     quoted,
@@ -70,7 +71,7 @@ def list_folder(id: str, roots: Sequence[Path]) -> FolderListing:
         if not path.is_dir():
             kind = kind_of(path)
             files.extend(found_at(number, root, path, kind) if kind else ())
-        elif not path.is_symlink():
+        elif is_listed(name) and not path.is_symlink():
             files.extend(_what_it_is(number, root, path))
             if not name.endswith(SESSION_FOLDER):
                 folders.append(Place(_id(number, root, path), printable(name)))

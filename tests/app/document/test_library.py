@@ -173,6 +173,15 @@ def test_hidden_folders_are_not_looked_into(library: Library, home: Path) -> Non
     assert names(library) == []
 
 
+def test_folders_that_tools_make_are_not_looked_into(library: Library, home: Path) -> None:
+    for name in ("node_modules", "keypose.egg-info"):
+        clip(home / name)
+    clip(home / "films")
+    assert names(library) == ["jump.mp4"]
+    (root,) = library.folder("")["folders"]
+    assert [place["name"] for place in library.folder(root["id"])["folders"]] == ["films"]
+
+
 def test_a_link_out_of_the_folders_is_neither_listed_nor_opened(
     library: Library, home: Path, tmp_path: Path
 ) -> None:
