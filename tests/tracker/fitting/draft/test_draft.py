@@ -10,7 +10,7 @@ import pytest
 from keypose.tracker.body.body import Body, Part
 from keypose.tracker.body.clavicles import has_clavicles, with_clavicles
 from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.body.scaling import height, resized, with_height
+from keypose.tracker.body.scaling import height, joint_moved, resized, with_height
 from keypose.tracker.body.shapes.box import Box as BoxShape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
@@ -198,6 +198,16 @@ def test_limbs_take_the_persons_proportions_and_the_body_keeps_its_height() -> N
         for bone in (before.limbs[limb].upper, before.limbs[limb].lower):
             off = abs(after.length_m(bone) - truth.length_m(bone))
             assert off <= 0.5 * abs(before.length_m(bone) - truth.length_m(bone)) + 0.005
+
+
+def test_shoulders_seen_farther_inside_than_people_have_them_narrow_the_body_by_little() -> None:
+    person = BODY
+    for name in ("left_upper_arm", "right_upper_arm"):
+        x, y, z = BODY.parts[BODY.index(name)].joint_m
+        person = joint_moved(person, name, (0.8 * x, y, z), linked=False)
+    draft = draft_from_keypoints(walk(40, body=person).keypoints, CAMERA, BODY)
+    arm = BODY.index("left_upper_arm")
+    assert 0.92 < draft.body.parts[arm].joint_m[0] / BODY.parts[arm].joint_m[0] < 1.0
 
 
 def test_drafts_are_the_same_every_time() -> None:
