@@ -204,8 +204,14 @@ def _place(
 
 
 def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
-    """Drafts that a person should confirm, in the order of their frames."""
-    drafts = {draft.frame: draft for draft in doc.drafts}
+    """Drafts that a person should confirm, in the order of their frames; none where what is tracked
+    is shown instead."""
+    tracks = known.tracks.values()
+    drafts = {
+        draft.frame: draft
+        for draft in doc.drafts
+        if not (draft.is_found and any(t.first < draft.frame < t.last for t in tracks))
+    }
     for why in doc.drafted.places if doc.drafted else ():
         draft, part = drafts.get(why.frame), why.parts[0] if why.parts else None
         if draft is None or known.skeleton is None:

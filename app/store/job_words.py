@@ -31,8 +31,9 @@ def drafting_progress(report: Drafting) -> tuple[str, float]:
     percent = 100 * (
         NETWORK_SHARE * share if looking else NETWORK_SHARE + (1 - NETWORK_SHARE) * share
     )
-    verb = "Looking for the person" if looking else "Posing"
-    return f"{verb}: {report.done} of {report.expected} frames", percent
+    if looking:  # at frames from before and from after them, some twice
+        return f"Looking for the person: {100 * share:.0f} %", percent
+    return f"Posing: {report.done} of {report.expected} frames", percent
 
 
 def following_progress(report: FollowingAhead) -> tuple[str, float]:

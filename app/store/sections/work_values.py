@@ -154,7 +154,7 @@ def is_latest_draft(app_state: AppState) -> bool:
 def draft(app_state: AppState) -> Json:
     """What the last draft of the clip found, until none of its drafts is left: the frames where
     nobody was found and nothing is posed or tracked yet, and the drafts that should be confirmed as
-    keyframes, are none yet, and of which nobody has said that the picture does not show it. first,
+    keyframes, are shown, and of which nobody has said that the picture does not show it. first,
     last: of the frames drafted last; drafted: how many of them were; behind: of how many of these
     the tracked pose is shown instead."""
     edit, doc = app_state.edit, doc_of(app_state)
@@ -185,7 +185,7 @@ def draft(app_state: AppState) -> Json:
                 "parts": [part_label(part) for part in place.parts],
             }
             for place in given.places
-            if place.frame in to_confirm
+            if place.frame in to_confirm and place.frame not in tracked
         ],
     }
 

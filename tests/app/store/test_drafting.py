@@ -63,6 +63,10 @@ class Desk(StoreDesk):
         return Sections().changed(self.store.app_state)["draft"]
 
     @property
+    def review(self) -> Any:
+        return Sections().changed(self.store.app_state)["review"]
+
+    @property
     def keys(self) -> Any:
         return Sections().changed(self.store.app_state)["keys"]
 
@@ -247,6 +251,8 @@ def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(path: P
         shown = desk.section
         assert shown["missing"] == [[7, 7], [9, 11]]
         assert (shown["drafted"], shown["behind"]) == (4, 2)
+        assert [place["frame"] for place in shown["proposals"]] == [12]  # and not 3
+        assert [place["frame"] for place in desk.review["places"]] == [12]
         assert desk.keys["drafts"] == [8, 12]
         desk.do({"do": "delete_key", "frame": 6})
         assert desk.section["missing"] == [[1, 2], [5, 7], [9, 11]]
