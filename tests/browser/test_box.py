@@ -218,6 +218,7 @@ def test_a_draft_is_reported_of_shown_on_the_timeline_and_undone(page: Page) -> 
     page.keyboard.press("Control+z")
     until_state(page, "keys.drafts", lambda drafts: frames[0] in drafts)
     banner(page).wait_for()
+    screens(page, "draft-3-in-review")
     page.keyboard.press("Escape")
     listed = page.get_by_role("group", name="Places to confirm").get_by_role("button")
     until(lambda: listed.count() == len(frames), "the places, back in the panel the review covered")
