@@ -29,6 +29,9 @@ DEEPEST = 6
 LONGEST_SECONDS = 3.0
 """A folder may be the whole of a slow disk: what was found by then is shown."""
 
+MADE_BY_TOOLS: Final = ("node_modules", "__pycache__", ".egg-info")
+"""How folders are called that lie beside a program's source."""
+
 SESSION_FOLDER = ".keypose"
 _HEAD_BYTES = 512
 _PACKETS = ((0, 188), (4, 192))
@@ -55,10 +58,6 @@ class Found:
     bytes: int
     count: int  # of images or meshes in a folder of them
     modified_s: float
-
-
-MADE_BY_TOOLS: Final = ("node_modules", "__pycache__", ".egg-info")
-"""How folders are called that lie beside a program's source."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 
 from keypose.app.editor.drafted import frame_runs, missing_frames
 from keypose.app.editor.review import drafts_to_confirm
+from keypose.app.editor.shown import counts
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
@@ -166,14 +167,15 @@ def draft(app_state: AppState) -> Json:
     to_confirm = drafts_to_confirm(doc)
     asked = range(given.first_frame, given.last_frame + 1)
     lacking = missing_frames(given)
-    tracked = {frame for frame in (*waiting, *lacking) if edit.tracked(frame) is not None}
+    hidden = {draft.frame for draft in doc.drafts if not counts(edit, draft)}
+    tracked = {frame for frame in lacking if edit.tracked(frame) is not None}
     posed = {*waiting, *tracked, *(k.frame for k in doc.keyframes)}
     return {
         "latest": is_latest_draft(app_state),
         "first": given.first_frame,
         "last": given.last_frame,
         "drafted": len(asked) - len({*lacking}.intersection(asked)),
-        "behind": len(waiting & tracked & {*asked}),
+        "behind": len(hidden.intersection(asked)),
         "missing": [
             [run.first_frame, run.last_frame]
             for run in frame_runs(frame for frame in lacking if frame not in posed)
@@ -185,7 +187,7 @@ def draft(app_state: AppState) -> Json:
                 "parts": [part_label(part) for part in place.parts],
             }
             for place in given.places
-            if place.frame in to_confirm and place.frame not in tracked
+            if place.frame in to_confirm and place.frame not in hidden
         ],
     }
 
