@@ -3,7 +3,8 @@
 Where a limb is hidden, a network may see it for a while on the other limb or on something behind
 the person. That shows in how it gets there: in one step out and in one step back, and hardly moving
 before, between and after. A limb is heavy: it needs frames to gain speed, and frames to lose it.
-One of the two steps may take two frames, where the other side's keypoint does not move as well.
+A step may take two frames, where the other side's keypoint does not move as well: the network is
+in doubt in between.
 
 Where a network mostly exchanges left and right of the arms, or of the legs alone, what jumps may be
 what is right: for a few frames the sides are as they are. Its depths show that: the line between
@@ -12,8 +13,8 @@ the shoulders lies along that between the hips there, and across it before and a
 Measured on six clips, three of them filmed, whose joints are known: of 108 such runs of one joint
 all were wrong, by 40 px in the median, and 9 px where the frames around bridge them. The depths
 speak for 14 others, all of them right. Keypoints without depth have these among the wrong ones.
-Steps of two frames are rare: a filmed foot, with its heel and knee, 80 px off for four frames, and
-4 px where the frames around bridge it. Where the other side moves as well half of them are right.
+Steps of two frames are rare: a filmed foot, with its heel and toes, 100 px off for four frames,
+and 4 px where the frames around bridge it. Where the other side moves as well half are right.
 """
 
 from __future__ import annotations
@@ -35,8 +36,10 @@ WITHIN: Final = 0.5
 nearer to where it was than it went away: meanwhile the limb has moved on."""
 SHARED, SLOW_FRAMES = 0.25, 3
 """What each of two frames has of a step that is made in both, at least, and the frames that a
-keypoint is then elsewhere. One of the two steps, there or back, may be made so; it then comes back
-to nearer than either step is long."""
+keypoint is then elsewhere. It then comes back to nearer than either step is long."""
+STILL: Final = 0.2
+"""The same as `WITHIN` where both steps are made in two frames, and there must be a frame between:
+what goes away and turns round at once is a fast limb."""
 LONGEST: Final = 8
 """Frames that it is elsewhere at most."""
 STRAIGHTER: Final = 0.12
@@ -87,8 +90,15 @@ class _Excursion:
 
     @property
     def is_slow(self) -> bool:
-        """Whether one of the steps is made in two frames."""
+        """Whether a step is made in two frames."""
         return self.first - self.before > 1 or self.after - self.last > 1
+
+    @property
+    def within(self) -> float:
+        """How far, of the smaller step, anything moves beside the two."""
+        if self.first - self.before == 1 or self.after - self.last == 1:
+            return WITHIN
+        return STILL if self.last > self.first else 0.0
 
     @property
     def frames(self) -> int:
@@ -96,8 +106,8 @@ class _Excursion:
 
 
 def _excursions(places: Array) -> Iterator[_Excursion]:
-    """Where one keypoint (N, 2) may be elsewhere: between two steps, at least one of them made in a
-    single frame; first those of which both are."""
+    """Where one keypoint (N, 2) may be elsewhere: between two steps; first those of which both are
+    made in a single frame."""
     moved = np.linalg.norm(np.diff(places, axis=0), axis=-1)
     twice = np.linalg.norm(places[2:] - places[:-2], axis=-1)
     shared = np.minimum(moved[1:], moved[:-1]) > SHARED * twice
@@ -106,7 +116,8 @@ def _excursions(places: Array) -> Iterator[_Excursion]:
     in_two = np.flatnonzero((twice > STEP)[1:-1] & shared[1:-1]) + 1
     single = [(n, n + 1) for n in at_once.tolist()]
     double = [(n, n + 2) for n in in_two.tolist()]
-    for outs, backs in ((single, single), (single, double), (double, single)):
+    pairs = ((single, single), (single, double), (double, single), (double, double))
+    for outs, backs in pairs:
         for out, back in product(outs, backs):
             away = _Excursion(*out, *back)
             least = SLOW_FRAMES if away.is_slow else 1
@@ -146,7 +157,7 @@ def _is_there_and_back(places: Array, away: _Excursion) -> bool:
     step, farther = np.sort(_steps(places, away)[:, 0])
     apart = float(np.linalg.norm(places[away.after] - places[away.before]))
     is_back = apart < (step if away.is_slow else farther)
-    return bool(is_back and _otherwise(places, away)[0] < WITHIN * step)
+    return bool(is_back and _otherwise(places, away)[0] < away.within * step)
 
 
 def _goes_along(places: Array, away: _Excursion) -> NDArray[np.bool_]:

@@ -68,6 +68,14 @@ def test_a_foot_that_comes_back_or_goes_in_two_steps_was_away(reverse: bool) -> 
     assert found.sum() == 4
 
 
+def test_a_foot_that_goes_in_two_steps_and_comes_back_in_two_was_away() -> None:
+    uv = away_and_slowly_back(5)
+    uv[12, ANKLE] += (0, 45)
+    found = reported_of_legs(uv)
+    assert found[12:17, ANKLE].all()
+    assert found.sum() == 5
+
+
 def test_feet_that_both_come_back_in_two_steps_may_have_been_exchanged_before() -> None:
     uv = away_and_slowly_back(4)
     uv[:, 3] += uv[:, ANKLE] - walking()[:, ANKLE]
@@ -78,7 +86,7 @@ def test_a_foot_that_is_back_at_once_in_two_steps_was_moved_there() -> None:
     assert not reported_of_legs(away_and_slowly_back(2)).any()
 
 
-@pytest.mark.parametrize("width", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("width", [1.0, 1.5, 2.0, 3.0])
 def test_a_punch_and_a_walk_are_believed_however_fast(width: float) -> None:
     uv = walking()
     assert not reported(uv).any()
