@@ -29,7 +29,7 @@ export function deleteKey(at = frame()) {
 
 /** What message n has deleted can be had back at once. */
 export function sayDeleted(n, words) {
-  toast({ kind: 'info', words, button: { label: 'Undo', run: () => bringBack(n) }, brief: true });
+  toast({ kind: 'info', words, button: { label: 'Undo', run: () => bringBack(n) }, brief: true, edit: n });
 }
 
 export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) || draftFrames().includes(at) ? '' : `Frame ${at} is not a keyframe`);

@@ -4,6 +4,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from './elements.js';
 import { icon } from './icons.js';
 import { steadily } from './steady.js';
+import { isNewest } from '../store/edits.js';
 import { listen, send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 
@@ -17,8 +18,9 @@ let count = 0;
 let place = null;
 
 /**
- * Show a message: {kind, words, detail?, button?: {label, send?: action, run?: fn}, brief?}. One with
- * a button waits for an answer, unless it is brief.
+ * Show a message: {kind, words, detail?, button?: {label, send?: action, run?: fn}, brief?, edit?}. One
+ * with a button waits for an answer, unless it is brief. edit: the number of the message that it tells
+ * of; once something else is done, or that is undone, it goes.
  */
 export function toast(message) {
   const shown = ui.toasts ?? [];
@@ -41,6 +43,7 @@ export function mountToasts() {
   listen('note', toast);
   listen('refused', ({ words }) => toast({ kind: 'check', words }));
   watch(['file'], forgetOthers);
+  watch(['revision'], forgetPast);
   // The newest stands farthest from the edge, so that none is pushed away by the next.
   watch(['u:toasts'], steadily(() => render((ui.toasts ?? []).map(card), stack)));
   setInterval(sweep, 500);
@@ -55,6 +58,14 @@ function forgetOthers() {
   const shown = ui.toasts ?? [];
   const left = shown.filter(isOurs);
   if (left.length < shown.length) setUi('toasts', left);
+}
+
+/** What tells of an edit that is not the newest any more goes. */
+function forgetPast() {
+  const shown = ui.toasts ?? [];
+  for (const one of shown) if (one.edit !== undefined && isNewest(one.edit)) one.wasNewest = true;
+  const left = shown.filter((one) => !one.wasNewest || isNewest(one.edit));
+  if (left.length < shown.length && !isUnderPointer()) setUi('toasts', left);
 }
 
 /** What is old goes, unless it is being read or waits for an answer. */

@@ -549,9 +549,10 @@
  * @property {string} [kind]
  * @property {{ label: string, send?: object, run?: () => void }} [button]
  * @property {boolean} [brief]
+ * @property {number} [edit]  The message to the server that it tells of.
  */
 
-/** @typedef {Message & { id: number, path: string | null, at: number, until: number }} Toast */
+/** @typedef {Message & { id: number, path: string | null, at: number, until: number, wasNewest?: boolean }} Toast */
 
 /** @typedef {{ path: string, id: string, name: string }} Place  Where a session lies. */
 /** @typedef {{ client: string, why: string, file: Place | null, count: number }} UnsentEdits */

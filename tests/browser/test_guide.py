@@ -325,3 +325,14 @@ def test_what_delete_takes_away_its_message_brings_back(at: Desk) -> None:
         until_state(page, "keys.frames", lambda frames: frames == [24, 48, 72])
         page.locator(".toast", has_text="Keyframe 0 deleted.").get_by_text("Undo").click()
         until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+
+
+def test_what_is_undone_by_key_has_no_message_to_undo_it_any_more(at: Desk) -> None:
+    page = at.page
+    page.evaluate("performance.now = () => 0")  # no message goes because it is old
+    page.keyboard.press("Delete")
+    deleted = page.locator(".toast", has_text="Keyframe 0 deleted.")
+    deleted.wait_for()
+    page.keyboard.press("Control+z")
+    until_state(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+    deleted.wait_for(state="detached")
