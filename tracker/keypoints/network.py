@@ -12,7 +12,7 @@ import importlib.util
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Protocol
 
 import cv2
@@ -45,6 +45,14 @@ NAMES: Final = (
 SIDE: Final = 256
 """Pixels of the network's input, along a side."""
 
+_OTHER = {"left": "right", "right": "left"}
+_EXCHANGED = [
+    NAMES.index("_".join(_OTHER.get(word, word) for word in name.split("_"))) for name in NAMES
+]
+"""Of each point that of the other side."""
+_MIRROR = np.array([[-1.0, 0.0, SIDE - 1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+"""From pixels of the square as the network is shown it to those of the square as it is."""
+
 _POINTS, _MIDDLE, _RIM = 39, 33, 34
 _HEAT_SIDE, _HEAT_WINDOW, _LEAST_HEAT = 64, 3, 0.5
 _OUTPUTS = ("Identity", "Identity_1", "Identity_3", "Identity_4")
@@ -67,6 +75,15 @@ class Seen:
     p_hips: Array
     presence: float
     next: Region
+
+    def exchanged(self) -> Seen:
+        """With left and right exchanged."""
+        return replace(
+            self,
+            uv=self.uv[_EXCHANGED],
+            visibility=self.visibility[_EXCHANGED],
+            p_hips=self.p_hips[_EXCHANGED],
+        )
 
 
 class Runtime(Protocol):
@@ -115,9 +132,12 @@ class Network:
         """Of all that decides what it sees: the network and what runs it."""
         return f"{self.model.sha256[:16]}-{self._runtime.name}"
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
-        """The keypoints of the person in a region of a picture (H, W, 3), RGB."""
-        to_picture = region.to_picture(SIDE)
+    def look(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
+        """The keypoints of the person in a region of a picture (H, W, 3), RGB.
+
+        mirrored: shown to the network as in a mirror; what it sees is told as it is in the picture.
+        """
+        to_picture = region.to_picture(SIDE) @ (_MIRROR if mirrored else np.eye(3))
         square = cv2.warpAffine(
             picture, to_picture, (SIDE, SIDE), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         )
@@ -128,14 +148,16 @@ class Network:
         uv = _sharpened(rows[:, :2], heat)
         uv = uv @ to_picture[:, :2].T + to_picture[:, 2]
         p = metres.reshape(_POINTS, 3)[: len(NAMES)].astype(float)
+        p[:, 0] *= -1 if mirrored else 1
         p[:, :2] @= region.R_picture_body.T
-        return Seen(
+        seen = Seen(
             uv[: len(NAMES)],
             _sigmoid(rows[: len(NAMES), 3]),
             p,
             float(presence.ravel()[0]),
             Region.of_circle(uv[_MIDDLE], uv[_RIM]),
         )
+        return seen.exchanged() if mirrored else seen
 
 
 def fast_is_here() -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -13,7 +13,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints import model_files
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import FULL, HEAVY, Model, verified
-from keypose.tracker.keypoints.network import NAMES, Network, Seen, fast_is_here
+from keypose.tracker.keypoints.network import NAMES, SIDE, Network, Seen, fast_is_here
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
 
@@ -105,6 +105,46 @@ def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns
     up = np.linalg.matrix_power(A, quarter_turns)
     assert again.p_hips[:, :2] == pytest.approx(straight.p_hips[:, :2] @ up.T, abs=0.02)
     assert again.p_hips[:, 2] == pytest.approx(straight.p_hips[:, 2], abs=0.02)
+
+
+def test_in_a_mirror_the_same_is_seen_with_left_still_left(network: Network) -> None:
+    picture = first_picture()
+    region = looked_at(network, picture).next
+    straight = network.look(picture, region)
+    mirrored = network.look(picture, region, mirrored=True)
+    joints = [NAMES.index(joint) for joint in JOINTS]
+    apart = np.hypot(*(mirrored.uv - straight.uv)[joints].T)
+    assert np.median(apart) < 0.01 * region.side
+    exchanged = np.hypot(*(mirrored.exchanged().uv - straight.uv)[joints].T)
+    assert np.median(exchanged) > 4 * np.median(apart)
+    assert mirrored.p_hips[joints] == pytest.approx(straight.p_hips[joints], abs=0.25)
+    assert mirrored.next.distance(straight.next) < 0.02
+
+
+@dataclass
+class _Dot:
+    """A runtime whose network sees every point where the square is brightest."""
+
+    name: str = "dot"
+
+    def outputs(self, square: np.ndarray) -> list[np.ndarray]:
+        y, x = np.unravel_index(square[..., 0].argmax(), (SIDE, SIDE))
+        points = np.tile([x, y, 0.0, 5.0, 5.0], (39, 1)).astype(np.float32)
+        metres = np.tile([x - SIDE / 2, y - SIDE / 2, 0.0], (39, 1)).astype(np.float32)
+        heat = np.full((64, 64, 39), -50, np.float32)
+        return [points, np.ones(1, np.float32), heat, metres]
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 0.7, -2.5])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: bool) -> None:
+    picture = np.zeros((240, 320, 3), np.uint8)
+    cv2.circle(picture, (150, 130), 2, (255, 255, 255), -1)
+    dot = Network(FULL, _Dot())
+    seen = dot.look(picture, Region(160, 120, 120, turn_rad), mirrored=mirrored)
+    assert seen.uv == pytest.approx(np.tile([150, 130], (33, 1)), abs=1.5)
+    way = np.array([150 - 160, 130 - 120]) / np.hypot(10, 10)
+    assert seen.p_hips[0, :2] / np.linalg.norm(seen.p_hips[0, :2]) == pytest.approx(way, abs=0.15)
 
 
 @pytest.mark.parametrize("grey", [0, 128, 255])

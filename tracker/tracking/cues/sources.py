@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.augmented import Augmented, augmented_fingerprint
 from keypose.tracker.keypoints.detect import Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import FULL, Model
-from keypose.tracker.keypoints.network import Network, Seen, fingerprint_of
+from keypose.tracker.keypoints.network import Seen
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.info import MissingFrame
 
@@ -37,8 +38,8 @@ _LOOKING = Lock()
 
 
 @cache
-def _network(model: Model) -> Network:
-    return Network.open(model)
+def _network(model: Model) -> Augmented:
+    return Augmented.open(model)
 
 
 class FrameSource(Protocol):
@@ -206,7 +207,7 @@ def found_before(
     seeds = _seeds(posed, skeleton, camera)
     try:
         return detect(
-            no_picture, frames, seeds, _Recall(fingerprint_of(model)), film=film, kept=kept
+            no_picture, frames, seeds, _Recall(augmented_fingerprint(model)), film=film, kept=kept
         )
     except (_NotKept, KeypointError):  # never looked for, or nobody seen
         return None

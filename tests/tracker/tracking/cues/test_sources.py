@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from keypose.tracker.keypoints.augmented import augmented_fingerprint
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
-from keypose.tracker.keypoints.network import NAMES, Seen, fingerprint_of
+from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.tracking.cues import sources
@@ -20,7 +21,7 @@ POSED = {3: FILM.segment.start, 15: FILM.segment.end}
 class Somebody:
     """A network that sees the same everywhere."""
 
-    fingerprint = fingerprint_of(FULL)
+    fingerprint = augmented_fingerprint(FULL)
 
     def look(self, picture: np.ndarray, region: Region) -> Seen:
         uv = region.x + np.arange(66.0).reshape(33, 2)
@@ -63,7 +64,3 @@ def test_there_are_none_of_another_film_network_pose_or_before_the_first_track(k
         (POSED, "film", Kept(), FULL),
     ):
         assert found_before(posed, SKELETON, FILM.camera, film, where, model) is None
-
-
-def test_a_networks_fingerprint_is_known_without_reading_it() -> None:
-    assert sources.Network.open(FULL).fingerprint == fingerprint_of(FULL)

@@ -1,0 +1,134 @@
+"""Several looks at one frame, put together: test-time augmentation.
+
+A network errs by chance as well as by what it learned, and by chance otherwise in a picture that
+was cut out a little larger, turned or mirrored. The median of what it sees in these lies nearer to
+the body (A. Newell and others, *Stacked Hourglass Networks for Human Pose Estimation*, 2016, take
+the mean of a picture and its mirror image). Where a look exchanges left and right, it is exchanged
+back to how the plain look has them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from queue import SimpleQueue
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.model_files import FULL, Model
+from keypose.tracker.keypoints.network import Network, Seen, fingerprint_of
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.stretch import LEAST_PRESENCE
+
+
+@dataclass(frozen=True)
+class Variation:
+    """How a region is looked at: scale of its side, turned by an angle, mirrored."""
+
+    scale: float = 1.0
+    turn_rad: float = 0.0
+    mirrored: bool = False
+
+    def of(self, region: Region) -> Region:
+        side, turn = region.side * self.scale, region.turn_rad + self.turn_rad
+        return replace(region, side=side, turn_rad=turn)
+
+
+NEARER, TURN_RAD = 0.88, float(np.radians(15.0))
+VARIATIONS: Final = (
+    Variation(NEARER),
+    Variation(NEARER, mirrored=True),
+    Variation(turn_rad=-TURN_RAD),
+    Variation(turn_rad=TURN_RAD, mirrored=True),
+)
+"""Beside the plain look. On three filmed and three rendered clips the median is off by 0.86 times
+as much as the plain look, and 0.67 times as many joints by more than 10 px; of 24 looks by 0.86
+times, and 0.70 times as many. How far looks are apart says little more of a joint than its
+visibility: weighing by it changed nothing."""
+
+
+class Mirrors(Protocol):
+    """What also sees a region as in a mirror, as `Network`."""
+
+    @property
+    def fingerprint(self) -> str: ...
+    def look(
+        self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False
+    ) -> Seen: ...
+
+
+class Augmented:
+    """A network that looks at each frame several times; as `Network` otherwise.
+
+    networks: the same one, read once for each thread that looks.
+    """
+
+    def __init__(self, networks: Sequence[Mirrors]) -> None:
+        self.fingerprint = _marked(networks[0].fingerprint)
+        self._threads = ThreadPoolExecutor(len(networks))
+        self._idle: SimpleQueue[Mirrors] = SimpleQueue()
+        for network in networks:
+            self._idle.put(network)
+
+    @classmethod
+    def open(cls, model: Model = FULL, *, fast: bool | None = None) -> Augmented:
+        """Read a network's file; KeypointError as `Network.open`."""
+        threads = min(len(VARIATIONS), os.cpu_count() or 1)
+        return cls([Network.open(model, fast=fast) for _ in range(threads)])
+
+    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        """The median of the keypoints of the person in a region of a picture (H, W, 3), RGB;
+        whether somebody is there, and where to look next, are the plain look's."""
+        plain = self._look(picture, region, Variation())
+        if plain.presence < LEAST_PRESENCE:
+            return plain
+        varied = self._threads.map(partial(self._look, picture, region), VARIATIONS)
+        looks = [plain, *(_with_sides_of(plain, seen) for seen in varied if _is_finite(seen))]
+        return replace(
+            plain,
+            uv=_median([seen.uv for seen in looks]),
+            visibility=_median([seen.visibility for seen in looks]),
+            p_hips=_median([seen.p_hips for seen in looks]),
+        )
+
+    def _look(self, picture: NDArray[np.uint8], region: Region, varied: Variation) -> Seen:
+        network = self._idle.get()
+        try:
+            return network.look(picture, varied.of(region), mirrored=varied.mirrored)
+        finally:
+            self._idle.put(network)
+
+
+def augmented_fingerprint(model: Model) -> str:
+    """What the network would have as `Augmented.fingerprint`, which is not read for it."""
+    return _marked(fingerprint_of(model))
+
+
+def _marked(fingerprint: str) -> str:
+    """With the variations, which decide what is seen as well."""
+    digest = hashlib.sha256(repr(VARIATIONS).encode()).hexdigest()[:8]
+    return f"{fingerprint}-{len(VARIATIONS) + 1}-{digest}"
+
+
+def _is_finite(seen: Seen) -> bool:
+    return bool(np.isfinite(seen.uv).all() and np.isfinite(seen.p_hips).all())
+
+
+def _with_sides_of(plain: Seen, seen: Seen) -> Seen:
+    """With left and right as the plain look has them."""
+    return min(seen, seen.exchanged(), key=lambda each: _apart(plain, each))
+
+
+def _apart(one: Seen, other: Seen) -> float:
+    return float(np.linalg.norm(one.uv - other.uv, axis=1).sum())
+
+
+def _median(values: list[Array]) -> Array:
+    return np.asarray(np.median(values, axis=0))
