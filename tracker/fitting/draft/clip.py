@@ -8,7 +8,7 @@ of what it is off by all the time, where the poses agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -184,15 +184,22 @@ class _Work:
 
     def _turned(self, found: _Solved) -> _Solved:
         """With bones turned in depth where the whole stretch says so, unless all terms together
-        agree with that clearly worse."""
+        agree with that clearly worse: then limb by limb, so that none holds another back."""
         joints = Joints.of(with_free_joints(self.skeleton))
         p_hips = found.seen.bridged(joints.rest)
         way = pointing(joints, self.camera, p_hips, found.motion)
-        other = turned(joints, found.seen, p_hips, way)
-        if other is None:
-            return found
-        again = self._solved(other)
-        return again if again.cost < WORSE * found.cost else found
+
+        def with_limbs(limbs: Sequence[int]) -> _Solved | None:
+            other = turned(joints, found.seen, p_hips, way.of_limbs(limbs))
+            again = None if other is None else self._solved(other)
+            return again if again is not None and again.cost < WORSE * found.cost else None
+
+        limbs = way.limbs_against
+        if len(limbs) > 1 and (again := with_limbs(limbs)):
+            return again
+        alone = {limb: again for limb in limbs if (again := with_limbs([limb]))}
+        together = with_limbs(list(alone)) if 1 < len(alone) < len(limbs) else None
+        return together or min(alone.values(), key=lambda one: one.cost, default=found)
 
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(with_free_joints(self.skeleton))

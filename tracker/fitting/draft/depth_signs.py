@@ -17,6 +17,7 @@ mirrored picture showed more.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -75,6 +76,17 @@ class Pointing:
         """(N, 8) where a bone was surely drafted to the other side."""
         steep = np.abs(self.drafted) >= PLANE
         return np.asarray((self.drafted * self.signs < 0) & steep & (self.surer >= SURE))
+
+    @property
+    def limbs_against(self) -> list[int]:
+        """The limbs with such a bone, each of two bones."""
+        limbs = self.against.reshape(len(self.signs), -1, 2)
+        return np.flatnonzero(limbs.any(axis=(0, 2))).tolist()
+
+    def of_limbs(self, limbs: Sequence[int]) -> Pointing:
+        """With nothing said for sure of the bones of other limbs."""
+        own = np.isin(np.arange(self.surer.shape[1]) // 2, limbs)
+        return replace(self, surer=np.where(own, self.surer, 0.0))
 
 
 def pointing(joints: Joints, camera: Camera, p_hips: Array, motion: Trajectory) -> Pointing:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from keypose.tracker.fitting.draft import clip as clip_module
 from keypose.tracker.fitting.draft import draft_from_keypoints
-from keypose.tracker.fitting.draft.depth_signs import most_probable_signs
+from keypose.tracker.fitting.draft.depth_signs import Pointing, most_probable_signs, pointing
+from keypose.tracker.fitting.draft.limbs import Joints
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, place, walk
@@ -16,6 +19,8 @@ from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, pl
 TILT = 0.35 + 0.25 * np.sin(np.arange(90) / 9)[:, None]
 """Of a bone that swings and never passes through the picture's plane."""
 NOTHING = np.zeros((90, 1, 2))
+RIGHT_FOREARM, LEFT_SHIN = 3, 5
+"""Of `Joints.bones`."""
 
 
 def _noise(sigma: float) -> Array:
@@ -64,3 +69,30 @@ def test_a_wrist_that_the_network_sees_at_a_wrong_depth_stays_on_its_side(
     ours, theirs = (p[:, far, 2] - p[:, near, 2] for p in (drafted_joints_m(draft), clip.joints_m))
     assert np.abs(theirs).min() > 0.08
     assert (np.sign(ours) == np.sign(theirs)).all()
+
+
+def test_a_limb_that_cannot_be_turned_holds_no_other_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    clip = walk(30, 0)
+    p_hips = clip.keypoints.p_hips
+    assert p_hips is not None
+    elbow, wrist = (place(f"right_{joint}") for joint in ("elbow", "wrist"))
+    mirrored = p_hips.copy()
+    mirrored[:, wrist, 2] = 2 * p_hips[:, elbow, 2] - p_hips[:, wrist, 2]
+
+    def told(joints: Joints, *given: Any) -> Pointing:
+        """The forearm is mirrored, which is so, and the knee bends forward, which it cannot."""
+        drafted = pointing(joints, *given).drafted
+        against = np.zeros(drafted.shape)
+        against[:, [RIGHT_FOREARM, LEFT_SHIN]] = 100.0
+        return Pointing(drafted, -np.sign(drafted), against)
+
+    monkeypatch.setattr(clip_module, "pointing", told)
+    keypoints = replace(clip.keypoints, p_hips=mirrored)
+    draft = draft_from_keypoints(keypoints, CAMERA, clip.body, proportions=False)
+    p = drafted_joints_m(draft)
+    for side, near, far in (("right", "elbow", "wrist"), ("left", "knee", "ankle")):
+        at = [JOINTS.index(f"{side}_{joint}") for joint in (near, far)]
+        ours, theirs = (q[:, at[1], 2] - q[:, at[0], 2] for q in (p, clip.joints_m))
+        steep = np.abs(theirs) > 0.08
+        assert steep.any()
+        assert (np.sign(ours) == np.sign(theirs))[steep].all()
