@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass
 from itertools import pairwise
 from typing import Final, Protocol, TypeAlias
@@ -25,14 +25,15 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.region import Box, Region
-from keypose.tracker.keypoints.stretch import Looks, Rows, Stretch
+from keypose.tracker.keypoints.stretch import ROUNDING, Looks, Rows, Stretch
 
 LOOKS_AT_SEED: Final = 3
 """The region at a seed is mended so often: a rough box will do."""
 PATIENCE: Final = 15
 """Frames that a chain looks for a lost body where it was last, before it ends."""
-STRETCH: Final = 32
-"""Frames that are kept together."""
+STRETCH: Final = 16
+"""Frames that are kept together: from one multiple of it to the next, so that a chain that begins
+between two is soon where another one was before."""
 CLEARLY_BESIDE: Final = 0.25
 """Distance of regions at which two chains are on different bodies, or one of them is wrong."""
 
@@ -229,8 +230,8 @@ class _Work:
         frames = range(start.frame + direction, last + direction, direction)
         region, lost_for = start.region, 0
         pieces = [Rows(region).stretch()]
-        for at in range(0, len(frames), STRETCH):
-            piece = self._stretch(frames[at : at + STRETCH], region, lost_for)
+        for piece_frames in _pieces(frames):
+            piece = self._stretch(piece_frames, region, lost_for)
             pieces.append(piece)
             region, lost_for = piece.region(-1), int(piece.lost_for[-1])
         return Stretch.joined(pieces)
@@ -243,7 +244,7 @@ class _Work:
                 rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
             return rows.stretch()
 
-        key = ("chain", frames[0], frames.step, astuple(region), lost_for)
+        key = ("piece", frames[0], frames.step, astuple(region.rounded(ROUNDING)), lost_for)
         return self._kept(key, len(frames), look)
 
     def _kept(self, key: tuple[object, ...], count: int, look: Callable[[], Stretch]) -> Stretch:
@@ -262,3 +263,10 @@ class _Work:
     def _report(self, frame: int) -> None:
         self.report(Progress(frame, self.done, max(self.expected, self.done + 1)))
         self.done += 1
+
+
+def _pieces(frames: range) -> Iterator[range]:
+    """Frames up to each multiple of `STRETCH`, in either direction."""
+    ends = [k + 1 for k, frame in enumerate(frames) if frame % STRETCH == 0]
+    for start, end in pairwise(sorted({0, *ends, len(frames)})):
+        yield frames[start:end]

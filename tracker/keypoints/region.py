@@ -110,6 +110,15 @@ class Region:
         A = self.side / pixels * self.R_picture_body
         return np.column_stack([A, np.array([self.x, self.y]) - A @ np.full(2, (pixels - 1) / 2)])
 
+    def rounded(self, parts: int) -> Region:
+        """To whole parts of its size, so many of them: what is looked at from nearly the same place
+        is seen as before. Of a power of two; rounded to fewer parts, it stays with more."""
+        side = float(2 ** (np.round(np.log2(self.side) * parts) / parts))
+        step = side / parts
+        x, y = (float(np.round(value / step) * step) for value in (self.x, self.y))
+        turn = float(np.round(self.turn_rad * parts) / parts)
+        return Region(x, y, side, turn)
+
     def is_within(self, width: int, height: int) -> bool:
         """Whether the network can look there: its centre in the picture, of a usable size."""
         numbers = (self.x, self.y, self.side, self.turn_rad)

@@ -1,4 +1,8 @@
-"""A stretch of frames in which one body is followed, each looked at where it was in the last."""
+"""A stretch of frames in which one body is followed, each looked at where it was in the last.
+
+Regions are rounded: chains that come from different keyframes soon look at the same ones, and what
+one of them found serves the other.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,9 @@ from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 
 LEAST_PRESENCE: Final = 0.5
+ROUNDING: Final = 32
+"""Parts of a region's size that are looked at. With 16 keypoints of a rendered stride are a quarter
+farther off, with 32 none are."""
 
 
 class Looks(Protocol):
@@ -90,7 +97,7 @@ class Rows:
         if picture is not None:
             height, width = picture.shape[:2]
             if self.region.is_within(width, height):
-                seen = network.look(picture, self.region)
+                seen = network.look(picture, self.region.rounded(ROUNDING))
                 if not _is_somebody(seen, width, height):
                     seen = None
         if seen is None:

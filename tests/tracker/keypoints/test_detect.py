@@ -134,7 +134,7 @@ def test_work_that_was_cancelled_is_taken_up_where_it_was_left() -> None:
         detect(numbered, (0, 100), seeds(0), Walker(), report=report, kept=kept)
     walker = Walker()
     found = detect(numbered, (0, 100), seeds(0), walker, kept=kept)
-    assert min(walker.looked) == 2 * STRETCH + 1
+    assert min(walker.looked) == 70 // STRETCH * STRETCH + 1
     assert np.array_equal(found.uv, whole.uv)
 
 
@@ -173,3 +173,14 @@ def test_nobody_in_a_flat_picture_is_one_sentence() -> None:
     seed = Seed.of_box(3, (100, 50, 200, 220), 320, 240)
     with pytest.raises(KeypointError, match="No person was found at frame 3"):
         detect(lambda number: flat, (0, 9), [seed], Network.open(fast=False))
+
+
+@pytest.mark.parametrize("begins", [37, 40, 48])
+def test_a_chain_from_a_keyframe_in_between_takes_what_another_found(begins: int) -> None:
+    kept = Kept()
+    whole = detect(numbered, (0, 100), seeds(0), Walker(), kept=kept)
+    walker = Walker()
+    x = true_x(begins) + 3  # posed a little beside
+    found = detect(numbered, (begins, 100), [Seed(begins, body_at(x, 120))], walker, kept=kept)
+    assert max(walker.looked) <= -(-begins // STRETCH) * STRETCH
+    assert np.array_equal(found.uv[STRETCH:], whole.uv[begins + STRETCH :])

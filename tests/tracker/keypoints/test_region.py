@@ -91,3 +91,17 @@ def test_a_posed_bodys_region_turns_with_the_body(angle: float) -> None:
 def test_a_body_behind_the_camera_has_no_region() -> None:
     with pytest.raises(KeypointError, match="behind the camera"):
         Region.of_pose(SKELETON, Pose.rest(SKELETON, (0.0, 0.0, -4.0)), CAMERA)
+
+
+def test_regions_that_are_nearly_the_same_are_rounded_to_the_same_one() -> None:
+    rng = np.random.default_rng(2)
+    for x, y, log_side, turn in rng.uniform((0, 0, 3, -3), (2000, 1000, 7, 3), (200, 4)):
+        region = Region(x, y, float(np.exp(log_side)), turn)
+        rounded = region.rounded(16)
+        assert rounded.rounded(16) == rounded
+        assert rounded.rounded(32) == rounded
+        assert region.distance(rounded) < 0.05
+        assert abs(region.turn_rad - rounded.turn_rad) < 0.05
+    assert Region(100.2, 50.1, 96.5, 0.01).rounded(16) == Region(99.8, 49.9, 95.5, -0.01).rounded(
+        16
+    )

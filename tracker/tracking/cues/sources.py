@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from threading import Lock
 from typing import TYPE_CHECKING, Protocol
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from keypose.tracker.video import Video
 
 ROUNDING = 16
-"""Regions start at whole parts of their size: a keyframe that is moved a little is looked at from
+"""Regions start at such parts of their size: a keyframe that is moved a little is looked at from
 where it was, and what was found there can be used again."""
 
 
@@ -215,18 +215,10 @@ def found_before(
 
 def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> list[Seed]:
     return [
-        Seed(frame, _rounded(Region.of_pose(skeleton, pose, camera)))
+        Seed(frame, Region.of_pose(skeleton, pose, camera).rounded(ROUNDING))
         for frame, pose in posed.items()
     ]
 
 
 def _unreported(progress: Progress) -> None:
     """Nobody waits for it."""
-
-
-def _rounded(region: Region) -> Region:
-    side = float(2 ** (np.round(np.log2(region.side) * ROUNDING) / ROUNDING))
-    step = side / ROUNDING
-    x, y = (float(np.round(value / step) * step) for value in (region.x, region.y))
-    turn = float(np.round(region.turn_rad * ROUNDING) / ROUNDING)
-    return replace(region, x=x, y=y, side=side, turn_rad=turn)
