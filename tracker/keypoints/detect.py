@@ -25,7 +25,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.region import Box, Region
-from keypose.tracker.keypoints.stretch import ROUNDING, Looks, Rows, Stretch
+from keypose.tracker.keypoints.stretch import LOOK_PARTS, Looks, Rows, Stretch
 
 LOOKS_AT_SEED: Final = 3
 """The region at a seed is mended so often: a rough box will do."""
@@ -244,7 +244,7 @@ class _Work:
                 rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
             return rows.stretch()
 
-        key = ("piece", frames[0], frames.step, astuple(region.rounded(ROUNDING)), lost_for)
+        key = ("piece", frames[0], frames.step, astuple(region.rounded(LOOK_PARTS)), lost_for)
         return self._kept(key, len(frames), look)
 
     def _kept(self, key: tuple[object, ...], count: int, look: Callable[[], Stretch]) -> Stretch:

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import other_side
 
 STEP: Final = 0.06
 """What is a step, as a share of the body's height."""
@@ -45,7 +46,6 @@ LONGEST: Final = 8
 STRAIGHTER: Final = 0.12
 """By how much the cosine between the lines of shoulders and hips is greater in frames whose sides
 are right than before and after in the mean: at least 0.17 where that was so, 0.08 elsewhere."""
-SIDES: Final = {"left": "right", "right": "left"}
 TRUNK: Final = ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
 
 
@@ -128,8 +128,9 @@ def _excursions(places: Array) -> Iterator[_Excursion]:
 def _other_sides(names: Sequence[str], count: int) -> list[int | None]:
     """For each keypoint the same on the other side of the body."""
     at = {name: k for k, name in enumerate(names)}
-    swapped = [SIDES.get(name.split("_")[0], "") + name[name.find("_") :] for name in names]
-    return [at.get(name) for name in swapped] if names else [None] * count
+    others = [other_side(name, names) for name in names]
+    found = [None if a == b else at[b] for a, b in zip(names, others, strict=True)]
+    return found if names else [None] * count
 
 
 def trunk_straightness(names: Sequence[str], p_hips: Array) -> Array | None:

@@ -20,6 +20,7 @@ JOINTS: Final = tuple(
     for side in ("left", "right")
 )
 """The names of the twelve joints that every detector of people knows."""
+_SIDES: Final = {"left": "right", "right": "left"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ class Keypoints:
 
     def exchanged(self) -> Keypoints:
         """With left and right exchanged, but for what a person set."""
-        order = [self.names.index(_other_side(name, self.names)) for name in self.names]
+        order = [self.names.index(other_side(name, self.names)) for name in self.names]
         stays = np.zeros(self.visibility.shape, np.bool_) if self.by_hand is None else self.by_hand
 
         def other(rows: Array) -> Array:
@@ -117,8 +118,7 @@ class Keypoints:
         return replace(self, uv=uv, visibility=visibility, p_hips=depth, by_hand=by_hand)
 
 
-def _other_side(name: str, names: tuple[str, ...]) -> str:
-    for one, other in (("left_", "right_"), ("right_", "left_")):
-        if name.startswith(one) and other + name.removeprefix(one) in names:
-            return other + name.removeprefix(one)
-    return name
+def other_side(name: str, names: Sequence[str]) -> str:
+    """The name of the same keypoint on the other side of the body; its own where there is none."""
+    swapped = "_".join(_SIDES.get(word, word) for word in name.split("_"))
+    return swapped if swapped in names else name

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import other_side
 from keypose.tracker.keypoints.model_files import FULL, Model, verified
 from keypose.tracker.keypoints.region import Region
 
@@ -45,10 +46,7 @@ NAMES: Final = (
 SIDE: Final = 256
 """Pixels of the network's input, along a side."""
 
-_OTHER = {"left": "right", "right": "left"}
-_EXCHANGED = [
-    NAMES.index("_".join(_OTHER.get(word, word) for word in name.split("_"))) for name in NAMES
-]
+_EXCHANGED = [NAMES.index(other_side(name, NAMES)) for name in NAMES]
 """Of each point that of the other side."""
 _MIRROR = np.array([[-1.0, 0.0, SIDE - 1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """From pixels of the square as the network is shown it to those of the square as it is."""

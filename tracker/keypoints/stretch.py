@@ -18,9 +18,9 @@ from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 
 LEAST_PRESENCE: Final = 0.5
-ROUNDING: Final = 32
-"""Parts of a region's size that are looked at. With 16 keypoints of a rendered stride are a quarter
-farther off, with 32 none are."""
+LOOK_PARTS: Final = 32
+"""Regions are rounded to so many parts of their size before each look. With 16 the keypoints of a
+rendered stride are a quarter farther off, with 32 those of no clip are."""
 
 
 class Looks(Protocol):
@@ -97,7 +97,7 @@ class Rows:
         if picture is not None:
             height, width = picture.shape[:2]
             if self.region.is_within(width, height):
-                seen = network.look(picture, self.region.rounded(ROUNDING))
+                seen = network.look(picture, self.region.rounded(LOOK_PARTS))
                 if not _is_somebody(seen, width, height):
                     seen = None
         if seen is None:

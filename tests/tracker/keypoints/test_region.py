@@ -102,6 +102,5 @@ def test_regions_that_are_nearly_the_same_are_rounded_to_the_same_one() -> None:
         assert rounded.rounded(32) == rounded
         assert region.distance(rounded) < 0.05
         assert abs(region.turn_rad - rounded.turn_rad) < 0.05
-    assert Region(100.2, 50.1, 96.5, 0.01).rounded(16) == Region(99.8, 49.9, 95.5, -0.01).rounded(
-        16
-    )
+    one, other = Region(100.2, 50.1, 96.5, 0.01), Region(99.8, 49.9, 95.5, -0.01)
+    assert one.rounded(16) == other.rounded(16)

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.segment import Segment
     from keypose.tracker.video import Video
 
-ROUNDING = 16
-"""Regions start at such parts of their size: a keyframe that is moved a little is looked at from
-where it was, and what was found there can be used again."""
+SEED_PARTS = 16
+"""Regions of keyframes are rounded to so many parts of their size: a keyframe that is moved a
+little is looked at from where it was, and what was found there can be used again."""
 
 
 _LOOKING = Lock()
@@ -215,7 +215,7 @@ def found_before(
 
 def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> list[Seed]:
     return [
-        Seed(frame, Region.of_pose(skeleton, pose, camera).rounded(ROUNDING))
+        Seed(frame, Region.of_pose(skeleton, pose, camera).rounded(SEED_PARTS))
         for frame, pose in posed.items()
     ]
 
