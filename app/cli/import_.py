@@ -20,11 +20,12 @@ from keypose.app.cli.arguments import (
 from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.import_choices import EVERY, LEAST_TRACKED, KeypointChoices, MotionChoices
+from keypose.app.export.import_words import note_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
-    from keypose.app.export.importing import KeypointImport, MotionImport
+    from keypose.app.export.importing import DraftImport, MotionImport
     from keypose.tracker.formats.joint_motion import World
     from keypose.tracker.session import Session
 
@@ -66,15 +67,17 @@ def add(commands: Subcommands) -> None:
         help="where on the body a joint or keypoint is, if its name does not say: a part, PART.end "
         "or a landmark; may be repeated",
     )
-    motion = command.add_argument_group("motion")
-    motion.add_argument(
-        "--names", metavar="MAP.json", type=file_name, help='{"their name": "our joint", …}'
-    )
-    motion.add_argument(
+    both.add_argument(
         "--offset-frames",
         metavar="N",
         type=int,
-        help="video frame at the file's time 0; may be negative",
+        help="video frame at the file's time or frame 0; may be negative, as -1 is for pictures "
+        "counted from 1",
+    )
+    both.add_argument("--individual", metavar="NAME", help="which of several subjects to read")
+    motion = command.add_argument_group("motion")
+    motion.add_argument(
+        "--names", metavar="MAP.json", type=file_name, help='{"their name": "our joint", …}'
     )
     motion.add_argument(
         "--offset-s", metavar="S", type=_seconds, help="video time at the file's time 0, in seconds"
@@ -101,7 +104,6 @@ def add(commands: Subcommands) -> None:
         choices=tuple(LAYOUTS),
         help=f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
     )
-    points.add_argument("--individual", metavar="NAME", help="which of several animals to read")
     points.add_argument("--exchange", action="store_true", help="swap left and right keypoints")
     points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to draft")
     points.add_argument(
@@ -116,7 +118,12 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
-    from keypose.app.export.importing import import_keypoints, import_motion, read_motion
+    from keypose.app.export.importing import (
+        DraftImport,
+        import_keypoints,
+        import_motion,
+        read_motion,
+    )
     from keypose.tracker.storage.files import load_session, open_video_of
 
     path: Path = arguments.session
@@ -141,13 +148,16 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             file = arguments.file.name
             made = import_motion(session, motion, file, choices, info.times_s)
-            _keep_motion(session, made, arguments)
+            if isinstance(made, DraftImport):
+                _keep_drafts(session, made, arguments)
+            else:
+                _keep_motion(session, made, arguments)
     return 0
 
 
-_MOTION = ("names", "offset_frames", "offset_s", "unit", "world", "fps")
-_KEYPOINTS = ("layout", "individual", "exchange", "frames", "every")
-_BOTH = ("map",)
+_MOTION = ("names", "offset_s", "unit", "world", "fps")
+_KEYPOINTS = ("layout", "exchange", "frames", "every")
+_BOTH = ("map", "offset_frames", "individual")
 """Options of a motion, of keypoints, of both."""
 
 
@@ -178,6 +188,7 @@ def _motion_choices(arguments: argparse.Namespace) -> MotionChoices:
         unit=arguments.unit,
         world=None if arguments.world is None else WORLDS[arguments.world],
         fps=arguments.fps,
+        individual=arguments.individual,
     )
 
 
@@ -192,6 +203,8 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
     assert saved.first_motion is not None
     written = arguments.session.parent / saved.first_motion.file
     _print_motion(_facts(made, written), arguments.json)
+    for words in note_words(found.notes):
+        note(words)
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
@@ -207,6 +220,7 @@ def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
     import numpy as np
 
     from keypose.app.export.importing import names_of
+    from keypose.tracker.solver.fit_joints import POOR_M
 
     found = made.found
     fit, rms = found.fit, found.fit.rms_m
@@ -222,10 +236,12 @@ def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
         "worst_rms_cm": float(100 * rms[worst]),
         "worst_frame": fit.trajectory.first_frame + worst,
         "not_converged": [
-            fit.trajectory.first_frame + int(n) for n in np.flatnonzero(~fit.converged)
+            fit.trajectory.first_frame + int(n)
+            for n in np.flatnonzero(~fit.converged & (rms > POOR_M))
         ],
         "keyframes": list(found.aligned),
         "from_keyframes_cm": 100 * found.keyframes_m,
+        "notes": note_words(found.notes),
     }
 
 
@@ -235,7 +251,7 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
         return
     print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
     _print_names(facts, "joints")
-    if facts["scale"] != 1.0:
+    if f"{facts['scale']:.3g}" != "1":
         print(f"Scaled to the body's size: × {facts['scale']:.4g}")
     print(
         f"Joint error {facts['rms_cm']:.2f} cm (rms), at most "
@@ -262,10 +278,11 @@ def _keypoint_choices(arguments: argparse.Namespace) -> KeypointChoices:
         exchange=arguments.exchange,
         frames=arguments.frames,
         every=arguments.every,
+        offset_frames=arguments.offset_frames,
     )
 
 
-def _keep_drafts(session: Session, found: KeypointImport, arguments: argparse.Namespace) -> None:
+def _keep_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
     from keypose.tracker.storage.files import save_session
 
     if found.drafts:
@@ -273,7 +290,7 @@ def _keep_drafts(session: Session, found: KeypointImport, arguments: argparse.Na
     _print_drafts(session, found, arguments)
 
 
-def _print_drafts(session: Session, found: KeypointImport, arguments: argparse.Namespace) -> None:
+def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
     from keypose.app.export.importing import names_of
 
     drafts, frames, names = found.drafts, found.frames, names_of(found.known, found.names)
@@ -292,7 +309,9 @@ def _print_drafts(session: Session, found: KeypointImport, arguments: argparse.N
             }
             for draft in drafts
         ]
-        print_json({**names, "drafts": drafts_json, "kept": kept, "without_keypoints": empty})
+        notes = note_words(found.notes)
+        facts = {"drafts": drafts_json, "kept": kept, "without_keypoints": empty, "notes": notes}
+        print_json({**names, **facts})
         return
     _print_names(names, "keypoints")
     for draft in drafts:
@@ -305,6 +324,8 @@ def _print_drafts(session: Session, found: KeypointImport, arguments: argparse.N
         print(f"Left as posed: {', '.join(map(str, kept))}")
     if empty:
         print(f"Too few keypoints: {', '.join(map(str, empty))}")
+    for words in note_words(found.notes):
+        note(words)
     if drafts:
         print(f"Written: {arguments.session}")
 

@@ -22,6 +22,7 @@ class MotionChoices:
     names: our joints by the file's, in place of the usual ones; places: the same, beside these.
     offset_frames, offset_s: the video's frame or time at the file's time 0; one of them at most.
     unit, world, fps: in place of what the file says; `auto` scales it to the body.
+    individual: which of several subjects.
     """
 
     names: Mapping[str, str] | None = None
@@ -31,6 +32,7 @@ class MotionChoices:
     unit: Unit | Literal["auto"] | None = None
     world: World | None = None
     fps: float | None = None
+    individual: str | None = None
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class KeypointChoices:
     layout: the order of the keypoints, where the file does not name them.
     places: places of the body by the file's names, beside those that are known.
     individual: which of several; exchange: left is right.
+    offset_frames: the video's frame at the file's frame 0.
     frames: those to draft, or else one in `every`.
     """
 
@@ -49,6 +52,7 @@ class KeypointChoices:
     exchange: bool = False
     frames: Sequence[int] | None = None
     every: int | None = None
+    offset_frames: int | None = None
 
 
 @dataclass(frozen=True)

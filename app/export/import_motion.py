@@ -9,17 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
+from keypose.app.export.plausibility import (
+    bone_ratios,
+    implausible,
+    lying,
+    middle_ratio,
+    require_limbs,
+    world_at_rest,
+)
 from keypose.app.posing import opening_pose
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_motion import JointMotion, World
 from keypose.tracker.formats.joint_names import Matched, match_also, matched
+from keypose.tracker.formats.notes import Note
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -33,6 +41,12 @@ LEAST_JOINTS = 3
 LEAST_KEYPOINTS = 5
 SHOWN = 6
 """Names of a file in a sentence."""
+FAR_M = 0.08
+"""Mean distance from the keyframes' joints above which a motion starts elsewhere, or is another."""
+CLEARLY = 0.5
+"""Share of its distance that a motion may have where it is taken to start elsewhere."""
+MOST_STARTS = 5_000
+"""Frames of a video among which the start of a motion is searched."""
 NEAREST_M = 0.06
 FILLED = 0.8
 """Share of the picture that a body put before the camera fills."""
@@ -51,6 +65,8 @@ class ImportedMotion:
     scale: by which the file's lengths were multiplied to suit the body, 1 where its unit counts.
     aligned: frames of the keyframes that it was aligned with.
     keyframes_m: mean distance of its joints from theirs, NaN without any.
+    miss_px: (N,) mean distance of its joints from the file's in the picture, pixels.
+    notes: what of it may be wrong, and what was odd about the file.
     """
 
     fit: Fit
@@ -59,6 +75,8 @@ class ImportedMotion:
     scale: float
     aligned: tuple[int, ...]
     keyframes_m: float
+    miss_px: Array
+    notes: tuple[Note, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,14 +95,15 @@ def fit_to_session(
     motion: JointMotion,
     file: str,
     times_s: Array,
-    offset_s: float = 0.0,
+    offset_s: float | None = None,
     names: Mapping[str, str] | None = None,
     also: Mapping[str, str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> ImportedMotion:
     """The motion as poses of the session's body in its camera's frame, at the video's frames.
 
-    times_s: (N,) of the video's frames; the motion's time 0 is at `offset_s`.
+    times_s: (N,) of the video's frames; the motion's time 0 is at `offset_s`. None: at 0, or where
+        the motion meets the keyframes clearly better.
     names: our joints by the file's names; the usual names when left out.
     also: places of the body by names in the file, said by a person, beside what is known.
     progress: receives how many frames of how many are fitted.
@@ -96,13 +115,23 @@ def fit_to_session(
     if also:
         known = match_also(skeleton, known, motion.names, file, also)
     _require_joints(known, motion, file)
-    first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
+    require_limbs(skeleton, known.places, file)
     points = BodyPoints(skeleton, tuple(known.places))
-    size = _size(points, ps)
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    start, notes = 0, motion.notes
+    if offset_s is None:
+        start = _best_start(points, motion, known.indices, times_s, posed)
+        offset_s = float(times_s[start])
+        notes += (Note("starts at", (start,)),) if start else ()
+    first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
+    bones = bone_ratios(points, ps)
+    size = middle_ratio(bones)
     scale = size if motion.unit is None else 1.0
     _require_a_size(size / scale, file)
-    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    near = _pose_per_frame(posed, first, len(ps))
     reached = {f: p for f, p in posed.items() if _has_enough_joints(ps, f - first)}
+    if len(ps) == 1 and near[0] is not None:
+        reached = {first: near[0]}
     ps = ps * scale
     if reached:
         ps = _on_keyframes(points, ps, first, reached)
@@ -111,13 +140,36 @@ def fit_to_session(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
         )
     elif motion.world != "camera":
-        ps = _before_camera(session, ps, motion)
-    near = _pose_per_frame(posed, first, len(ps))
+        world = world_at_rest(points, motion.world, motion.rest_m, known.indices)
+        notes += () if world == motion.world else (Note("z up at rest"),)
+        ps = _before_camera(session, ps, world)
     fit = fit_motion(session.body, known.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
-    return ImportedMotion(
-        fit, known, size, scale, tuple(reached), _from_keyframes(points, fit, reached)
-    )
+    notes += implausible(skeleton, known.places, bones, size, ps, fit)
+    if not reached:
+        notes += lying(fit, np.array(session.up_camera or UP))
+    from_keyframes = _from_keyframes(points, fit, reached)
+    if from_keyframes > FAR_M:
+        notes += (Note("far from keyframes", (100 * from_keyframes,)),)
+    miss_px = _miss_px(session.camera, points, fit, ps)
+    aligned = tuple(frame for frame in reached if frame in posed)
+    return ImportedMotion(fit, known, size, scale, aligned, from_keyframes, miss_px, notes)
+
+
+def pose_draft(session: Session, found: ImportedMotion, file: str, times_s: Array) -> Draft:
+    """Make a draft of a motion of one frame; FormatError where that frame is posed already."""
+    frame = found.fit.trajectory.first_frame
+    if frame in {k.frame for k in (*session.keyframes, *session.drafts)}:
+        raise FormatError(
+            f"{file} holds one frame, a pose to draft, and frame {frame} of the video is posed "
+            "already: choose another frame for it."
+        )
+    skeleton, pose = Skeleton.of(session.body), found.fit.trajectory.pose(frame)
+    keyframe = Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
+    doubtful = bool(found.notes)
+    converged = bool(found.fit.converged[0])
+    miss_px = float(found.miss_px[0])
+    return Draft(keyframe, len(found.matched.known), miss_px, converged, doubtful)
 
 
 def match_keypoints(
@@ -186,10 +238,10 @@ def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
         )
 
 
-def _within(ps: Array, file: str) -> tuple[int, Array]:
+def _within(ps: Array, file: str, rows: int) -> tuple[int, Array]:
     """The first frame at which the motion says enough, and its positions from there to the last."""
     says = [n for n in range(len(ps)) if _has_enough_joints(ps, n)]
-    if len(says) < 2:
+    if not says or (len(says) == 1 and rows > 1):
         raise FormatError(
             f"{file} has no joints while the video runs: choose the frame at which it starts."
         )
@@ -198,20 +250,6 @@ def _within(ps: Array, file: str) -> tuple[int, Array]:
 
 def _has_enough_joints(ps: Array, n: int) -> bool:
     return 0 <= n < len(ps) and int(np.isfinite(ps[n]).all(-1).sum()) >= LEAST_JOINTS
-
-
-def _size(points: BodyPoints, ps: Array) -> float:
-    """The body's size as a share of the motion's, over all distances that no joint changes."""
-    ours = theirs = 0.0
-    for part in range(points.skeleton.part_count):
-        still = points.of_part(part)
-        for (j, a), (k, b) in pairwise(still):
-            lengths = np.linalg.norm(ps[:, j] - ps[:, k], axis=-1)
-            lengths = lengths[np.isfinite(lengths)]
-            if len(lengths):
-                ours += float(np.linalg.norm(a - b))
-                theirs += float(np.median(lengths))
-    return ours / theirs if ours > 0 and theirs > 1e-9 else 1.0
 
 
 def _require_a_size(size: float, file: str) -> None:
@@ -224,6 +262,38 @@ def _require_a_size(size: float, file: str) -> None:
         )
 
 
+def _best_start(
+    points: BodyPoints, motion: JointMotion, indices: Sequence[int], times_s: Array,
+    posed: Mapping[int, Pose],
+) -> int:  # fmt: skip
+    """The video's frame at the motion's time 0: 0, or that at which it lies by far nearer to the
+    keyframes."""
+    frames = sorted(posed)
+    if len(frames) < 2 or len(times_s) > MOST_STARTS:
+        return 0
+    Ts = np.stack([pose_transforms(points.skeleton, posed[frame]) for frame in frames])
+    ours, at_keys = points.at(Ts), times_s[frames]
+
+    def miss(start: int) -> tuple[int, float]:
+        """How many keyframes it reaches, and its root mean square distance from these, metres."""
+        theirs = motion.at(at_keys - times_s[start])[:, indices]
+        reached = np.isfinite(theirs).all(-1).sum(-1) >= LEAST_JOINTS
+        if reached.sum() < 2:
+            return 0, np.inf
+        theirs = theirs[reached] * (middle_ratio(bone_ratios(points, theirs[reached])))
+        R, p = rigid(theirs, ours[reached])
+        away = np.linalg.norm(theirs @ R.T + p - ours[reached], axis=-1)
+        return int(reached.sum()), float(np.sqrt(np.nanmean(away**2)))
+
+    count, usual = miss(0)
+    if usual < FAR_M:
+        return 0
+    found = {start: miss(start) for start in range(1, len(times_s))}
+    enough = {start: away for start, (reached, away) in found.items() if reached >= count / 2}
+    best = min(enough, key=enough.__getitem__, default=0)
+    return best if best and enough[best] < CLEARLY * usual else 0
+
+
 def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
     """The positions aligned with the keyframes' joints, all of them by one transform."""
     theirs = np.concatenate([ps[frame - first] for frame in posed])
@@ -234,7 +304,7 @@ def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int,
     return ps @ R.T + p
 
 
-def _before_camera(session: Session, ps: Array, motion: JointMotion) -> Array:
+def _before_camera(session: Session, ps: Array, world: World) -> Array:
     """Upright, as it faces, in the middle of the picture and at a distance that fills it."""
     up = np.array(session.up_camera or UP, dtype=np.float64)
     right = np.cross(-up, (0.0, 0.0, 1.0))
@@ -242,7 +312,7 @@ def _before_camera(session: Session, ps: Array, motion: JointMotion) -> Array:
         right = np.array([1.0, 0.0, 0.0])
     y, x = up / np.linalg.norm(up), right / np.linalg.norm(right)
     R = np.stack([x, y, np.cross(x, y)], axis=1)  # from a world with y up
-    if motion.world == "z up":
+    if world == "z up":
         R = R @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
     turned = ps @ R.T
     low, high = np.nanmin(turned, axis=(0, 1)), np.nanmax(turned, axis=(0, 1))
@@ -291,6 +361,13 @@ def _from_keyframes(points: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> 
         np.linalg.norm(at(fit.trajectory.pose(f)) - at(p), axis=-1).mean() for f, p in posed.items()
     ]
     return float(np.mean(away)) if away else np.nan
+
+
+def _miss_px(camera: Camera, points: BodyPoints, fit: Fit, ps: Array) -> Array:
+    found = points.at(fit.trajectory.transforms(points.skeleton))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        away = np.linalg.norm(camera.project(found) - camera.project(ps), axis=-1)
+    return np.asarray(np.nanmean(away, axis=-1))
 
 
 # --- keypoints

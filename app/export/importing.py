@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from keypose.app.editor.documents import with_drafts
 from keypose.app.export.import_choices import (
     EVERY,
@@ -24,14 +26,16 @@ from keypose.app.export.import_motion import (
     drafts_of,
     fit_to_session,
     match_keypoints,
+    pose_draft,
 )
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import Matched
 from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
-from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of
+from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Session
@@ -54,14 +58,18 @@ class MotionImport:
 
 
 @dataclass(frozen=True, eq=False)
-class KeypointImport:
-    """Drafts made from keypoints. names: of all keypoints in the file; frames: that were asked
-    for."""
+class DraftImport:
+    """Drafts made from keypoints, or from a motion of one frame.
+
+    names: of all keypoints or joints in the file.  frames: that were asked for.
+    notes: what was odd about the file, or may be wrong.
+    """
 
     drafts: tuple[Draft, ...]
     known: Matched
     names: tuple[str, ...]
     frames: tuple[int, ...]
+    notes: tuple[Note, ...] = ()
 
     def added_to(self, session: Session) -> Session:
         """The session with these drafts beside those it has."""
@@ -69,7 +77,7 @@ class KeypointImport:
         return with_drafts(session, (*session.drafts, *added))
 
 
-Import: TypeAlias = MotionImport | KeypointImport | CameraFile
+Import: TypeAlias = MotionImport | DraftImport | CameraFile
 """What a session takes over."""
 
 
@@ -95,11 +103,11 @@ def import_file(
 
 def read_motion(path: Path, choices: MotionChoices) -> JointMotion:
     """The motion in a file, as it is chosen to be read."""
-    motion = load_motion(path)
+    motion = load_motion(path).of_individual(path.name, choices.individual)
     if choices.fps is not None:
         motion = motion.at_rate(choices.fps)
     if choices.world is not None:
-        motion = replace(motion, world=choices.world)
+        motion = replace(motion, world=choices.world, rest_m=None)
     if choices.unit == "auto":
         return replace(motion, unit=None)
     return motion if choices.unit is None else motion.in_unit(choices.unit)
@@ -112,19 +120,22 @@ def import_motion(
     choices: MotionChoices,
     times_s: Array,
     progress: Progress | None = None,
-) -> MotionImport:
-    """A motion fitted to the session's body at the video's frames."""
+) -> MotionImport | DraftImport:
+    """Fit a motion to the session's body at the video's frames; one of one frame is a draft."""
     offset_s = _offset_s(choices, times_s)
     given = (choices.names, choices.places, progress)
-    return MotionImport(
-        fit_to_session(session, motion, file, times_s, offset_s, *given), motion.names
-    )
+    found = fit_to_session(session, motion, file, times_s, offset_s, *given)
+    if len(found.fit.trajectory) > 1:
+        return MotionImport(found, motion.names)
+    draft = pose_draft(session, found, file, times_s)
+    return DraftImport((draft,), found.matched, motion.names, (draft.keyframe.frame,), found.notes)
 
 
-def _offset_s(choices: MotionChoices, times_s: Array) -> float:
-    """The video's time at which the file's time 0 lies; beyond the video at its mean rate."""
+def _offset_s(choices: MotionChoices, times_s: Array) -> float | None:
+    """The video's time at which the file's time 0 lies; beyond the video at its mean rate; None
+    where that is left open."""
     if choices.offset_frames is None:
-        return choices.offset_s or 0.0
+        return choices.offset_s
     frame, last = choices.offset_frames, len(times_s) - 1
     if 0 <= frame <= last:
         return float(times_s[frame])
@@ -140,16 +151,18 @@ def import_keypoints(
     choices: KeypointChoices,
     video: VideoInfo,
     progress: Progress | None = None,
-) -> KeypointImport:
-    """Drafts from the keypoints in a file, at the frames that are asked for."""
+) -> DraftImport:
+    """Draft poses from the keypoints in a file, at the frames that are asked for."""
+    facts = video_facts(session, video)
     people = read_people(path, choices.individual)
-    keypoints = keypoints_of(path.name, people, choices.layout, video_facts(session, video))
+    people, notes = on_video(path.name, people, facts, choices.offset_frames or 0)
+    keypoints = keypoints_of(path.name, people, choices.layout, facts)
     if choices.exchange:
         keypoints = keypoints.exchanged()
     known = match_keypoints(session, keypoints, path.name, choices.places)
     frames = _wanted_frames(session, keypoints, choices)
     drafts = drafts_of(session, keypoints, known, frames, video.times_s, progress)
-    return KeypointImport(drafts, known, keypoints.names, tuple(frames))
+    return DraftImport(drafts, known, keypoints.names, tuple(frames), notes)
 
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
@@ -168,8 +181,11 @@ def _wanted_frames(session: Session, keypoints: Keypoints, choices: KeypointChoi
                 f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
             )
         return sorted(set(choices.frames))
-    rows = range(0, len(keypoints), choices.every or EVERY)
-    return [keypoints.first_frame + n for n in rows if keypoints.visibility[n].any()]
+    frames: list[int] = []
+    for n in np.flatnonzero(keypoints.visibility.any(axis=1)).tolist():
+        if not frames or keypoints.first_frame + n - frames[-1] >= (choices.every or EVERY):
+            frames.append(keypoints.first_frame + n)
+    return frames
 
 
 # --- names

@@ -11,10 +11,12 @@ from typing import Any, Final, Literal, TypeAlias
 
 from keypose.app.export.import_camera import turned_deg, with_camera_file
 from keypose.app.export.import_choices import EVERY
+from keypose.app.export.import_words import note_words
 from keypose.app.export.importing import names_of, video_facts
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.formats.keypoint_files import (
     LARGEST_KEYPOINT_BYTES,
@@ -24,7 +26,7 @@ from keypose.tracker.formats.keypoint_files import (
 from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
-from keypose.tracker.formats.reading_keypoints import keypoints_of
+from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
 from keypose.tracker.session import Session
 from keypose.tracker.video.info import VideoInfo
 
@@ -108,7 +110,7 @@ def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
 
 
 def _recognised_motion(session: Session, path: Path) -> Recognised:
-    motion = load_motion(path)
+    motion, individuals = _motion(path)
     known = matched(Skeleton.of(session.body), motion.names, path.name)
     times_s = motion.times_s
     seconds = None if motion.is_per_frame else float(times_s[-1] - times_s[0])
@@ -119,6 +121,8 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
         "unit": motion.unit,
         "world": motion.world,
         "keyframes": len(session.keyframes),
+        "individuals": individuals,
+        "notes": note_words(motion.notes),
         **names_of(known, motion.names),
     }
     return Recognised("motion", _PROGRAMS.get(path.suffix.lower(), ""), facts)
@@ -130,6 +134,7 @@ def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Rec
     people, individuals = _people(path)
     facts_of = video_facts(session, video)
     layouts: tuple[str, ...] = ()
+    people, notes = _numbered_as_video(path.name, people, facts_of)
     try:
         keypoints = keypoints_of(path.name, people, None, facts_of)
     except ChoiceError as several:
@@ -146,9 +151,19 @@ def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Rec
         "individuals": individuals,
         "layouts": layouts,
         "every": EVERY,
+        "notes": notes,
         **names_of(known, keypoints.names),
     }
     return Recognised("keypoints", people.program, facts)
+
+
+def _motion(path: Path) -> tuple[JointMotion, tuple[str, ...]]:
+    """A motion, and the names of subjects to choose from: of the first, where there are several."""
+    motion = load_motion(path)
+    try:
+        return motion.of_individual(path.name, None), ()
+    except ChoiceError as several:
+        return motion.of_individual(path.name, several.choices[0]), several.choices
 
 
 def _people(path: Path) -> tuple[People, tuple[str, ...]]:
@@ -158,6 +173,15 @@ def _people(path: Path) -> tuple[People, tuple[str, ...]]:
         return read_people(path), ()
     except ChoiceError as several:
         return read_people(path, several.choices[0]), several.choices
+
+
+def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[People, list[str]]:
+    """Those within the video and what is left out, or all and why they need another start frame."""
+    try:
+        within, notes = on_video(file, people, video)
+    except FormatError as error:
+        return people, [str(error)]
+    return within, note_words(notes)
 
 
 def _recognised_camera(session: Session, path: Path) -> Recognised:

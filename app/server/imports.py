@@ -39,6 +39,7 @@ TOO_LARGE = f"More than {LARGEST_KEYPOINT_BYTES // 2**20} MB cannot be imported.
 MOST_PLACES = 400
 
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=200)]
+Offset: TypeAlias = Annotated[int, Field(ge=-1_000_000, le=1_000_000)]
 Places: TypeAlias = Annotated[dict[Name, Name], Field(max_length=MOST_PLACES)]
 
 
@@ -47,10 +48,11 @@ class Motion(Message):
 
     kind: Literal["motion"]
     places: Places = Field(default_factory=dict)
-    offset_frames: Annotated[int, Field(ge=-1_000_000, le=1_000_000)] | None = None
+    offset_frames: Offset | None = None
     unit: Literal["m", "cm", "mm", "auto"] | None = None
     world: Literal["camera", "y up", "z up"] | None = None
     fps: Annotated[FiniteFloat, Field(ge=1e-3, le=1e5)] | None = None
+    individual: Name | None = None
 
     @property
     def choices(self) -> Choices:
@@ -62,6 +64,7 @@ class KeypointDrafts(Message):
 
     kind: Literal["keypoints"]
     places: Places = Field(default_factory=dict)
+    offset_frames: Offset | None = None
     layout: Name | None = None
     individual: Name | None = None
     exchange: bool = False

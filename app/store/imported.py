@@ -12,7 +12,8 @@ from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.import_choices import LEAST_TRACKED
-from keypose.app.export.importing import Import, KeypointImport, MotionImport
+from keypose.app.export.import_words import note_words
+from keypose.app.export.importing import DraftImport, Import, MotionImport
 from keypose.app.store.identity import unchanged
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
@@ -63,7 +64,7 @@ def with_import(
         motion = found.found.fit.trajectory
         doc = save_first_motion(edit.doc, session_path, motion, file, found.matched)
         outcome = _of_motion(found, file, edit.doc)
-    elif isinstance(found, KeypointImport):
+    elif isinstance(found, DraftImport):
         if not found.drafts:
             raise Refused(_no_draft(found, edit.doc))
         doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
@@ -85,7 +86,7 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
     found, motion = made.found, made.found.fit.trajectory
     rms_cm = 100 * float(np.sqrt(np.nanmean(found.fit.rms_m**2)))
     words = f"{file} imported, frames {motion.first_frame}–{motion.last_frame}."
-    sentences = [f"Joint error {rms_cm:.1f} cm (rms)."]
+    sentences = [*note_words(found.notes), f"Joint error {rms_cm:.1f} cm (rms)."]
     if found.aligned:
         sentences.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
     if found.scale != 1.0:
@@ -103,15 +104,16 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
     return ImportOutcome(words, " ".join(sentences))
 
 
-def _of_drafts(found: KeypointImport, file: str) -> ImportOutcome:
+def _of_drafts(found: DraftImport, file: str) -> ImportOutcome:
     drafted = [draft.keyframe.frame for draft in found.drafts]
     doubtful = [d.keyframe.frame for d in found.drafts if d.doubtful or not d.converged]
     count = "1 draft" if len(drafted) == 1 else f"{len(drafted)} drafts"
     words = f"{count} made from {file}: {_frames('frame', drafted)}."
-    return ImportOutcome(words, f"Look closely at {_frames('frame', doubtful)}." * bool(doubtful))
+    closely = [f"Look closely at {_frames('frame', doubtful)}."] if doubtful else []
+    return ImportOutcome(words, " ".join([*note_words(found.notes), *closely]))
 
 
-def _no_draft(found: KeypointImport, doc: Session) -> str:
+def _no_draft(found: DraftImport, doc: Session) -> str:
     posed = {k.frame for k in (*doc.keyframes, *doc.drafts)}
     if found.frames and posed.issuperset(found.frames):
         return "All of these frames are posed already: choose others."

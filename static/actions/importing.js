@@ -23,8 +23,8 @@ export const ENDINGS = [
 /** Whether a name is one of what can be imported. @param {string} name */
 export const isImported = (name) => ENDINGS.some((ending) => name.toLowerCase().endsWith(ending));
 
-/** Whether a file is one frame of OpenPose's. @param {{ name: string }} file */
-export const isOpenPose = ({ name }) => name.endsWith('_keypoints.json');
+/** Whether a file may be one frame of OpenPose's or Pose2Sim's. @param {{ name: string }} file */
+export const isOpenPose = ({ name }) => /\d.*\.json$/.test(name);
 
 /**
  * Import the frames of OpenPose, each a file, as one.
@@ -129,13 +129,13 @@ export function orderOf(kind, choices) {
   const { places } = choices;
   if (kind === 'motion') {
     return {
-      kind, places, offset_frames: numberOr(choices.start), fps: numberOr(choices.fps),
+      kind, places, individual: choices.individual || null, offset_frames: numberOr(choices.start), fps: numberOr(choices.fps),
       unit: choices.unit || null, world: choices.world || null,
     };
   }
   const frames = framesIn(choices.frames);
   return {
-    kind, places, layout: choices.layout || null, individual: choices.individual || null, exchange: choices.exchange,
+    kind, places, offset_frames: numberOr(choices.start), layout: choices.layout || null, individual: choices.individual || null, exchange: choices.exchange,
     frames: frames.length ? frames : null, every: frames.length ? null : numberOr(choices.every),
   };
 }
@@ -147,12 +147,13 @@ export function orderOf(kind, choices) {
  * @param {number} count  Of the video's frames.
  */
 export function whyNotBegin({ kind, facts }, choices, count) {
+  if (kind === 'camera') return '';
+  if (!/^(-?\d{1,6})?$/.test(choices.start)) return 'The start frame is a whole number; it may be negative.';
+  if (facts.individuals.length && !choices.individual) return 'Choose one of the individuals.';
   if (kind === 'motion') {
-    if (!/^(-?\d{1,6})?$/.test(choices.start)) return 'The start frame is a whole number; it may be negative.';
     if (choices.fps !== '' && !(Number(choices.fps) > 0 && Number(choices.fps) <= 1e5)) return 'The rate is a number of frames a second, such as 120.';
   }
   if (kind !== 'keypoints') return '';
-  if (facts.individuals.length && !choices.individual) return 'Choose one of the individuals.';
   if (facts.layouts.length && !choices.layout) return 'Choose the order of the keypoints.';
   if (!/^\d{0,6}$/.test(choices.every) || choices.every === '0') return 'Poses are drafted every so many frames, such as 24.';
   const listed = choices.frames.split(',').map((word) => word.trim()).filter(Boolean);

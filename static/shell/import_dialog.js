@@ -60,6 +60,7 @@ function recognised({ kind, program, facts }) {
       <b>${KINDS[kind]}</b><span class="mut"> · ${program}</span>
       <div class="num">${SAID[kind](facts)}</div>
       ${kind === 'camera' ? nothing : names(facts)}
+      ${(facts.notes ?? []).map((words) => html`<div class="checkword">${words}</div>`)}
     </div>
   </div>`;
 }
@@ -115,11 +116,16 @@ function unknownNames({ left_out: left }) {
   return field('Other names', html`<div class="imnames" tabindex="-1">${rows}</div>`, 'optional');
 }
 
+const start = (note) => field('Start frame', text('Start frame', 'start', '0'), note);
+
+const individual = ({ individuals }) =>
+  individuals.length ? field('Individual', choice('Individual', 'individual', individuals.map((id) => ({ id, label: id })), 'Choose…')) : nothing;
+
 function motion(choices, facts) {
   const { fps, unit, world, keyframes } = facts;
   const own = unit ? `As the file says: ${UNITS[unit].toLowerCase()}` : 'Scale to the body';
   const placed = world ? `As the file says: ${WORLDS[world].toLowerCase()}` : 'Not said by the file';
-  return html`${field('Start frame', text('Start frame', 'start', '0'), 'of the video, where the file begins')}
+  return html`${individual(facts)}${start('of the video, where the file begins')}
     ${field('Rate', text('Rate', 'fps', fps ? String(Number(fps.toFixed(2))) : 'As the video'), 'frames/s')}
     ${field('Unit', choice('Unit', 'unit', entries(UNITS).filter(({ id }) => unit || id !== 'auto'), own))}
     ${field('World', choice('World', 'world', entries(WORLDS), placed), keyframes ? 'Keyframes decide' : '')}
@@ -127,10 +133,10 @@ function motion(choices, facts) {
 }
 
 function keypoints(choices, facts) {
-  const { individuals, layouts, every } = facts;
+  const { layouts, every } = facts;
   const some = (all) => all.map((id) => ({ id, label: id }));
   return html`
-    ${individuals.length ? field('Individual', choice('Individual', 'individual', some(individuals), 'Choose…')) : nothing}
+    ${individual(facts)}${start('of the video, at the file’s frame 0; −1 for pictures counted from 1')}
     ${layouts.length ? field('Layout', choice('Layout', 'layout', some(layouts), 'Choose…')) : nothing}
     ${field('Drafts', html`<span class="dim">every</span>${text('Every', 'every', String(every))}<span class="dim">frames, or at frames</span>${text('Frames', 'frames', '0, 24, 48', 2000)}`)}
     ${field('Sides', checkbox({ label: 'Swap left and right', on: choices.exchange, act: (exchange) => change({ exchange }) }))}

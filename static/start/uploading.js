@@ -93,7 +93,7 @@ function openUploaded({ status, response }, file) {
 /** One file, or OpenPose's, which are one for each frame. */
 function importFirst(files) {
   if (files.length > 1 && files.every(isOpenPose)) {
-    importOpenPose(files[0].name.replace(/_\d+_keypoints\.json$/, ''), files);
+    importOpenPose(files[0].name.replace(/_?\d+(_keypoints)?\.json$/, ''), files);
     return;
   }
   if (files.length > 1) toast({ kind: 'info', words: `One file at a time. Importing ${files[0].name}.` });

@@ -8,11 +8,11 @@ import './browser.js';
 const { USUAL, beginImport, importFile, isImported, leaveImport, openPoseFile, orderOf, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
-const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: {} });
+const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: { individuals: [] } });
 const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
 
 test('what is left to the file is not said', () => {
-  assert.deepEqual(orderOf('motion', USUAL), { kind: 'motion', places: {}, offset_frames: null, fps: null, unit: null, world: null });
+  assert.deepEqual(orderOf('motion', USUAL), { kind: 'motion', places: {}, individual: null, offset_frames: null, fps: null, unit: null, world: null });
   assert.deepEqual(orderOf('camera', USUAL), { kind: 'camera' });
 });
 
@@ -29,6 +29,11 @@ test('a name that is not known can be a joint, a free end or a landmark', () => 
   ]);
   const found = placesOfBody(parts).map(({ id, label }) => [id, label]);
   assert.deepEqual(found, [['trunk', 'Trunk'], ['tail', 'Tail'], ['tail.end', 'Tail, end'], ['tail.tail_mark', 'Tail mark']]);
+});
+
+test('keypoints of pictures that count from 1 start a frame earlier', () => {
+  assert.equal(orderOf('keypoints', { ...USUAL, start: '-1' }).offset_frames, -1);
+  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, start: 'x' }, 9), /whole number/);
 });
 
 test('frames that are listed count, and not one in so many', () => {
@@ -48,6 +53,7 @@ test('what cannot be ordered is said in a sentence', () => {
 test('of several individuals one is chosen first', () => {
   const several = { ...KEYPOINTS, facts: { individuals: ['a', 'b'], layouts: [] } };
   assert.match(whyNotBegin(several, USUAL, 9), /Choose one/);
+  assert.match(whyNotBegin({ ...MOTION, facts: { individuals: ['a', 'b'] } }, USUAL, 9), /Choose one/);
   assert.equal(whyNotBegin(several, { ...USUAL, individual: 'b' }, 9), '');
 });
 

@@ -222,6 +222,7 @@ OWN_READS = {
     "app/server/page_files.py": "the page, which comes with the program",
     "tracker/body/body.py": "a body that comes with the program",
     "tracker/formats/c3d.py": "a file that was just written",
+    "tracker/formats/joint_names.py": "a table that comes with the program",
     "tracker/formats/rigs/table.py": "tables that come with the program",
     "tracker/formats/usd.py": "a file that was just written",
     "tracker/kernels/__init__.py": "the program's own text",

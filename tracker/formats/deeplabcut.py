@@ -2,7 +2,7 @@
 
 The rows of the head are `scorer`, with several animals `individuals`, then `bodyparts` and
 `coords`: x, y and, but for what a person labelled, likelihood. A row of the table is a frame by its
-number, or a labelled picture by its name, whose last number counts.
+number, or a labelled picture by its name.
 HDF5 is what pandas writes there, in its `table` layout or its `fixed` one.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.formats.hdf5 import Group
-from keypose.tracker.formats.people import People, chosen_individual, person_numbers
+from keypose.tracker.formats.people import People, chosen_individual, frame_numbers, person_numbers
 from keypose.tracker.formats.reading_csv import number
 from keypose.tracker.geometry.rotations import Array
 
@@ -203,11 +203,11 @@ def _by_frame(
     file: str, index: Sequence[str], rows: list[list[float]]
 ) -> dict[int, list[list[float]]]:
     found: dict[int, list[list[float]]] = {}
+    numbers = frame_numbers(index)
     for word, row in zip(index, rows, strict=True):
-        digits = re.findall(r"\d+", re.sub(r"\.[A-Za-z]\w*$", "", word.removesuffix(".0")))
-        if not digits or word.strip().startswith("-"):
+        if not re.search(r"\d", word) or word.strip().startswith("-"):
             raise FormatError(f"{file} has a row {word[:40]!r} that names no frame.")
-        frame = int(digits[-1][-9:])
+        frame = numbers[word]
         if frame in found:
             raise FormatError(
                 f"{file} has frame {frame} twice; it may hold pictures of several videos."

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.notes import Note
+from keypose.tracker.formats.people import chosen_individual
 from keypose.tracker.geometry.rotations import Array, frozen
 
 MOST_FRAMES: Final = 1_000_000
@@ -15,6 +18,11 @@ MOST_JOINTS: Final = 2_000
 MOST_NUMBERS: Final = 15_000_000
 """Frames times joints times three."""
 
+
+LEAST_SHARED: Final = 3
+"""Joints that several subjects of a file share by name."""
+MIDDLES: Final = (("LWRA", "LWRB"), ("RWRA", "RWRB"))
+"""Pairs of markers of Plug-in Gait in whose middle a joint is."""
 
 Unit: TypeAlias = Literal["m", "cm", "mm"]
 World: TypeAlias = Literal["camera", "y up", "z up"]
@@ -33,6 +41,9 @@ class JointMotion:
     unit:           the unit of length the file names; None where it names none, and `assumed` is
                     then the one that its positions were read with.
     is_per_frame:   it has a row for each frame of a video and no clock: times_s count frames.
+    rest_m:         (J, 3) the file's pose at rest in its world, where it has one: it shows which
+                    way is up where `world` is only the custom.
+    notes:          what is odd about the file and was read all the same.
     """
 
     names: tuple[str, ...]
@@ -42,6 +53,8 @@ class JointMotion:
     unit: Unit | None
     assumed: Unit = "m"
     is_per_frame: bool = False
+    rest_m: Array | None = None
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ps_world_joint", frozen(self.ps_world_joint))
@@ -54,6 +67,7 @@ class JointMotion:
     def of(
         cls, file: str, names: list[str], positions: Array, times_s: Array,
         world: World | None, unit: Unit | None, assumed: Unit = "m",
+        rest_m: Array | None = None, notes: tuple[Note, ...] = (),
     ) -> JointMotion:  # fmt: skip
         """The motion of a file whose positions (N, J, 3) are in `unit`, or else in `assumed`.
 
@@ -71,33 +85,72 @@ class JointMotion:
             raise FormatError(f"{file} has joints more than a thousand kilometres away.")
         if np.isnan(ps).all():
             raise FormatError(f"{file} holds no position of any joint.")
-        return cls(tuple(names), ps, times_s, world, unit, assumed)
+        return cls(tuple(names), ps, times_s, world, unit, assumed, False, rest_m, notes)
 
     def in_unit(self, unit: Unit) -> JointMotion:
         """The motion if its lengths had been written in this unit."""
         scale = METRES[unit] / METRES[self.unit or self.assumed]
         return replace(self, ps_world_joint=self.ps_world_joint * scale, unit=unit)
 
+    def of_individual(self, file: str, wanted: str | None) -> JointMotion:
+        """The joints of one of several subjects, whose names stand before a colon.
+
+        FormatError where which one is not said, or is not there.
+        """
+        of_name = [name.rpartition(":")[::2] for name in self.names]
+        counts = Counter(joint for _, joint in of_name)
+        several = {joint for joint, count in counts.items() if count > 1}
+        if len(several) < LEAST_SHARED:
+            if wanted is not None:
+                raise FormatError(f"{file} does not tell individuals apart: leave out {wanted!r}.")
+            return self
+        subjects = dict.fromkeys(subject for subject, joint in of_name if joint in several)
+        chosen = chosen_individual(file, list(subjects), wanted)
+        mine = [i for i, (subject, _) in enumerate(of_name) if subject == chosen]
+        return replace(
+            self,
+            names=tuple(self.names[i] for i in mine),
+            ps_world_joint=self.ps_world_joint[:, mine],
+            rest_m=None if self.rest_m is None else self.rest_m[mine],
+        )
+
+    def with_middles(self) -> JointMotion:
+        """With a joint between two markers on either side of it, such as LWRA+LWRB."""
+        names, ps = list(self.names), [self.ps_world_joint]
+        for first, second in MIDDLES:
+            for i, name in enumerate(self.names):
+                other = f"{name.removesuffix(first)}{second}"
+                if name.rpartition(":")[2] == first and other in self.names:
+                    pair = [i, self.names.index(other)]
+                    names.append(f"{name}+{second}")
+                    ps.append(self.ps_world_joint[:, pair].mean(axis=1, keepdims=True))
+        return replace(self, names=tuple(names), ps_world_joint=np.concatenate(ps, axis=1))
+
     def at_rate(self, fps: float) -> JointMotion:
         """The motion with its frames evenly spaced at another rate, from the same first time."""
-        first_s = 0.0 if self.is_per_frame else self.times_s[0]
-        return replace(self, times_s=first_s + np.arange(len(self)) / fps, is_per_frame=False)
+        if self.is_per_frame:
+            return replace(self, times_s=self.times_s / fps, is_per_frame=False)
+        return replace(self, times_s=self.times_s[0] + np.arange(len(self)) / fps)
 
-    def per_frame(self) -> JointMotion:
-        """The motion as one that has no clock, its times numbers of frames."""
-        return replace(self, times_s=np.arange(len(self), dtype=np.float64), is_per_frame=True)
+    def per_frame(self, file: str) -> JointMotion:
+        """The motion as one that has no clock, its times being numbers of frames."""
+        if self.times_s[0] < 0 or (self.times_s != np.round(self.times_s)).any():
+            raise FormatError(f"{file} numbers its frames by other than whole numbers from 0 on.")
+        return replace(self, is_per_frame=True)
 
     def on_video(self, file: str, times_s: Array) -> JointMotion:
         """With the times of a video's frames, where it has none of its own; FormatError where
         there are not as many."""
         if not self.is_per_frame:
             return self
-        if len(self) > len(times_s):
+        if self.times_s[-1] >= len(times_s):
             raise FormatError(
-                f"{file} has {len(self)} poses, one for each frame, and the video {len(times_s)} "
-                "frames: give the poses' rate (fps)."
+                f"{file} has {self.times_s[-1] + 1:.0f} rows, one for each frame, and the video "
+                f"{len(times_s)} frames: give the rows' rate (fps)."
             )
-        return replace(self, times_s=times_s[: len(self)], is_per_frame=False)
+        notes = (*self.notes, Note("row per frame"))
+        at_frames = times_s[self.times_s.astype(np.int64)]
+        return replace(self, times_s=at_frames, is_per_frame=False, notes=notes)
 
     def at(self, times_s: Array) -> Array:
         """Positions (M, J, 3) at times of the file's clock, NaN outside and next to missing frames.

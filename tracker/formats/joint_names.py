@@ -1,22 +1,33 @@
-"""The names that other programs give to joints, and where on our body they are.
+"""Match the joint names of a file with places on a body.
 
-A convention is taken as a whole: the same name is another joint in another one, as LeftShoulder is
-the collar bone's joint here and the upper arm's there. The one that knows most of a file's names
-counts; the body's own names come first. Case, blanks, dots, dashes, underscores and what stands
-before a colon, as in `mixamorig:`, do not matter. Of the body's own names the order of the words
-does not matter either, nor whether a side is a word or a letter: paw_front_L is left_front_paw.
-What a name does not say is never guessed: a person says it, name by name.
+A convention counts as a whole: LeftShoulder is the collar bone in one program and the upper arm in
+another. The convention that knows most of a file's names is taken; the body's own names come first,
+then the rigs that Keypose writes, then `conventions.json`:
+
+    title    programs that use these names
+    joints   plain name to place; `{}` is the side. A place is a part (its joint), a landmark, a
+             point of the face, `left_ball` (where the toes begin), or the middle of two
+    instead  the same, for places that no other name claims: a foot is the ankle where none is named
+
+Case, blanks, punctuation, what stands before a colon, and words that most names of a file begin or
+end with, as in `Bip01 L Thigh` or `left_leg_joint`, do not matter. A side is a word or a letter at
+either end. Of the body's own names the order of the words does not matter either: paw_front_L is
+left_front_paw. What a name does not say is never guessed: a person says it, name by name.
 """
 
 from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict
 
 from keypose.tracker.body.body import Body, Point
 from keypose.tracker.body.skeleton import Skeleton
@@ -24,6 +35,8 @@ from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats.end_sites import end_site
 from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.rigs.table import SIDES, Place, Row, table_of
 from keypose.tracker.keypoints.layouts import snake
 from keypose.tracker.solver.body_points import BodyPoint
 
@@ -31,82 +44,15 @@ LARGEST_NAMES_BYTES = 2**20
 MOST_LISTED = 24
 """Names in a sentence."""
 
-_SHOULDERS = "left_upper_arm+right_upper_arm"
-_HIPS = "left_thigh+right_thigh"
-_SIDES = {"left": ("left", "l"), "right": ("right", "r")}
-_WORDS = {"l": "left", "r": "right", "fore": "front", "back": "hind", "rear": "hind"}
+_LETTERS = {"left": "left", "l": "left", "right": "right", "r": "right"}
+_GLUED = {"left": "left", "right": "right", "左": "left", "右": "right"}
+_SAME = {"l": "left", "r": "right", "fore": "front", "back": "hind", "rear": "hind"}
 END = "end"
 """`part.end` is where a part ends: at the joint of its one child, or at the end of its shape."""
-
-
-def _both(**joints: str) -> dict[str, str]:
-    """Names of both sides: `{}` in a name stands for the side as the convention writes it."""
-    return {
-        name.format(side): f"{ours}_{part}"
-        for name, part in joints.items()
-        for ours, sides in _SIDES.items()
-        for side in sides
-    }
-
-
-_FACE = _both(**{"{}eye": "eye", "{}ear": "ear"}) | {"nose": "nose"}
-_LIMBS = _both(
-    **{
-        "{}shoulder": "upper_arm", "{}elbow": "forearm", "{}wrist": "hand",
-        "{}hip": "thigh", "{}knee": "shin", "{}ankle": "foot",
-        "{}bigtoe": "toe", "{}smalltoe": "toe", "{}toe": "toe", "{}foot": "toe", "{}heel": "heel",
-    }
-)  # fmt: skip
-
-CONVENTIONS: dict[str, dict[str, str]] = {
-    "COCO, OpenPose": _LIMBS
-    | _FACE
-    | {"neck": _SHOULDERS, "midhip": _HIPS, "hip": _HIPS}
-    | {"upperneck": "head", "headtop": "head_top"}
-    | _both(**{"{}footindex": "toe"}),
-    "SMPL": _both(
-        **{
-            "{}collar": "clavicle", "{}shoulder": "upper_arm", "{}elbow": "forearm",
-            "{}wrist": "hand", "{}hip": "thigh", "{}knee": "shin", "{}ankle": "foot",
-        }
-    )
-    | {"pelvis": "waist", "spine1": "chest", "neck": "neck", "head": "head"},
-    "BVH with elbows and knees": _LIMBS
-    | {"neck": "neck", "head": "head", "headend": "head_top"}
-    | _both(**{"{}ankle": "foot", "{}toeend": "toe"}),
-    "Mixamo, MotionBuilder": _both(
-        **{
-            "{}upleg": "thigh", "{}leg": "shin", "{}foot": "foot", "{}toebase": "toe",
-            "{}arm": "upper_arm", "{}forearm": "forearm", "{}hand": "hand",
-        }
-    )
-    | {"neck": "neck", "head": "head", "headtopend": "head_top"},
-    "CMU": _both(
-        **{
-            "{}femur": "thigh", "{}tibia": "shin", "{}foot": "foot", "{}toes": "toe",
-            "{}humerus": "upper_arm", "{}radius": "forearm", "{}wrist": "hand",
-        }
-    )
-    | {"lowerneck": "neck", "head": "head"},
-    "Poser, DAZ": _both(
-        **{
-            "{}thigh": "thigh", "{}shin": "shin", "{}foot": "foot",
-            "{}shldr": "upper_arm", "{}forearm": "forearm", "{}hand": "hand",
-            "{}footend": "toe",
-        }
-    )
-    | {"neck": "neck", "head": "head"},
-    "OpenSim, Plug-in Gait": _both(
-        **{
-            "{}sho": "upper_arm", "{}acromium": "upper_arm", "{}sjc": "upper_arm",
-            "{}elb": "forearm", "{}ejc": "forearm", "{}wjc": "hand",
-            "{}hjc": "thigh", "{}kne": "shin", "{}kjc": "shin", "{}ank": "foot", "{}ajc": "foot",
-            "{}toe": "toe", "{}hee": "heel", "{}heel": "heel",
-        }
-    )
-    | {"c7": "neck", "topofhead": "head_top", "vsacral": _HIPS},
-}  # fmt: skip
-"""By convention, plain names with a part, a landmark, a place of the face, or the middle of two."""
+COMMON = 0.6
+"""Share of a file's names that begin or end with a word which then says nothing."""
+_BALL: Place = {"{side}_toe": 0.66, "{side}_heel": 0.22, "{side}_foot": 0.12}
+"""Where the toes begin, by weights."""
 
 
 @dataclass(frozen=True)
@@ -134,21 +80,18 @@ class Matched:
 def matched(
     skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str] | None = None
 ) -> Matched:
-    """The joints of a file by their names; `given` names ours by theirs, and then alone counts.
+    """Match a file's names with places; `given` names ours by theirs, and then alone counts.
 
     A place that several names claim goes to the first of them.
     """
     if given is not None:
         return _match_given(skeleton, names, file, given)
-    tables = {"the body's own": _own_names(skeleton)}
-    for convention, table in CONVENTIONS.items():
-        tables[convention] = {
-            name: (ours, place)
-            for name, ours in table.items()
-            if (place := _place(skeleton.body, ours)) is not None
-        }
-    found = {c: _match(c, names, table) for c, table in tables.items()}
-    return max(found.values(), key=lambda m: len(m.known))  # the first of those alike
+    words = [_words(name) for name in names]
+    bare = _without_common(words)
+    spellings = [words] if bare == words else [words, bare]
+    conventions = (_own_names(skeleton), *_rigs(skeleton.body), *_conventions(skeleton.body))
+    found = [_match(one, names, spelt) for one in conventions for spelt in spellings]
+    return max(found, key=lambda m: len(m.known))  # the first of those alike
 
 
 def match_also(
@@ -189,22 +132,135 @@ def load_names(path: Path) -> dict[str, str]:
 
 
 def plain(name: str) -> str:
-    """A name without what does not matter."""
-    return re.sub(r"[\W_]", "", name.rsplit(":", 1)[-1]).lower()
+    """Reduce a name to what matters."""
+    return "".join(_words(name))
 
 
-def _match(
-    convention: str, names: Sequence[str], table: Mapping[str, tuple[str, BodyPoint]]
-) -> Matched:
-    known, left_out, taken = [], [], set()
-    for index, name in enumerate(names):
-        ours, place = table.get(plain(name)) or table.get(_words(name)) or ("", ())
-        if not place or place in taken:
-            left_out.append(name)
+def _words(name: str) -> list[str]:
+    return snake(re.split(r"[:/|]", name)[-1]).split("_")
+
+
+def _without_common(names: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Drop the words that most names begin or end with, but for sides."""
+    bare = [list(name) for name in names]
+    for end in (0, -1):
+        while True:
+            words = Counter(name[end] for name in bare if len(name) > 1)
+            word, count = max(words.items(), key=lambda one: one[1], default=("", 0))
+            if count < max(COMMON * len(bare), 3) or word in _LETTERS:
+                break
+            for name in bare:
+                if len(name) > 1 and name[end] == word:
+                    name.pop(end)
+    return bare
+
+
+# --- conventions
+
+
+@dataclass(frozen=True)
+class _Convention:
+    """What names mean: by spelling the name of the place and the place; `instead` as in the file.
+
+    A spelling is a plain name, or a side, a blank and the rest.
+    """
+
+    title: str
+    places: Mapping[str, tuple[str, BodyPoint]]
+    instead: Mapping[str, tuple[str, BodyPoint]] = field(default_factory=dict)
+
+
+def _match(convention: _Convention, names: Sequence[str], words: Sequence[list[str]]) -> Matched:
+    found: dict[int, tuple[str, BodyPoint]] = {}
+    spellings = [_spellings(one) for one in words]
+    for places in (convention.places, convention.instead):
+        taken = {place for _, place in found.values()}
+        for index, spelt in enumerate(spellings):
+            match = next((places[one] for one in spelt if one in places), None)
+            if match is not None and match[1] not in taken:
+                taken.add(match[1])
+                found[index] = match
+    known = tuple((index, *found[index]) for index in sorted(found))
+    left_out = tuple(name for index, name in enumerate(names) if index not in found)
+    return Matched(convention.title, known, left_out)
+
+
+def _spellings(words: Sequence[str]) -> tuple[str, ...]:
+    """Under which a name may stand in a convention, the surest first."""
+    joined, ordered = "".join(words), " " + " ".join(sorted(_SAME.get(w, w) for w in words))
+    for at, rest in ((0, words[1:]), (-1, words[:-1])):
+        if rest and words[at] in _LETTERS:
+            return joined, f"{_LETTERS[words[at]]} {''.join(rest)}", ordered
+    for mark, side in _GLUED.items():
+        if joined.startswith(mark) or joined.endswith(mark):
+            return joined, f"{side} {joined.removeprefix(mark).removesuffix(mark)}", ordered
+    return joined, ordered
+
+
+@cache
+def _rows() -> tuple[_Row, ...]:
+    """The file of conventions, validated."""
+    text = (resources.files("keypose.tracker.formats") / "conventions.json").read_text("utf-8")
+    return tuple(_Row.model_validate(row) for row in json.loads(text))
+
+
+class _Row(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    title: str
+    joints: dict[str, str]
+    instead: dict[str, str] = {}
+
+
+def _conventions(body: Body) -> list[_Convention]:
+    return [
+        _Convention(row.title, _both_sides(body, row.joints), _both_sides(body, row.instead))
+        for row in _rows()
+    ]
+
+
+def _both_sides(body: Body, joints: Mapping[str, str]) -> dict[str, tuple[str, BodyPoint]]:
+    """By spelling the places that the body has; `l` and `r` may be glued to a name as well."""
+    found: dict[str, tuple[str, BodyPoint]] = {}
+    for name, where in joints.items():
+        for side in SIDES if "{}" in name else ("",):
+            ours = where.replace("{side}", side)
+            place = _place(body, ours)
+            if place is None:
+                continue
+            for spelt in (f"{side} {name.replace('{}', '')}", name.replace("{}", side[:1])):
+                found.setdefault(spelt.strip(), (ours, place))
+    return found
+
+
+def _rigs(body: Body) -> list[_Convention]:
+    """The rigs that are written, read backwards: bones that begin at one place of one part."""
+    found = []
+    for rig in RIGS:
+        if rig == OWN:
             continue
-        taken.add(place)
-        known.append((index, ours, place))
-    return Matched(convention, tuple(known), tuple(left_out))
+        table = table_of(rig)
+        bones = ((plain(row.name), _bone(body, row)) for row in table.rows())
+        places = {name: place for name, place in bones if place is not None}
+        found.append(_Convention(table.title, places))
+    return found
+
+
+def _bone(body: Body, row: Row) -> tuple[str, BodyPoint] | None:
+    """The part's joint, the landmark or the ball of the foot at which a bone begins; None for
+    bones between these, which other makers have elsewhere."""
+    joint = next((part for part in row.part if part in body.names), None)
+    for weights in row.at or (() if joint is None else ({joint: 1.0},)):
+        if len(weights) == 1:
+            ours = next(iter(weights))
+        elif set(weights.values()) == set(_BALL.values()):
+            ours = f"{row.side}_ball"
+        else:
+            continue
+        place = _place(body, ours)
+        if place is not None:
+            return ours, place
+    return None
 
 
 def _match_given(
@@ -218,7 +274,7 @@ def _match_given(
     return Matched("given", known, tuple(name for name in names if name not in places))
 
 
-def _own_names(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
+def _own_names(skeleton: Skeleton) -> _Convention:
     """The body's parts and landmarks, and the ends of parts as our own BVH files have them."""
     table: dict[str, tuple[str, BodyPoint]] = {}
     for i, part in enumerate(skeleton.body.parts):
@@ -229,22 +285,11 @@ def _own_names(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
         for name, p in part.landmarks.items():
             table.setdefault(plain(name), (name, ((i, p),)))
             table.setdefault(plain(f"{part.name}.{name}"), (name, ((i, p),)))
-    return _in_any_order([ours for ours, _ in table.values()], table) | table
-
-
-def _in_any_order(
-    names: Sequence[str], table: Mapping[str, tuple[str, BodyPoint]]
-) -> dict[str, tuple[str, BodyPoint]]:
-    """By their words in order of the alphabet, but for those that several names have."""
-    places = {name: table[plain(name)] for name in names}
-    words = [_words(name) for name in places]
-    return {w: p for w, p in zip(words, places.values(), strict=True) if words.count(w) == 1}
-
-
-def _words(name: str) -> str:
-    """The words of a name in order of the alphabet, with a blank before: no plain name has one."""
-    parts = snake(name.rsplit(":", 1)[-1]).split("_")
-    return " " + " ".join(sorted(_WORDS.get(part, part) for part in parts))
+    places = {ours: (ours, place) for ours, place in table.values()}
+    ordered = {ours: _spellings(_words(ours))[-1] for ours in places}
+    counts = Counter(ordered.values())
+    in_any_order = {spelt: places[ours] for ours, spelt in ordered.items() if counts[spelt] == 1}
+    return _Convention("the body's own", in_any_order | table)
 
 
 def _given_place(skeleton: Skeleton, ours: str) -> BodyPoint:
@@ -273,7 +318,8 @@ def _end(skeleton: Skeleton, part: int) -> Point:
 
 
 def _place(body: Body, ours: str) -> BodyPoint | None:
-    """A part's joint, a landmark, a place of the face, or the middle of parts; None without it."""
+    """A part's joint, a landmark, a point of the face or of a foot, or the middle of parts; None
+    where the body lacks it."""
     points: list[tuple[int, Point]] = []
     for name in ours.split("+"):
         point = _point(body, name)
@@ -289,9 +335,21 @@ def _point(body: Body, name: str) -> tuple[int, Point] | None:
     for i, part in enumerate(body.parts):
         if name in part.landmarks:
             return i, part.landmarks[name]
+    side, _, what = name.partition("_")
+    if what == "ball":
+        return _weighted(body, {one.replace("{side}", side): w for one, w in _BALL.items()})
     if "head" in body.names:
         i = body.index("head")
         face = body.parts[i].shape.face_points()
         if name in face:
             return i, face[name]
     return None
+
+
+def _weighted(body: Body, weights: Place) -> tuple[int, Point] | None:
+    """The point between places of one part; None where they are of several, or one is missing."""
+    points = [point for name in weights if (point := _point(body, name)) is not None]
+    if len(points) < len(weights) or len({part for part, _ in points}) > 1:
+        return None
+    x, y, z = np.average([p for _, p in points], axis=0, weights=list(weights.values()))
+    return points[0][0], (float(x), float(y), float(z))

@@ -1,10 +1,13 @@
-"""People as files of keypoints list them, frame by frame, before it is known what is what.
+"""Read people as files of keypoints list them, frame by frame, before it is known what is what.
 
 COCO, AlphaPose: a list of annotations, or an object that holds it as `annotations`, beside `images`
-and `categories` when one likes. An annotation is of the frame whose number its `image_id` is, or
-else the last number in its image's file name.
-OpenPose: a folder with one file for each frame, `…_000000000012_keypoints.json` is frame 12; or a
-list of what these files hold, each with its `file_name`, as the page makes it of a folder.
+and `categories` when one likes. An annotation is of the frame whose number is in its image's file
+name, or else in its `image_id`.
+OpenPose, Pose2Sim: a folder with one file for each frame, `…_000000000012_keypoints.json` or
+`…_000012.json` is frame 12; or a list of what these files hold, each with its `file_name`, as the
+page makes it of a folder.
+MMPose: frames with `frame_id` and `instances`, in a list or under `instance_info`, where frames
+count from 1; or a folder with a list of instances for each picture.
 MediaPipe: its results under their own names, `pose_landmarks` in Python and `landmarks` or
 `poseLandmarks` in JavaScript, of one frame or in a list of frames, which may be under `frames`; the
 33 of one person, or a list of people. A landmark is an object with x, y and visibility, or a list
@@ -12,13 +15,13 @@ of x, y, z and visibility; one that says nothing of its visibility is seen.
 
 SLEAP, DeepLabCut: see `sleap` and `deeplabcut`; one individual of a file that tells them apart.
 
+Of several numbers in the names of pictures the last that differs between all of them counts.
 Width, height and fps of the video count where they are given: at the top, under `metadata`, `info`
 or `video`, and the size in COCO's `images`.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -29,8 +32,9 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats import deeplabcut, sleap
 from keypose.tracker.formats.hdf5_child import people_of_hdf5
-from keypose.tracker.formats.people import People
+from keypose.tracker.formats.people import People, frame_numbers
 from keypose.tracker.formats.reading_csv import rows_of
+from keypose.tracker.formats.text import decoded
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
 LARGEST_PERSON_BYTES: Final = 16 * 2**20
@@ -61,10 +65,11 @@ def read_people(path: Path, individual: str | None = None) -> People:
     except OSError as error:
         raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
     if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
-        frames = {_number(path.name, 0): _openpose_people(path.name, data)}
-        people = People(frames, program="OpenPose")
+        people = _folder({path.name: data})
     elif _is_list_of_openpose(data):
-        people = _openpose_list(path.name, data)
+        people = _folder({str(one.get("file_name", n)): one for n, one in enumerate(data)})
+    elif _is_mmpose(data):
+        people = _mmpose(path.name, data)
     else:
         people = (_mediapipe if _has_landmarks(data) else _coco)(path.name, data)
     return _single(path.name, individual, people)
@@ -85,12 +90,11 @@ def _json(path: Path, largest: int) -> Any:
         raise FormatError(f"{path.name} is not JSON.") from None
 
 
-def _number(name: str, otherwise: int) -> int:
-    """The last number in a name, without its ending."""
-    stem = name.removesuffix("_keypoints.json")
-    stem = stem.rsplit(".", 1)[0] if re.search(r"\.\D\w*$", stem) else stem
-    digits = re.findall(r"\d+", stem)
-    return int(digits[-1][-9:]) if digits else otherwise
+def _unknown(file: str) -> FormatError:
+    return FormatError(
+        f"{file} holds no keypoints in a form that is known: files of COCO, AlphaPose, OpenPose, "
+        "Pose2Sim, MMPose, MediaPipe, SLEAP and DeepLabCut are read."
+    )
 
 
 # --- SLEAP, DeepLabCut
@@ -98,18 +102,12 @@ def _number(name: str, otherwise: int) -> int:
 
 def is_table_of_keypoints(file: str, content: bytes) -> bool:
     """Whether a table is one of SLEAP or DeepLabCut; FormatError where it is none at all."""
-    try:
-        first = rows_of(file, content.decode("utf-8-sig"))[0]
-    except UnicodeDecodeError:
-        raise FormatError(f"{file} is not text, as a table has to be.") from None
+    first = rows_of(file, decoded(content))[0]
     return deeplabcut.is_table(first) or sleap.is_table([head.strip() for head in first])
 
 
 def _table(file: str, content: bytes, individual: str | None) -> People:
-    try:
-        rows = rows_of(file, content.decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        raise FormatError(f"{file} is not text, as a table has to be.") from None
+    rows = rows_of(file, decoded(content))
     if deeplabcut.is_table(rows[0]):
         return deeplabcut.read_table(file, rows, individual)
     if sleap.is_table([head.strip() for head in rows[0]]):
@@ -134,20 +132,16 @@ _TABLES: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
 }  # fmt: skip
 
 
-# --- OpenPose
+# --- a file for each frame
 
 
 def _openpose(folder: Path) -> People:
-    files = sorted(folder.glob("*_keypoints.json"))
+    files = sorted(folder.glob("*_keypoints.json")) or sorted(folder.glob("*.json"))
     if not files:
         raise FormatError(f"{folder.name} holds no file …_keypoints.json, one for each frame.")
     if len(files) > MOST_FILES:
         raise FormatError(f"{folder.name} holds {len(files)} files, which is too many.")
-    frames = {
-        _number(file.name, i): _openpose_people(file.name, _json(file, LARGEST_PERSON_BYTES))
-        for i, file in enumerate(files)
-    }
-    return People(frames, program="OpenPose")
+    return _folder({file.name: _json(file, LARGEST_PERSON_BYTES) for file in files})
 
 
 def _is_list_of_openpose(data: Any) -> bool:
@@ -156,12 +150,15 @@ def _is_list_of_openpose(data: Any) -> bool:
     )
 
 
-def _openpose_list(file: str, data: list[Any]) -> People:
-    frames = {}
-    for place, one in enumerate(data):
-        people = _openpose_people(file, one)
-        frames[_number(str(one.get("file_name", "")), place)] = people
-    return People(frames, program="OpenPose")
+def _folder(contents: Mapping[str, Any]) -> People:
+    """The people of files by their names."""
+    numbers = frame_numbers(list(contents))
+    is_mmpose = all(isinstance(one, list) for one in contents.values())
+    of_file = _instances if is_mmpose else _openpose_people
+    frames: dict[int, list[Any]] = {}
+    for name, data in contents.items():
+        frames.setdefault(numbers[name], []).extend(of_file(name, data))
+    return People(frames, program="MMPose" if is_mmpose else "OpenPose")
 
 
 def _openpose_people(file: str, data: Any) -> list[Any]:
@@ -172,6 +169,50 @@ def _openpose_people(file: str, data: Any) -> list[Any]:
     return [one.get("pose_keypoints_2d") for one in people]
 
 
+# --- MMPose
+
+
+def _is_mmpose(data: Any) -> bool:
+    if isinstance(data, dict):
+        return "instance_info" in data
+    first = next((one for one in data if one), None) if isinstance(data, list) else None
+    return isinstance(first, dict) and {"frame_id", "instances"} <= first.keys()
+
+
+def _mmpose(file: str, data: Any) -> People:
+    listed, first = (data["instance_info"], 1) if isinstance(data, dict) else (data, 0)
+    if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
+        raise _unknown(file)
+    frames: dict[int, list[Any]] = {}
+    for place, one in enumerate(listed):
+        frame = one.get("frame_id", place + first)
+        if not isinstance(frame, int) or isinstance(frame, bool) or not first <= frame < 1e9:
+            raise FormatError(f"{file} has a frame that is numbered {str(frame)[:20]}.")
+        frames.setdefault(frame - first, []).extend(_instances(file, one.get("instances")))
+    return People(frames, program="MMPose")
+
+
+def _instances(file: str, data: Any) -> list[Any]:
+    """The numbers of each person in MMPose's list of instances."""
+    persons = data or []
+    if not isinstance(persons, list) or not all(isinstance(one, dict) for one in persons):
+        raise _unknown(file)
+    return [_instance(file, one) for one in persons]
+
+
+def _instance(file: str, person: Mapping[str, Any]) -> list[Any]:
+    places, scores = person.get("keypoints"), person.get("keypoint_scores")
+    if not isinstance(places, list) or not all(
+        isinstance(place, list) and len(place) == 2 for place in places
+    ):
+        raise _unknown(file)
+    if scores is None:
+        scores = [1.0] * len(places)
+    if not isinstance(scores, list) or len(scores) != len(places):
+        raise FormatError(f"{file} has keypoints without a score for each.")
+    return [number for place, sure in zip(places, scores, strict=True) for number in (*place, sure)]
+
+
 # --- COCO
 
 
@@ -179,7 +220,9 @@ def _coco(file: str, data: Any) -> People:
     given = data if isinstance(data, dict) else {"annotations": data}
     annotations = given.get("annotations")
     if not isinstance(annotations, list) or not all(isinstance(one, dict) for one in annotations):
-        raise FormatError(f"{file} is no COCO file: it holds no list of annotations.")
+        raise _unknown(file)
+    if any(isinstance(one.get("keypoints"), dict) for one in annotations):
+        raise _unknown(file)
     listed = given.get("images")
     images = {
         str(image.get("id")): image
@@ -188,13 +231,13 @@ def _coco(file: str, data: Any) -> People:
     }
     frames: dict[int, list[Any]] = {}
     sizes = set(_size(given))
-    for place, one in enumerate(annotations):
-        number = str(one.get("image_id", place))
-        image = images.get(number, {})
-        name = str(image.get("file_name", "")) or number
-        frames.setdefault(_number(name, place), []).append(one.get("keypoints"))
+    of_annotation = [str(one.get("image_id", place)) for place, one in enumerate(annotations)]
+    pictures = [str(images.get(i, {}).get("file_name", "")) or i for i in of_annotation]
+    numbers = frame_numbers(pictures)
+    for one, number, picture in zip(annotations, of_annotation, pictures, strict=True):
+        frames.setdefault(numbers[picture], []).append(one.get("keypoints"))
         if one.get("keypoints"):
-            sizes.update(_size(image))
+            sizes.update(_size(images.get(number, {})))
     names = _category_names(given.get("categories"))
     return People(frames, names, sizes=frozenset(sizes), fps=_fps(given), program="COCO")
 
@@ -252,6 +295,8 @@ def _frame(file: str, frame: Any, place: int) -> int:
 def _landmark_people(file: str, value: Any, deep: int = 0) -> list[Any]:
     """The numbers of each person in a frame, however its landmarks are nested."""
     if isinstance(value, dict):
+        if "keypoints" in value:
+            raise _unknown(file)
         return _landmark_people(
             file, next((value[key] for key in _LANDMARKS if key in value), None), deep
         )

@@ -31,14 +31,13 @@ def load_motion(path: Path) -> JointMotion:
             ".npz or .pt are expected."
         )
     try:
-        return read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
+        motion = read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
+        return motion.with_middles() if motion.rest_m is None else motion
     except TooLarge:
         limit = LARGEST_MOTION_BYTES // 2**20
         raise FormatError(f"{path.name} is larger than the {limit} MB a motion may have.") from None
     except FileNotFoundError:
         raise FormatError(f"There is no motion file {str(path)!r}.") from None
-    except UnicodeDecodeError:
-        raise FormatError(f"{path.name} is not text, as a {path.suffix} file has to be.") from None
     except OSError as error:
         raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
 

@@ -1,4 +1,4 @@
-"""C3D files in: markers as motion capture systems write them; read by ezc3d, an optional extra.
+"""Read C3D files: markers as motion capture systems write them; by ezc3d, an optional extra.
 
 The unit is the file's own; z is up unless POINT:Y_SCREEN says +Y. A marker with a negative residual
 was not seen. Time runs from the trial's first frame, also where the file begins later.
@@ -6,6 +6,7 @@ was not seen. Time runs from the trial's first frame, also where the file begins
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
     held = _open(file, content)
     try:
         points, point = held["data"]["points"], held["parameters"]["POINT"]
-        names = [str(name).strip() for name in point["LABELS"]["value"]][: points.shape[1]]
+        names = _labels(point)[: points.shape[1]]
         rate = float(np.ravel(point["RATE"]["value"])[0])
         unit = _UNITS.get(str(point["UNITS"]["value"][0]).strip().lower())
         screen = point["Y_SCREEN"]["value"] if "Y_SCREEN" in point else [""]
@@ -36,12 +37,20 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
         seen = held["data"]["meta_points"]["residuals"][0] >= 0
     except (KeyError, IndexError, TypeError, ValueError):
         raise FormatError(f"{file} lacks the markers' labels, rate or unit.") from None
-    if unit is None or not 1e-4 < rate < 1e6 or len(names) != points.shape[1]:
-        raise FormatError(f"{file} lacks the markers' labels, rate or unit.")
+    if unit is None or not 1e-4 < rate < 1e6:
+        raise FormatError(f"{file} lacks the markers' rate or unit.")
+    if len(names) != points.shape[1]:
+        raise FormatError(f"{file} has {points.shape[1]} points and labels of {len(names)}.")
     require_size(file, points.shape[2], points.shape[1])
     positions = np.where(seen[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
     times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
     return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
+
+
+def _labels(point: Any) -> list[str]:
+    """The names of all points: more than 255 go on in LABELS2 and so on."""
+    further = sorted((k for k in point if re.fullmatch(r"LABELS\d+", k)), key=lambda k: int(k[6:]))
+    return [str(name).strip() for key in ("LABELS", *further) for name in point[key]["value"]]
 
 
 def _open(file: str, content: bytes) -> Any:

@@ -1,9 +1,11 @@
-"""Tables of joint positions in: our own joints.csv, and plain wide tables.
+"""Read tables of joint positions: our own joints.csv, and plain wide tables.
 
 The first line names the columns: a time (`time_s`, `time` or `t`, seconds), a `frame` if one
 likes, and `<joint>_x`, `<joint>_y`, `<joint>_z` for every joint, with the unit behind when it is
-known, as in `left_hand_x_m`. A table with `frame`, `time_s` and units is our own: it lies in the
+known, as in `left_hand_x_m`. Without a time a row is a frame of the video, numbered by `fnum` or
+`frame` where there is one. A table with `frame`, `time_s` and units is our own: it lies in the
 camera frame. Any other is taken to be y up. An empty place is a joint that was not seen.
+Columns are parted by commas, semicolons or tabs; numbers may have a decimal comma.
 """
 
 from __future__ import annotations
@@ -16,22 +18,25 @@ import numpy as np
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, require_size
+from keypose.tracker.formats.text import decoded
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
-_TIMES = ("time_s", "time", "t")
+_TIMES = ("time_s", "time", "t", "timestamp")
+_FRAMES = ("fnum", "frame", "frame_number")
 
 
 def read_csv(file: str, content: bytes) -> JointMotion:
     """The motion in a table; FormatError in one sentence."""
-    rows = rows_of(file, content.decode("utf-8-sig"))
+    rows = rows_of(file, decoded(content))
     heads = [head.strip() for head in rows[0]]
-    time = next((heads.index(head) for head in _TIMES if head in heads), None)
-    if time is None:
-        raise FormatError(f"{file} has no column of times; one called time_s is expected.")
+    lower = [head.lower() for head in heads]
+    time = next((lower.index(head) for head in _TIMES if head in lower), None)
+    frame = next((lower.index(head) for head in _FRAMES if head in lower), None)
+    clock = frame if time is None else time
     columns, unit = _columns(file, heads)
     require_size(file, len(rows) - 1, len(columns))
     table = np.full((len(rows) - 1, len(heads)), np.nan)
-    wanted = [time, *(i for axes in columns.values() for i in axes)]
+    wanted = [i for axes in (*columns.values(), [] if clock is None else [clock]) for i in axes]
     for row, cells in enumerate(rows[1:]):
         if len(cells) != len(heads):
             raise FormatError(
@@ -42,20 +47,26 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     positions = table[:, list(columns.values())]
     ours = unit == "m" and heads[:2] == ["frame", "time_s"]
     world: World = "camera" if ours else "y up"
-    return JointMotion.of(file, list(columns), positions, table[:, time], world, unit)
+    times = np.arange(len(table), dtype=np.float64) if clock is None else table[:, clock]
+    motion = JointMotion.of(file, list(columns), positions, times, world, unit)
+    return motion if time is not None else motion.per_frame(file)
 
 
 def rows_of(file: str, text: str) -> list[list[str]]:
     """The rows of a table that hold anything; FormatError in one sentence."""
     rows: list[list[str]] = []
+    first, _, rest = text.partition("\n")
+    if first.lower().startswith("sep="):  # a line for spreadsheets
+        first, text = rest.partition("\n")[0], rest
+    delimiter = max(",;\t", key=first.count)
     try:
-        for row in csv.reader(io.StringIO(text, newline="")):
+        for row in csv.reader(io.StringIO(text, newline=""), delimiter=delimiter):
             if row:
                 rows.append(row)
             if len(rows) > MOST_FRAMES + 1:
                 raise FormatError(f"{file} has more than {MOST_FRAMES} rows.")
     except csv.Error as error:
-        raise FormatError(f"{file} is no table of comma-separated values: {error}.") from None
+        raise FormatError(f"{file} is no table of separated values: {error}.") from None
     if not rows:
         raise FormatError(f"{file} is empty.")
     return rows
@@ -87,6 +98,6 @@ def _columns(file: str, heads: list[str]) -> tuple[dict[str, list[int]], Unit | 
 def number(file: str, word: str) -> float:
     """A cell of a table, NaN where it is empty."""
     try:
-        return float(word) if word.strip() else np.nan
+        return float(word.replace(",", ".")) if word.strip() else np.nan
     except ValueError:
         raise FormatError(f"{file} has {word[:40]!r} where a number is expected.") from None

@@ -1,16 +1,18 @@
-"""2D keypoints in: COCO, AlphaPose, MediaPipe, SLEAP and DeepLabCut files, or OpenPose's folder.
+"""Read 2D keypoints: files of COCO, AlphaPose, MediaPipe, MMPose, SLEAP and DeepLabCut, or
+OpenPose's folder.
 
 What each kind of file looks like is in `keypoint_files`, the orders of keypoints in
-`keypose.tracker.keypoints.layouts`. Names in the file count; without them the number of keypoints
-says which layout it is; where several have that number, the limbs do. Of several people in a frame
-the most confident counts. Pixels have their centres at integers; shares of the picture's size, as
-MediaPipe writes them, become pixels where the file says how large the picture is.
+`keypose.tracker.keypoints.layouts`. Names in the file count; without them, or where they are only
+numbers, the number of keypoints says which layout it is; where several have that number, the limbs
+do. Of several people in a frame the most confident counts. Pixels have their centres at integers;
+shares of the picture's size, as MediaPipe writes them, become pixels by the size that the file
+gives, or else the video's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +20,7 @@ import numpy as np
 
 from keypose.tracker.errors import ChoiceError, FormatError, listed
 from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.people import People
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -29,6 +32,9 @@ NORMALIZED: Final = 2.0
 """No person is so small in pixels: coordinates within this are shares of the picture's size."""
 MOST_NUMBERS: Final = 10_000_000
 """Keypoints over all frames from the first to the last."""
+BEYOND: Final = 0.02
+"""Share of a file's frames, or two, that may lie beyond the video: detectors and labelled pictures
+count one more or less at its ends."""
 OTHER_RATE: Final = 0.01
 """Share by which frame rates differ of which one is not just the other one rounded."""
 
@@ -56,7 +62,27 @@ def load_keypoints(
     individual: which one, in files that tell individuals apart.
     FormatError in one sentence.
     """
-    return keypoints_of(path.name, read_people(path, individual), layout, video)
+    people = read_people(path, individual)
+    if video is not None:
+        people, _ = on_video(path.name, people, video)
+    return keypoints_of(path.name, people, layout, video)
+
+
+def on_video(
+    file: str, people: People, video: VideoFacts, offset: int = 0
+) -> tuple[People, tuple[Note, ...]]:
+    """Number frames as the video does, `offset` frames later than the file; leave out what lies
+    beyond its ends. FormatError where that is much."""
+    frames = {frame + offset: persons for frame, persons in people.frames.items()}
+    inside = {n: persons for n, persons in frames.items() if 0 <= n < video.frame_count}
+    outside = sorted(n for n in frames.keys() - inside.keys() if any(frames[n]))
+    if outside and (not inside or len(outside) > max(2, BEYOND * len(frames))):
+        raise FormatError(
+            f"{file} has keypoints at frames {min(frames)} to {max(frames)}, but the video's "
+            f"frames are 0 to {video.frame_count - 1}: choose the frame at which it begins."
+        )
+    notes = (Note("frames beyond", (len(outside), video.frame_count - 1)),) if outside else ()
+    return replace(people, frames=inside), notes
 
 
 def keypoints_of(
@@ -64,8 +90,8 @@ def keypoints_of(
 ) -> Keypoints:
     """The keypoints of the people that a file lists, the surest of them in every frame; as
     `load_keypoints`."""
+    people = _named(people)
     tables = _surest_person_by_frame(file, people)
-    _require_frames(file, sorted(tables), video)
     _require_rate(file, people.fps, video)
     size = _size(file, people, video)
     first, rows = _dense(file, tables)
@@ -172,6 +198,12 @@ def _names(file: str, people: People, layout: str | None, uv: Array) -> tuple[st
     return LAYOUTS[layout]
 
 
+def _named(people: People) -> People:
+    """Names that are only numbers, as annotation tools give them, say nothing but the order."""
+    names = people.names
+    return replace(people, names=None) if names and all(n.isdecimal() for n in names) else people
+
+
 def _own_names(file: str, given: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
     names = tuple(keypoint_name(name) for name in given)
     twice = [name for name in names if names.count(name) > 1]
@@ -185,14 +217,6 @@ def _own_names(file: str, given: tuple[str, ...], layout: str | None) -> tuple[s
 # --- the video they are of
 
 
-def _require_frames(file: str, frames: list[int], video: VideoFacts | None) -> None:
-    if video is not None and frames[-1] >= video.frame_count:
-        raise FormatError(
-            f"{file} has keypoints at frames {frames[0]} to {frames[-1]}, "
-            f"but the video's frames are 0 to {video.frame_count - 1}."
-        )
-
-
 def _require_rate(file: str, fps: float | None, video: VideoFacts | None) -> None:
     ours = None if video is None else video.fps
     if fps is not None and ours is not None and abs(fps / ours - 1) > OTHER_RATE:
@@ -202,7 +226,7 @@ def _require_rate(file: str, fps: float | None, video: VideoFacts | None) -> Non
 
 
 def _size(file: str, people: People, video: VideoFacts | None) -> tuple[float, float] | None:
-    """Width and height of the pictures, where the file gives them."""
+    """Width and height of the pictures, by the file or else the video."""
     if len(people.sizes) > 1:
         raise FormatError(f"{file} is of pictures of different sizes.")
     size = next(iter(people.sizes), None)
@@ -211,7 +235,7 @@ def _size(file: str, people: People, video: VideoFacts | None) -> tuple[float, f
             f"{file} is of pictures of {size[0]:g} × {size[1]:g} pixels; "
             f"the video's are {video.width} × {video.height}."
         )
-    return size
+    return (video.width, video.height) if size is None and video is not None else size
 
 
 def _in_pixels(file: str, uv: Array, size: tuple[float, float] | None) -> Array:

@@ -75,7 +75,7 @@ def read_recovered(file: str, arrays: Arrays) -> JointMotion:
     rate = _rate(file, arrays)
     times: Array = np.arange(len(ps)) / (rate or 1.0)
     motion = JointMotion.of(file, list(JOINTS), ps, times, params.world, None)
-    return motion if rate is not None else motion.per_frame()
+    return motion if rate is not None else motion.per_frame(file)
 
 
 def _apart(name: str) -> tuple[str, str]:

@@ -1,6 +1,12 @@
-"""Poses of SMPL in: archives of NumPy and of PyTorch, known by the names of their arrays."""
+"""Read archives of NumPy and of PyTorch, known by the names of their arrays: poses of SMPL, and
+the motion as Keypose writes it."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import NDArray
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
@@ -16,7 +22,24 @@ def read_smpl(file: str, content: bytes) -> JointMotion:
         arrays = archive_arrays(content, packed=True)
     except ValueError as error:
         raise FormatError(f"{file} is no NumPy archive of plain arrays: {error}.") from None
+    if arrays.keys() >= OWN:
+        return _read_own(file, arrays)
     return (read_recovered if is_recovered(arrays) else read_amass)(file, arrays)
+
+
+OWN = {"names", "ps_camera_joint", "time_s"}
+
+
+def _read_own(file: str, arrays: Mapping[str, NDArray[Any]]) -> JointMotion:
+    names, ps, times_s = arrays["names"], arrays["ps_camera_joint"], arrays["time_s"]
+    if (
+        names.ndim != 1
+        or (times_s.ndim, ps.shape) != (1, (len(times_s), len(names), 3))
+        or {ps.dtype.kind, times_s.dtype.kind} - set("fiu")
+    ):
+        raise FormatError(f"{file}: ps_camera_joint is not a place for each name at each time_s.")
+    given = [str(name) for name in names.tolist()]
+    return JointMotion.of(file, given, ps.astype(float), times_s.astype(float), "camera", "m")
 
 
 def read_torch(file: str, content: bytes) -> JointMotion:

@@ -463,6 +463,21 @@ def test_keypoints_of_another_video_leave_the_session_as_it_was(
     assert words in refused(capsys, path.parent, ["import", path, file, "--keypoints"])
 
 
+def test_every_labelled_picture_is_drafted_where_they_lie_far_apart(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path).model_copy(update={"keyframes": ()})
+    save_session(session, path)
+    seen, file = _coco(_keypoints("COCO_17")), path.parent / "points.json"
+    labelled = [{**seen[n], "image_id": n + 1} for n in (3, 5, 30, 70)] + [
+        {**seen[0], "image_id": 74}
+    ]
+    file.write_text(json.dumps(labelled))
+    assert _run("import", path, file, "--keypoints", "--offset-frames", "-1") == 0
+    assert [draft.frame for draft in load_session(path).drafts] == [3, 30, 70]
+    assert "Note: Left out 1 frame outside the video" in capsys.readouterr().err
+
+
 def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
     session = SESSION.model_copy(update={"keyframes": ()})
     wrong = _keypoints("BODY_25").exchanged()

@@ -77,7 +77,7 @@ def test_an_order_of_keypoints_that_may_be_several_is_to_be_chosen(
     ("name", "content", "words"),
     [
         ("walk.bvh", b"HIERARCHY\nROOT", "walk.bvh"),
-        ("walk.bvh", b"\xff\xfe\x00", "is not text"),
+        ("walk.bvh", b"\xff\xfe\x00", "HIERARCHY"),
         ("walk.trc", b"", "walk.trc"),
         ("walk.c3d", b"nothing", "does not begin as a C3D file does"),
         ("poses.npz", b"PK\x03\x04", "poses.npz"),
@@ -86,7 +86,7 @@ def test_an_order_of_keypoints_that_may_be_several_is_to_be_chosen(
         ("table.csv", b"", "table.csv"),
         ("points.slp", b"", "SLEAP project"),
         ("points.json", b"[" * 200_000, "is not JSON"),
-        ("points.json", b"{}", "no list of annotations"),
+        ("points.json", b"{}", "form that is known"),
         ("session.json", b'{"schema_version": 3}', "is a session"),
         ("shot.chan", b"1 2 3", "should have 8 numbers"),
         ("shot.glb", b"glTF", "shot.glb"),

@@ -182,7 +182,7 @@ def test_what_is_written_is_read_in_again(name: str, tmp_path: Path) -> None:
     assert (motion.world, motion.unit, motion.names) == ("z up", "m", JOINTS)
     np.testing.assert_allclose(motion.ps_world_joint, played(loaded(made)), atol=1e-9)
     known = matched(made.skeleton, motion.names, path.name)
-    assert known.convention == "SMPL"
+    assert known.convention.startswith("SMPL")
     assert {made.skeleton.body.names[place[0][0]] for place in known.places} == set(OURS.values())
 
 

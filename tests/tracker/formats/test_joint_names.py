@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.axes import flipped
 from keypose.tracker.formats.joint_names import load_names, matched
+from keypose.tracker.formats.rigs import RIGS
+from keypose.tracker.formats.rigs.rig import rig_of
 from keypose.tracker.keypoints.layouts import LAYOUTS
 
 SKELETON = Skeleton.of(preset("adult_male"))
@@ -45,6 +49,75 @@ OPENSIM = [
     "C7", *(f"{s}{m}" for s in "LR" for m in ("SHO", "ELB", "WJC", "HJC", "KNE", "ANK", "HEE")),
 ]  # fmt: skip
 
+BOTH = ("Left", "Right")
+MAKERS = {
+    "Biped": [f"Bip01 {n}" for n in ("Pelvis", "Neck", "Head")]
+    + [f"Bip01 {s} {n}" for s in "LR" for n in ("Clavicle", "UpperArm", "Forearm", "Hand")]
+    + [f"Bip01 {s} {n}" for s in "LR" for n in ("Thigh", "Calf", "Foot", "Toe0")],
+    "ARKit": [f"{s}_{n}_joint" for s in ("left", "right") for n in (
+        "shoulder_1", "arm", "forearm", "hand", "upLeg", "leg", "foot", "toes",
+    )] + ["root_joint", "hips_joint", "spine_1_joint", "neck_1_joint", "head_joint"],
+    "Unity": [f"{n}_{s}" for s in "LR" for n in (
+        "Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes",
+    )] + ["Hips", "Spine", "Chest", "Neck", "Head"],
+    "Motive": [f"{s}{n}" for s in "LR" for n in (
+        "Shoulder", "UArm", "FArm", "Hand", "Thigh", "Shin", "Foot", "Toe",
+    )] + ["Hip", "Ab", "Chest", "Neck", "Head"],
+    "Kinect": [f"{n}{s}" for s in BOTH for n in (
+        "Shoulder", "Elbow", "Wrist", "Hand", "Hip", "Knee", "Ankle", "Foot",
+    )] + ["SpineBase", "SpineMid", "Neck", "Head"],
+    "Azure Kinect": [f"{n}_{s.upper()}" for s in BOTH for n in (
+        "CLAVICLE", "SHOULDER", "ELBOW", "WRIST", "HAND", "HIP", "KNEE", "ANKLE", "FOOT", "EYE",
+    )] + ["PELVIS", "SPINE_NAVEL", "NECK", "HEAD", "NOSE"],
+    "DeepMotion": [f"{s}_{n}_JNT" for s in "lr" for n in (
+        "shoulder", "arm", "forearm", "hand", "upleg", "leg", "foot", "toebase",
+    )] + ["hips_JNT", "spine_JNT", "neck_JNT", "head_JNT"],
+    "MakeHuman": [f"{n}.{s}" for s in "LR" for n in (
+        "clavicle", "upperarm01", "upperarm02", "lowerarm01", "wrist",
+        "upperleg01", "upperleg02", "lowerleg01", "foot", "toe1-1",
+    )] + ["root", "spine05", "neck01", "head"],
+    "SOMA": [f"{s}{n}" for s in BOTH for n in (
+        "Shoulder", "Arm", "ForeArm", "Hand", "Leg", "Shin", "Foot", "ToeBase",
+    )] + ["Hips", "Spine1", "Chest", "Neck1", "Head", "HeadEnd"],
+    "MHR": [f"{s}_{n}" for s in "lr" for n in (
+        "upleg", "lowleg", "foot", "ball", "clavicle", "uparm", "lowarm", "wrist_twist", "wrist",
+    )] + ["root", "c_spine0", "c_neck", "c_head"],
+    "MikuMikuDance": [f"{s}{n}" for s in "左右" for n in (
+        "肩", "腕", "ひじ", "手首", "足", "ひざ", "足首", "つま先",
+    )] + ["センター", "首", "頭"],
+    "MikuMikuDance in English": [f"{n}_{s}" for s in "LR" for n in (
+        "shoulder", "arm", "elbow", "wrist", "leg", "knee", "ankle", "toe",
+    )],
+    "Rokoko": [f"{s}{n}" for s in BOTH for n in (
+        "Shoulder", "Arm", "ForeArm", "Hand", "Thigh", "Shin", "Foot", "Toe",
+    )] + ["Hips", "Spine", "Neck", "Head"],
+    "Xsens": [f"{s}{n}" for s in BOTH for n in (
+        "Shoulder", "UpperArm", "Forearm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toe",
+    )] + ["Pelvis", "L5", "T8", "Neck", "Head"],
+    "Xsens joints": [f"j{s}{n}" for s in BOTH for n in (
+        "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle", "BallFoot",
+    )],
+    "Perception Neuron": [f"Robot_{s}{n}" for s in BOTH for n in (
+        "Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot",
+    )] + ["Robot_Hips", "Robot_Spine", "Robot_Neck", "Robot_Head"],
+    "Human3.6M": ["Hip", "Spine", "Thorax", "Nose", "Head"] + [f"{s}{n}" for s in "RL" for n in (
+        "Hip", "Knee", "Foot", "Shoulder", "Elbow", "Wrist",
+    )],
+    "MocapNET": [f"{s}{n}" for s in "lr" for n in (
+        "Collar", "Shoulder", "Elbow", "Hand", "Buttock", "Hip", "Knee", "Foot",
+    )] + ["hip", "abdomen", "chest", "neck", "head"],
+    "DAZ Genesis": [f"{s}{n}" for s in "lr" for n in (
+        "Collar", "ShldrBend", "ForearmBend", "Hand", "ThighBend", "Shin", "Foot", "Toe",
+    )],
+    "iPi": [f"{s}{n}" for s in "LR" for n in (
+        "Clavicle", "Shoulder", "Forearm", "Hand", "Thigh", "Shin", "Foot", "Toe",
+    )],
+    "OpenSim bodies": [f"{n}_{s}" for s in "rl" for n in (
+        "femur", "tibia", "talus", "calcn", "toes", "humerus", "ulna", "radius", "hand",
+    )],
+}  # fmt: skip
+"""Names as other makers' files have them."""
+
 
 def _found(names: list[str] | tuple[str, ...]) -> dict[str, str]:
     return {names[i]: ours for i, ours, _ in matched(SKELETON, names, "a.bvh").known}
@@ -52,11 +125,38 @@ def _found(names: list[str] | tuple[str, ...]) -> dict[str, str]:
 
 @pytest.mark.parametrize(
     "names",
-    [MIXAMO, CMU_BVH, CMU_ASF, OPENSIM, SKELETON.body.names, *LAYOUTS.values()],
-    ids=["Mixamo", "CMU BVH", "CMU", "OpenSim", "own", *LAYOUTS],
+    [
+        *(MIXAMO, CMU_BVH, CMU_ASF, OPENSIM, SKELETON.body.names),
+        *LAYOUTS.values(),
+        *MAKERS.values(),
+    ],
+    ids=["Mixamo", "CMU BVH", "CMU", "OpenSim", "own", *LAYOUTS, *MAKERS],
 )
 def test_the_usual_names_find_all_limbs(names: list[str]) -> None:
     assert set(_found(names).values()) >= LIMBS
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_the_bones_that_are_exported_are_known_where_they_are(rig: str) -> None:
+    bones = rig_of(SKELETON, rig)
+    known = matched(SKELETON, bones.names, "a.bvh")
+    assert {place[0][0] for place in known.places} >= {SKELETON.body.index(p) for p in LIMBS}
+    for index, _, ((part, p_part),) in known.known:
+        T_world_part = bones.Ts_world_part[part]
+        p_world = T_world_part[:3, :3] @ flipped(np.array(p_part)) + T_world_part[:3, 3]
+        assert np.allclose(p_world, bones.Ts_world_bone[index, :3, 3], atol=1e-9)
+
+
+def test_a_foot_is_the_ankle_where_no_other_name_is() -> None:
+    found = _found(MAKERS["Human3.6M"])
+    assert (found["LKnee"], found["LFoot"]) == ("left_shin", "left_foot")
+    assert _found(MAKERS["Kinect"])["FootLeft"] == "left_toe"
+    assert _found(MAKERS["MocapNET"])["rHand"] == "right_hand"
+
+
+def test_a_wrist_lies_between_its_markers() -> None:
+    names = ["LSHO", "LELB", "LWRA", "LWRB", "LKNE", "LWRA+LWRB"]
+    assert _found(names)["LWRA+LWRB"] == "left_hand"
 
 
 def test_a_shoulder_is_a_collar_bone_where_the_arm_has_its_own_name() -> None:
@@ -75,8 +175,8 @@ def test_left_stays_left_however_the_name_is_written() -> None:
 
 def test_what_has_no_place_is_left_out_and_reported() -> None:
     result = matched(SKELETON, MIXAMO, "a.bvh")
-    assert set(result.left_out) >= {"mixamorig:Spine", "mixamorig:LeftShoulder"}
-    assert result.convention == "Mixamo, MotionBuilder"
+    assert set(result.left_out) >= {"mixamorig:Spine1", "mixamorig:LeftShoulder"}
+    assert result.convention == "Mixamo"
 
 
 def test_the_nose_is_before_the_head_and_the_left_ear_on_its_left() -> None:

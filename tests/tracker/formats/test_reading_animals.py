@@ -69,8 +69,8 @@ def test_labelled_pictures_are_frames_by_their_numbers_and_seen_for_sure(tmp_pat
 
 
 def test_keypoints_of_another_film_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="frames are 0 to 3"):
-        load_keypoints(WRITERS["DLC table"](tmp_path), video=VideoFacts(4, 640, 480))
+    with pytest.raises(FormatError, match="frames are 0 to 2"):
+        load_keypoints(WRITERS["DLC table"](tmp_path), video=VideoFacts(3, 640, 480))
 
 
 def test_without_h5py_a_sentence_says_what_to_install(

@@ -187,7 +187,7 @@ def test_poses_may_be_matrices_and_have_a_batch_of_one(tmp_path: Path) -> None:
 def test_poses_of_another_film_want_a_rate(tmp_path: Path) -> None:
     motion = load_motion(_npz(tmp_path / "a.npz", **_under("smpl_params_incam")))
     with pytest.raises(
-        FormatError, match=r"one for each frame, and the video 30 frames: give the poses' rate"
+        FormatError, match=r"one for each frame, and the video 30 frames: give the rows' rate"
     ):
         fit_to_session(SESSION, motion, "a.npz", TIMES_S[:30])
     assert not motion.at_rate(60.0).is_per_frame

@@ -1,0 +1,29 @@
+"""Text of files from elsewhere: encodings, and numbers with decimal commas."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),  # begins as UTF-16 does
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+
+def decoded(content: bytes) -> str:
+    """Decode text by the mark at its beginning, else as UTF-8.
+
+    What is in another encoding becomes replacement characters: names and numbers that can be known
+    are ASCII, or the file is UTF-8.
+    """
+    encoding = next((name for mark, name in _MARKS if content.startswith(mark)), "utf-8")
+    return content.decode(encoding, errors="replace")
+
+
+def with_decimal_points(text: str) -> str:
+    """Write decimal commas as points, in text whose numbers stand apart by blanks or tabs."""
+    return re.sub(r"(?<=\d),(?=\d)", ".", text) if "," in text else text
