@@ -33,7 +33,7 @@ LYING_DEG = 60.0
 UPRIGHT = 0.7
 """Cosine to an axis of what points along it."""
 Bones: TypeAlias = dict[tuple[int, int], tuple[float, float]]
-"""By pairs of places at a fixed distance: length on the body, metres, and its ratio to the file's."""
+"""Pairs of places at a fixed distance: metres on the body, and the ratio to the file's length."""
 _UP_AT_REST = np.array([0.0, -1.0, 0.0])
 
 
