@@ -27,6 +27,7 @@ from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
+from keypose.tracker.formats.text import decoded
 from keypose.tracker.session import Session
 from keypose.tracker.video.info import VideoInfo
 
@@ -88,7 +89,7 @@ def _content(path: Path) -> bytes:
 
 def _kind_of_json(file: str, content: bytes) -> Kind:
     try:
-        data = json.loads(content)
+        data = json.loads(decoded(content))
     except (ValueError, RecursionError):
         raise FormatError(f"{file} is not JSON.") from None
     if isinstance(data, dict) and data.get("format") == "keypose camera":

@@ -83,7 +83,8 @@ def _single(file: str, individual: str | None, people: People) -> People:
 
 def _json(path: Path, largest: int) -> Any:
     try:
-        return from_json(read_regular(path, largest))
+        content = read_regular(path, largest)
+        return from_json(decoded(content) if content[:1] in b"\xef\xff\xfe" else content)
     except TooLarge:
         raise FormatError(f"{path.name} is too large for keypoints.") from None
     except ValueError:

@@ -1,7 +1,8 @@
 """Read C3D files: markers as motion capture systems write them; by ezc3d, an optional extra.
 
 The unit is the file's own; z is up unless POINT:Y_SCREEN says +Y. A marker with a negative residual
-was not seen. Time runs from the trial's first frame, also where the file begins later.
+was not seen. Points without a label are left out, and so is a second one of the same label. Time
+runs from the trial's first frame, also where the file begins later.
 """
 
 from __future__ import annotations
@@ -39,10 +40,13 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
         raise FormatError(f"{file} lacks the markers' labels, rate or unit.") from None
     if unit is None or not 1e-4 < rate < 1e6:
         raise FormatError(f"{file} lacks the markers' rate or unit.")
-    if len(names) != points.shape[1]:
-        raise FormatError(f"{file} has {points.shape[1]} points and labels of {len(names)}.")
-    require_size(file, points.shape[2], points.shape[1])
+    first_of = {name: i for i, name in reversed(list(enumerate(names))) if name}
+    if not first_of:
+        raise FormatError(f"{file} has no labels of its points.")
+    require_size(file, points.shape[2], len(first_of))
     positions = np.where(seen[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
+    labelled = sorted(first_of.values())
+    names, positions = [names[i] for i in labelled], positions[labelled]
     times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
     return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
 

@@ -21,24 +21,28 @@ from keypose.tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit,
 from keypose.tracker.formats.text import decoded
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
-_TIMES = ("time_s", "time", "t", "timestamp")
-_FRAMES = ("fnum", "frame", "frame_number")
+_TIMES = {"times": 1.0, "time": 1.0, "t": 1.0, "timesec": 1.0, "timeseconds": 1.0, "seconds": 1.0,
+          "timems": 1e-3, "tms": 1e-3}  # fmt: skip
+"""Seconds in a column's unit by its name's letters: `time_s`, `Time [s]`, `time (ms)`."""
+_FRAMES = ("fnum", "frame", "framenumber")
 
 
 def read_csv(file: str, content: bytes) -> JointMotion:
     """The motion in a table; FormatError in one sentence."""
     rows = rows_of(file, decoded(content))
     heads = [head.strip() for head in rows[0]]
-    lower = [head.lower() for head in heads]
-    time = next((lower.index(head) for head in _TIMES if head in lower), None)
-    frame = next((lower.index(head) for head in _FRAMES if head in lower), None)
+    while len(heads) > 1 and not heads[-1]:  # spreadsheets end every row with a separator
+        heads.pop()
+    letters = [re.sub(r"[^a-z]", "", head.lower()) for head in heads]
+    time = next((i for i, word in enumerate(letters) if word in _TIMES), None)
+    frame = next((i for i, word in enumerate(letters) if word in _FRAMES), None)
     clock = frame if time is None else time
     columns, unit = _columns(file, heads)
     require_size(file, len(rows) - 1, len(columns))
     table = np.full((len(rows) - 1, len(heads)), np.nan)
     wanted = [i for axes in (*columns.values(), [] if clock is None else [clock]) for i in axes]
     for row, cells in enumerate(rows[1:]):
-        if len(cells) != len(heads):
+        if len(cells) < len(heads) or any(cells[len(heads) :]):
             raise FormatError(
                 f"{file}: row {row + 2} has {len(cells)} columns where {len(heads)} are due."
             )
@@ -48,6 +52,7 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     ours = unit == "m" and heads[:2] == ["frame", "time_s"]
     world: World = "camera" if ours else "y up"
     times = np.arange(len(table), dtype=np.float64) if clock is None else table[:, clock]
+    times = times * (1.0 if time is None else _TIMES[letters[time]])
     motion = JointMotion.of(file, list(columns), positions, times, world, unit)
     return motion if time is not None else motion.per_frame(file)
 

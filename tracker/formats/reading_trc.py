@@ -57,13 +57,9 @@ def _notes(header: dict[str, str], rows: int, markers: int) -> tuple[Note, ...]:
 
 
 def _numbers(file: str, line: str, count: int) -> Array:
-    """A row's numbers, NaN where its cells are empty; missing cells at its end are empty."""
-    cells = [cell.strip() for cell in line.rstrip("\r\n").split("\t")]
-    while len(cells) > count and not cells[-1]:
-        cells.pop()
+    """A row's numbers, NaN where its cells are empty or missing; what follows is of no marker."""
+    cells = [cell.strip() for cell in line.rstrip("\r\n").split("\t")][:count]
     cells += [""] * (count - len(cells))
-    if len(cells) > count:
-        raise FormatError(f"{file} has a row of {len(cells)} columns where {count} are due.")
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:

@@ -65,7 +65,9 @@ def _mmpose_folder(folder: Path) -> Path:
 def _numbered(folder: Path) -> Path:
     names = [str(n + 1) for n in range(17)]
     annotations = [{"image_id": n + 12, "keypoints": _numbers(n)} for n in range(3)]
-    return _write(folder, {"annotations": annotations, "categories": [{"keypoints": names}]})
+    path = _write(folder, {"annotations": annotations, "categories": [{"keypoints": names}]})
+    path.write_text(path.read_text(), encoding="utf-8-sig")
+    return path
 
 
 def _landmarks(folder: Path) -> Path:

@@ -50,6 +50,10 @@ def _semicolons(text: str) -> str:
         ("a.csv", CSV.replace(",", "\t"), "hip", 2),
         ("a.csv", "sep=;\r\n" + _semicolons(CSV), "hip", 2),
         ("a.csv", CSV.encode("utf-16"), "hip", 2),
+        ("a.csv", CSV.replace("time", "Time [s]"), "hip", 2),
+        ("a.csv", CSV.replace("time", "t (ms)").replace("\n0.1,", "\n100,"), "hip", 2),
+        ("a.csv", CSV.replace("\n0,", ",\n0,").replace(",,\n", ",,,\n"), "hip", 2),
+        ("a.trc", TRC.replace("900\t5\t\t\t\n", "900\t5\t\t\t\t7\t7\t7\n"), "RHIP", 2),
     ],
     ids=lambda value: "" if isinstance(value, str | bytes) else None,
 )
@@ -61,6 +65,7 @@ def test_files_of_another_country_or_maker_hold_the_same_motion(
     assert joints in found.names
     assert len(found) == frames
     assert np.allclose(found.ps_world_joint, expected.ps_world_joint[:frames], equal_nan=True)
+    assert np.allclose(found.times_s, expected.times_s[:frames])
     assert not found.notes
 
 
@@ -123,6 +128,16 @@ def test_a_table_without_times_has_a_row_for_each_frame_or_a_rate(
 def test_labels_of_many_points_go_on_in_further_parameters(tmp_path: Path) -> None:
     motion = load_motion(_c3d(tmp_path, [f"M{n:03}" for n in range(300)]))
     assert motion.names == tuple(f"M{n:03}" for n in range(300))
+
+
+def test_points_without_a_label_and_labels_again_are_left_out(tmp_path: Path) -> None:
+    motion = load_motion(_c3d(tmp_path, ["", "a", "b", "a"]))
+    assert motion.names == ("a", "b")
+    assert np.array_equal(
+        motion.ps_world_joint, load_motion(tmp_path / "points.c3d").ps_world_joint
+    )
+    with pytest.raises(FormatError, match="no labels"):
+        load_motion(_c3d(tmp_path, ["", ""]))
 
 
 def test_of_several_subjects_one_is_asked_for(tmp_path: Path) -> None:
