@@ -86,7 +86,13 @@ def add(commands: Subcommands) -> None:
         choices=MARKER_SETS,
         default="keypose",
         help="of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
-        "names of Pose2Sim, x ahead, y up, z right, on the floor; default: keypose",
+        "names of Pose2Sim; default: keypose",
+    )
+    command.add_argument(
+        "--from-zero",
+        action="store_true",
+        help="times and frames begin at 0, as game engines and web players expect, and not where "
+        "they are in the film",
     )
     command.add_argument(
         "--model",
@@ -165,6 +171,7 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
         arguments.rig or OWN,
         arguments.unit or "m",
         arguments.markers,
+        arguments.from_zero,
     )
 
 

@@ -6,7 +6,7 @@ import io
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.formats.floor_world import with_floor
 from keypose.tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
 from keypose.tracker.formats.rigs import OWN
-from keypose.tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
+from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.formats.units import FileUnit
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
@@ -49,6 +49,7 @@ class Sampling:
     rig: whose bones a format has that has bones, by name (`keypose.tracker.formats.rigs`).
     unit: of lengths in a format that names none.
     marker_set: which markers files of markers have.
+    from_zero: whether times and frames begin at 0 instead of where they are in the film.
     """
 
     rate: float | None = None
@@ -57,6 +58,7 @@ class Sampling:
     rig: str = OWN
     unit: FileUnit = "m"
     marker_set: MarkerSetName = "keypose"
+    from_zero: bool = False
 
 
 AS_TRACKED = Sampling()
@@ -74,7 +76,8 @@ def sampled(recording: Recording, sampling: Sampling, own_times: bool) -> Record
         made = at_rate(made, sampling.rate)
     elif not own_times and not made.is_even:
         made = at_rate(made, made.rate or made.frames_per_second)
-    return made if sampling.frames is None else _between(made, sampling.frames)
+    made = made if sampling.frames is None else _between(made, sampling.frames)
+    return from_zero(made) if sampling.from_zero else made
 
 
 def _between(recording: Recording, frames: Span) -> Recording:
@@ -107,7 +110,19 @@ def sampling_words(
         names = listed([name.upper() for name in even])
         verb = "has" if len(even) == 1 else "have"
         sentences.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
+    first = recording.frames[0] if sampling.frames is None else sampling.frames[0]
+    timeless = [name for name in formats if name in TIMELESS]
+    if first and timeless:
+        names, verb = (
+            listed([name.upper() for name in timeless]),
+            "begins" if len(timeless) == 1 else "begin",
+        )
+        sentences.append(f"{names} {verb} at frame {first} of the film, which the file cannot say.")
     return " ".join(sentences) or None
+
+
+TIMELESS: Final = ("bvh", "amass")
+"""Formats that cannot say when they begin."""
 
 
 def motion_files(

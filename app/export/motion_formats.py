@@ -159,7 +159,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         _usd, ("motion.usd",), gaps=False, rigged=True,
     ),
     "trc": Format(
-        "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
+        "joints as markers for OpenSim, millimetres, metres with --markers halpe26; x ahead, y up, "
+        "z right, on the floor",
         _trc, ("motion.trc",), "text/plain",
     ),
     "mot": Format(
@@ -168,8 +169,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         _mot, ("motion.mot",), "text/plain",
     ),
     "c3d": Format(
-        "joints as markers for motion laboratories, millimetres; x right, y up, z toward the "
-        "camera",
+        "joints as markers for motion laboratories, millimetres; x ahead, y up, z right, on the "
+        "floor",
         _c3d, ("motion.c3d",),
     ),
     "csv": Format(

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -53,7 +53,7 @@ def files_for_model(
     person's, or where the motion has gaps.
     """
     model = read_model(model_path)
-    made = replace(sampled(recording, sampling, own_times=False), on_ground=True).whole("MOT")
+    made = sampled(recording, sampling, own_times=False).whole("MOT")
     body = made.skeleton.body
     markers = markers_of(body, made.marker_set)
     sizes = scaled(model, body, markers)

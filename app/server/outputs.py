@@ -83,11 +83,14 @@ class Motion(Message):
     fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
     rig: str = OWN
     unit: FileUnit = "m"
+    from_zero: bool = False
 
     @property
     def sampling(self) -> Sampling:
         ends = None if self.first is None or self.last is None else (self.first, self.last)
-        return Sampling(self.fps, self.filter_hz, ends, self.rig, self.unit)
+        return Sampling(
+            self.fps, self.filter_hz, ends, self.rig, self.unit, from_zero=self.from_zero
+        )
 
 
 QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(

@@ -26,6 +26,7 @@ const PATIENCE = 20; // looks in a row without an answer, before it is given up
  * @property {string} filter  Hertz; empty: none.
  * @property {string} rig  Whose bones formats have that have bones; a key of RIGS.
  * @property {string} unit  Of lengths in BVH; a key of UNITS.
+ * @property {boolean} fromZero  Whether times begin at 0 instead of where they are in the film.
  */
 
 /** The rigs as of `tracker/formats/rigs`. */
@@ -44,7 +45,7 @@ export function usualOptions() {
   return {
     what: 'film', view: 'main', size: 'own', style: /** @type {Options['style']} */ (server.view?.mode ?? 'both'),
     first: String(keys[0] ?? 0), last: String(keys.at(-1) ?? 0), fps: '', frames: 'keyframes', background: 'video',
-    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '', rig: 'keypose', unit: 'm',
+    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '', rig: 'keypose', unit: 'm', fromZero: false,
   };
 }
 
@@ -67,12 +68,13 @@ export function orderOf(options, { opacity = 0.5, tint = 'clay', frame: now, eye
 }
 
 /** The address of the motion that is chosen. @param {Options} options */
-export function motionAddress({ format, filter, fps, first, last, rig, unit }) {
+export function motionAddress({ format, filter, fps, first, last, rig, unit, fromZero }) {
   const query = new URLSearchParams({ format });
   if (filter !== '') query.set('filter_hz', filter);
   if (fps !== '') query.set('fps', fps);
   if (rig !== 'keypose') query.set('rig', rig);
   if (unit !== 'm') query.set('unit', unit);
+  if (fromZero) query.set('from_zero', 'true');
   query.set('first', first);
   query.set('last', last);
   return `/motion?${query}`;

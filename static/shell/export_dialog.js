@@ -125,9 +125,9 @@ const keyframeSheet = (options) => html`${field('Columns', text('Columns', 'colu
 function motion(options) {
   const { format } = options;
   const off = Object.values(MOTION).map(notInstalled).filter(Boolean);
-  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : '';
+  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : remarkOf(format);
   return html`${field('Format', formats(format), left)}${rigs(options)}${units(options)}
-    ${range()}${rate()}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+    ${range()}${rate()}${times(options)}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
 }
 
 function formats(format) {
@@ -137,6 +137,15 @@ function formats(format) {
   return dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) });
 }
 
+/** What a person should know of a format before choosing it. */
+const remarkOf = (format) => Object.values(MOTION).find((kind) => String(kind.label).toLowerCase() === format)?.remark ?? '';
+
+/** Whether times are those of the film. */
+const times = ({ fromZero }) => field('Times', segmented({
+  label: 'Times', value: fromZero ? 'zero' : 'film', act: (from) => change({ fromZero: from === 'zero' }),
+  options: [{ id: 'film', label: 'As in the video' }, { id: 'zero', label: 'From 0' }],
+}), fromZero ? 'for game engines and web players' : '');
+
 /** Whose bones there are to be, where the format has bones. */
 function rigs({ format, rig }) {
   const rigged = Object.values(MOTION).filter((kind) => 'rigged' in kind && kind.rigged).map(({ label }) => String(label));
@@ -145,7 +154,7 @@ function rigs({ format, rig }) {
   return field('Rig', dropdown({
     label: 'Rig', value: rig, text: RIGS[rig], kind: 'field', act: (id) => change({ rig: id }),
     options: Object.entries(RIGS).map(([id, label]) => ({ id, label, off: id === 'keypose' ? '' : off })),
-  }), format === 'all' ? `of ${joined(rigged)}` : '');
+  }), rig === 'mixamo' ? 'three.js drops the colons of its names' : format === 'all' ? `of ${joined(rigged)}` : '');
 }
 
 /** In which unit lengths are, where the format cannot say it. */

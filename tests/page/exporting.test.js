@@ -48,6 +48,7 @@ test('bones are asked for by the name of a rig, the body’s own by none', () =>
 });
 
 test('lengths of BVH are asked for in the unit that was chosen, metres without a word', () => {
+  assert.equal(motionAddress({ ...OPTIONS, format: 'glb', fromZero: true }), '/motion?format=glb&from_zero=true&first=0&last=40');
   assert.equal(motionAddress({ ...OPTIONS, format: 'bvh', unit: 'cm' }), '/motion?format=bvh&unit=cm&first=0&last=40');
 });
 

@@ -1,10 +1,9 @@
 """The motion as C3D, the file of motion laboratories, written by ezc3d.
 
-Points and axes are those of the recording's markers (`keypose.tracker.formats.marker_sets`):
-joints and landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on
-the ground, where +X is ahead. Millimetres, as POINT:UNITS says. Points are single precision, good
-to a thousandth of a millimetre. Where a frame is not tracked its points have the residual −1,
-"invalid" in C3D. The events are heel strikes and toe offs of a person who walks
+Points are those of the recording's markers (`keypose.tracker.formats.marker_sets`), on the ground
+as in TRC and MOT: x ahead, y up, z right. Millimetres, as POINT:UNITS says. Points are single
+precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
+residual −1, "invalid" in C3D. The events are heel strikes and toe offs of a person who walks
 (`keypose.tracker.tracking.space.gait`). There are no analog channels. Frames are evenly spaced, as
 C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
 motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
@@ -24,9 +23,9 @@ from keypose.tracker.formats.recording import Recording
 
 MM_PER_M = 1000.0
 
-LAST_FRAME = 65_535
+LAST_FRAME = 65_534
 MOST_POINTS = 255
-"""The file's numbers for these have two bytes and one."""
+"""The file's numbers for these have two bytes and one; the largest frame means more than that."""
 
 LONGEST_LABEL = 127
 """Bytes of a point's name: some readers take a longer length for a negative one."""

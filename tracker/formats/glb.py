@@ -171,6 +171,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
             "yfov": 2 * math.atan(camera.height / 2 / camera.fy),
             "aspectRatio": camera.width * camera.fy / (camera.height * camera.fx),
             "znear": NEAR_M,
+            "zfar": FAR_M,
         }
         return {"name": "camera", "type": "perspective", "perspective": seen, "extras": exact}
     scale = camera.telephoto_distance_m

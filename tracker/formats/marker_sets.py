@@ -1,12 +1,10 @@
 """Which markers files of markers (TRC, C3D) have, by the name of the set.
 
-keypose:  every joint and landmark of the body, under its own name; x right, y up, z toward
-          the camera, as in `keypose.tracker.formats.axes`, or, for a model, on the ground.
+keypose:  every joint and landmark of the body, under its own name.
 halpe26:  the markers of HALPE_26 by the names of Pose2Sim (Pagnon et al. 2021) and its marker file
-          for full-body models after Rajagopal et al. (2016), eyes and ears left out as there; on
-          the ground.
+          for full-body models after Rajagopal et al. (2016), eyes and ears left out as there.
 
-On the ground x is ahead, y up and z right, as `keypose.tracker.body.ground` says.
+They lie on the ground, x ahead, y up and z right, as `keypose.tracker.body.ground` says.
 """
 
 from __future__ import annotations
@@ -20,7 +18,6 @@ import numpy as np
 from keypose.tracker.body.body import Body, Point
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.axes import flipped
 from keypose.tracker.formats.names import column_names
 from keypose.tracker.formats.recording import MarkerSetName, Recording
 from keypose.tracker.geometry.rotations import Array
@@ -84,11 +81,11 @@ def markers_of(body: Body, marker_set: MarkerSetName) -> tuple[Marker, ...]:
 
 
 def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
-    """The markers' names and where they are (N, M, 3) in the file's axes, metres, of the set that
-    the recording is to be written with."""
+    """The markers' names and where they are on the ground (N, M, 3), metres, of the set that the
+    recording is to be written with."""
     if recording.marker_set == "keypose":
-        ps, names = recording.ps_camera_joint, column_names(recording.skeleton)
-        return names, recording.ground.points(ps) if recording.on_ground else flipped(ps)
+        names = column_names(recording.skeleton)
+        return names, recording.ground.points(recording.ps_camera_joint)
     body = recording.skeleton.body
     markers = markers_of(body, recording.marker_set)
     points = tuple(((body.index(one.part), one.p_part),) for one in markers)

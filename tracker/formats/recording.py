@@ -76,7 +76,6 @@ class Recording:
                body stands.
     pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
-    on_ground: whether these files are on the ground, whatever their markers.
     """
 
     skeleton: Skeleton
@@ -95,7 +94,6 @@ class Recording:
     timecode: Timecode | None = None
     pins: tuple[Pin, ...] = ()
     marker_set: MarkerSetName = "keypose"
-    on_ground: bool = False
 
     @classmethod
     def of(

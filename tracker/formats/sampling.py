@@ -57,6 +57,13 @@ def at_rate(recording: Recording, rate: float) -> Recording:
     )  # fmt: skip
 
 
+def from_zero(recording: Recording) -> Recording:
+    """The recording with its first frame as frame 0 at time 0, as players of clips expect it."""
+    tracks = replace(recording.tracks, first_frame=0)
+    times_s = frozen(recording.times_s - recording.times_s[0])
+    return replace(recording, tracks=tracks, times_s=times_s, sampled_at=recording.film_frames)
+
+
 def low_passed(recording: Recording, cutoff_hz: float) -> Recording:
     """The recording without motion that is faster than the cut-off; an uneven one is made even.
 

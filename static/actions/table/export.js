@@ -10,9 +10,9 @@ import { FILTER_HZ, hasMotion, saveMotion, saveReport } from '../export.js';
 /** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones;
  * what some need is an extra of the same name. */
 export const MOTION = {
-  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz'), rigged: true },
+  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz'), rigged: true, remark: 'It cannot say where in the film it begins' },
   saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
-  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya'), rigged: true, needs: 'usd-core' },
+  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya'), rigged: true, needs: 'usd-core', remark: 'Blender takes frames as they are: set its frame rate to the video’s' },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
   saveMot: motion('mot', 'rot', 'OpenSim joint angles'),
   saveC3d: { ...motion('c3d', 'ghost', 'motion laboratories'), needs: 'ezc3d' },

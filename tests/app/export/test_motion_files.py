@@ -134,6 +134,24 @@ def test_a_unit_for_a_format_that_names_its_own_is_refused(
     assert refused(capsys, path.parent, command) == words
 
 
+def test_times_begin_at_0_where_that_is_asked_for_by_both_doors(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    asked = {"format": "glb", "first": "4", "last": "8", "from_zero": "true"}
+    from_zero = motion_archive("glb", edit, MOTION.validate_strings(asked).sampling).content
+    files = exported(path, "glb,bvh,csv", "--frames", "4-8", "--from-zero")
+    assert files["motion.glb"] == from_zero
+    assert "BVH begins at frame 4 of the film" in capsys.readouterr().err
+    film = exported(path, "glb,csv", "--frames", "4-8")
+    times_s, film_s = (Player.of(one["motion.glb"]).times_s for one in (files, film))
+    assert times_s[0] == 0.0
+    np.testing.assert_allclose(times_s, film_s - film_s[0], atol=1e-6)
+    table = columns(files["frames.csv"])
+    assert table["frame"].tolist() == list(range(5))
+    assert table["film_frame"].tolist() == list(range(4, 9))
+
+
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [

@@ -63,9 +63,10 @@ def test_markers_of_the_setups_are_those_of_the_table_and_stand_upright(
     for setup, tag in (("markers.xml", "Marker"), ("ik.xml", "IKMarkerTask")):
         root = ElementTree.fromstring(files[setup])
         assert [element.get("name") for element in root.iter(tag)] == names
-    heights_mm = [float(cell) for cell in lines[6].split("\t")[3::3] if cell]
-    assert min(heights_mm) > -60
-    assert 1400 < max(heights_mm) < 2000
+    unit = dict(zip(lines[1].split("\t"), lines[2].split("\t"), strict=True))["Units"]
+    heights_m = [float(cell) / {"mm": 1000, "m": 1}[unit] for cell in lines[6].split("\t")[3::3]]
+    assert min(heights_m) > -0.06
+    assert 1.4 < max(heights_m) < 2.0
 
 
 @pytest.mark.usefixtures("without_opensim")

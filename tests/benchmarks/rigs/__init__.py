@@ -12,7 +12,7 @@ import importlib
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.table import Report
 
-PROGRAMS = ("blender", "blender_bones", "three_js", "opensim")
+PROGRAMS = ("readers", "blender", "blender_bones", "three_js", "opensim")
 
 
 def rigs(report: Report) -> None:

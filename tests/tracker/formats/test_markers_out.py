@@ -16,9 +16,10 @@ from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.c3d import c3d
-from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName, Recording
 from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.formats.trc import trc
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from tests.rendering.motions import crossing
 from tests.tracker.formats import recordings
@@ -51,14 +52,19 @@ def read_trc(text: str) -> Table:
     assert lines[-1] == ""
     rows = [line.split("\t") for line in lines[6:-1]]
     for row in rows:
-        assert row.pop() == ""  # every cell ends in a tab, also an empty last one
         assert len(row) == 2 + 3 * count
-    numbers = [[float(cell) if cell else np.nan for cell in row[2:]] for row in rows]
+        assert all(row)  # OpenSim refuses a row whose last cell is empty
+    numbers = [[float(cell) for cell in row[2:]] for row in rows]
     positions = np.array(numbers).reshape(len(rows), count, 3)
     assert len(rows) == int(header["NumFrames"])
     return Table(
         header, names[2:], [int(r[0]) for r in rows], [float(r[1]) for r in rows], positions
     )
+
+
+def _on_ground(made: Recording) -> Array:
+    """Joints and landmarks (N, J, 3), metres: x ahead, y up, z right."""
+    return made.ground.points(made.trajectory.joints(made.skeleton))
 
 
 @pytest.mark.parametrize("name", recordings.NAMES)
@@ -69,10 +75,38 @@ def test_trc_holds_every_joint_in_millimetres_with_y_up(name: str) -> None:
     assert table.names == list(joint_names(made.skeleton))
     assert table.frames == list(made.frames)
     np.testing.assert_allclose(table.times_s, made.times_s, atol=1e-6)
-    np.testing.assert_allclose(table.positions / 1e3, recordings.joints_in_file(made), atol=1e-6)
+    np.testing.assert_allclose(table.positions / 1e3, _on_ground(made), atol=1e-6)
     rate = (len(made) - 1) / (made.times_s[-1] - made.times_s[0])
     assert float(table.header["DataRate"]) == pytest.approx(rate)
     assert float(table.header["CameraRate"]) == pytest.approx(rate)
+
+
+@pytest.mark.parametrize("marker_set", MARKER_SETS)
+def test_markers_stand_on_the_floor_and_look_ahead_in_trc_as_in_c3d(
+    marker_set: MarkerSetName, tmp_path: Path
+) -> None:
+    made = replace(recordings.recording("person"), marker_set=marker_set)
+    table = read_trc(trc(made, "motion.trc"))
+    per_metre = {"mm": 1000.0, "m": 1.0}[table.header["Units"]]
+    assert (marker_set, per_metre) in [("keypose", 1000.0), ("halpe26", 1.0)]
+    ps = table.positions / per_metre
+    point = read_c3d(c3d(made), tmp_path)
+    in_c3d = np.moveaxis(point["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
+    np.testing.assert_allclose(ps, in_c3d, atol=1e-5)
+    assert -0.06 < ps[..., 1].min() < 0.12
+    assert 1.4 < ps[..., 1].max() < 2.0
+    place = {name.lower(): ps[:, i] for i, name in enumerate(table.names)}
+    toe, heel = ("left_toe", "left_heel") if marker_set == "keypose" else ("lbigtoe", "lheel")
+    ahead = (place[toe] - place[heel]).mean(axis=0)
+    assert ahead[0] > 0.5 * np.linalg.norm(ahead)
+
+
+def test_a_whole_rate_is_a_whole_number_in_trc() -> None:
+    made = recordings.recording("person")
+    whole = replace(made, times_s=np.array(made.frames) / 30, rate=30.0)
+    assert read_trc(trc(whole, "motion.trc")).header["DataRate"] == "30"
+    film = replace(made, times_s=np.array(made.frames) * 1001 / 30000, rate=30000 / 1001)
+    assert read_trc(trc(film, "motion.trc")).header["DataRate"] == "29.97003"
 
 
 def test_trc_leaves_frames_empty_that_are_not_tracked() -> None:
@@ -81,9 +115,7 @@ def test_trc_leaves_frames_empty_that_are_not_tracked() -> None:
     missing = np.isnan(table.positions).all(axis=(1, 2))
     assert np.flatnonzero(missing).tolist() == list(range(25, 48))
     assert table.frames == list(range(73))
-    np.testing.assert_allclose(
-        table.positions / 1e3, recordings.joints_in_file(made), atol=1e-6, equal_nan=True
-    )
+    np.testing.assert_allclose(table.positions / 1e3, _on_ground(made), atol=1e-6, equal_nan=True)
 
 
 def test_markers_with_blanks_are_one_word_in_trc() -> None:
@@ -115,7 +147,7 @@ def test_c3d_holds_every_joint_in_millimetres_with_y_up(name: str, tmp_path: Pat
     assert file["header"]["points"]["last_frame"] == len(made) - 1
     assert file["parameters"]["ANALOG"]["USED"]["value"][0] == 0
     found = np.moveaxis(file["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
-    np.testing.assert_allclose(found, recordings.joints_in_file(made), atol=1e-5)
+    np.testing.assert_allclose(found, _on_ground(made), atol=1e-5)
     assert (file["data"]["meta_points"]["residuals"] >= 0).all()
 
 
@@ -133,7 +165,7 @@ def test_frames_keep_their_numbers_where_the_first_keyframe_is_late(tmp_path: Pa
     assert file["header"]["points"]["first_frame"] == 24
     assert file["header"]["points"]["last_frame"] == 72
     found = np.moveaxis(file["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
-    np.testing.assert_allclose(found, recordings.joints_in_file(made), atol=1e-5)
+    np.testing.assert_allclose(found, _on_ground(made), atol=1e-5)
     table = read_trc(trc(made, "motion.trc"))
     assert table.frames == list(range(24, 73))
     assert table.header["OrigDataStartFrame"] == "24"

@@ -64,7 +64,7 @@ def test_halpe26_is_written_by_the_names_of_pose2sim_on_the_ground() -> None:
     table = read_trc(trc(HALPE, "motion.trc"))
     assert table.names[:6] == ["Nose", "Head", "Neck", "LShoulder", "RShoulder", "LElbow"]
     assert len(table.names) == 22
-    places = dict(zip(table.names, np.moveaxis(table.positions / 1e3, 1, 0), strict=True))
+    places = dict(zip(table.names, np.moveaxis(table.positions, 1, 0), strict=True))
     assert (places["Head"][:, 1] > places["RHip"][:, 1]).all()
     assert -0.05 < min(places[f"{side}Heel"][:, 1].min() for side in "LR") < 0.15
     ahead = (places["Nose"] - places["Head"]).mean(axis=0)
@@ -203,7 +203,7 @@ def test_markers_are_on_the_scaled_model_where_they_are_on_the_body_at_rest(
     marker_set: str,
 ) -> None:
     body = preset("adult_male")
-    made = replace(posed("adult_male"), marker_set=marker_set, on_ground=True)
+    made = replace(posed("adult_male"), marker_set=marker_set)
     names, ps = marked(made)
     sizes = scaled(MODEL, body, markers_of(body, made.marker_set))
     at, places = {"/ground": np.zeros(3)}, both_sides()
