@@ -10,9 +10,9 @@ import { FILTER_HZ, hasMotion, saveMotion, saveReport } from '../export.js';
 /** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones;
  * what some need is an extra of the same name. */
 export const MOTION = {
-  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz'), rigged: true, remark: 'It cannot say where in the film it begins' },
+  saveBvh: { ...motion('bvh', 'bone', 'Blender, MotionBuilder, Daz', 'The file cannot say where in the video it begins'), rigged: true },
   saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
-  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya'), rigged: true, needs: 'usd-core', remark: 'Blender takes frames as they are: set its frame rate to the video’s' },
+  saveUsd: { ...motion('usd', 'both', 'Omniverse, Houdini, Maya', 'In Blender, set the frame rate to the video’s'), rigged: true, needs: 'usd-core' },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
   saveMot: motion('mot', 'rot', 'OpenSim joint angles'),
   saveC3d: { ...motion('c3d', 'ghost', 'motion laboratories'), needs: 'ezc3d' },
@@ -44,9 +44,9 @@ export const EXPORT = {
   },
 };
 
-function motion(format, icon, reader) {
+function motion(format, icon, reader, remark = '') {
   const off = () => (hasMotion() ? '' : `${words().verb} first: there is no motion yet`);
-  return { label: format.toUpperCase(), icon, reader, off, run: () => saveMotion(format) };
+  return { label: format.toUpperCase(), icon, reader, remark, off, run: () => saveMotion(format) };
 }
 
 function exportDialog(what, label, icon) {
