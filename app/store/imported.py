@@ -44,10 +44,12 @@ class ImportTarget:
 
 @dataclass(frozen=True)
 class ImportOutcome:
-    """What to report of an import: a sentence, and what else is worth knowing."""
+    """What to report of an import: a sentence, what else is worth knowing, and whether that is a
+    doubt, to be read."""
 
     words: str
     detail: str = ""
+    doubtful: bool = False
 
 
 def with_import(
@@ -101,7 +103,7 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
         sentences.append(
             "Tracking starts from it where it fits the video better than its own guess."
         )
-    return ImportOutcome(words, " ".join(sentences))
+    return ImportOutcome(words, " ".join(sentences), bool(found.notes))
 
 
 def _of_drafts(found: DraftImport, file: str) -> ImportOutcome:
@@ -110,7 +112,7 @@ def _of_drafts(found: DraftImport, file: str) -> ImportOutcome:
     count = "1 draft" if len(drafted) == 1 else f"{len(drafted)} drafts"
     words = f"{count} made from {file}: {_frames('frame', drafted)}."
     closely = [f"Look closely at {_frames('frame', doubtful)}."] if doubtful else []
-    return ImportOutcome(words, " ".join([*note_words(found.notes), *closely]))
+    return ImportOutcome(words, " ".join([*note_words(found.notes), *closely]), bool(found.notes))
 
 
 def _no_draft(found: DraftImport, doc: Session) -> str:

@@ -223,8 +223,9 @@ function takeIn(state) {
     const { id, found } = ui.importing;
     setUi('importing', null);
     leave(id);
-    const offer = found?.kind === 'motion' && !isPosed() ? REDUCE : {};
-    toast({ kind: 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}), ...offer });
+    const read = state.doubtful ? { button: { label: 'OK', run: () => {} } } : {}; // a doubt stays until it is read
+    const offer = found?.kind === 'motion' && !isPosed() ? { ...REDUCE, brief: !state.doubtful } : read;
+    toast({ kind: state.doubtful ? 'check' : 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}), ...offer });
   }
 }
 
