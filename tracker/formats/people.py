@@ -81,12 +81,14 @@ def frame_numbers(names: Sequence[str]) -> dict[str, int]:
     """The frame of each picture or file: of the numbers in names, those at the last place where all
     names differ, or else the last ones. A name without a number is of the frame of its place."""
     names = list(dict.fromkeys(names))
-    numbers = [[int(digits[-9:]) for digits in re.findall(r"\d+", _stem(name))] for name in names]
+    numbers = [_numbers(name) for name in names]
     places = range(-1, -min(map(len, numbers), default=0) - 1, -1)
     at = next((at for at in places if len({n[at] for n in numbers}) == len(names)), -1)
     return {name: n[at] if n else i for i, (name, n) in enumerate(zip(names, numbers, strict=True))}
 
 
-def _stem(name: str) -> str:
-    stem = name.removesuffix("_keypoints.json").removesuffix(".0")
-    return re.sub(r"\.\D\w*$", "", stem)
+def _numbers(name: str) -> list[int]:
+    if name.isdecimal():
+        return [int(name[-9:])]
+    stem = re.sub(r"\.\D\w*$", "", name.removesuffix("_keypoints.json").removesuffix(".0"))
+    return [int(digits[-9:]) for digits in re.findall(r"\d+", stem)]

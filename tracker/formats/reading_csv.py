@@ -103,6 +103,6 @@ def _columns(file: str, heads: list[str]) -> tuple[dict[str, list[int]], Unit | 
 def number(file: str, word: str) -> float:
     """A cell of a table, NaN where it is empty."""
     try:
-        return float(word.replace(",", ".")) if word.strip() else np.nan
+        return float(word.replace(",", ".") if "," in word else word) if word.strip() else np.nan
     except ValueError:
         raise FormatError(f"{file} has {word[:40]!r} where a number is expected.") from None
