@@ -42,7 +42,8 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     table = np.full((len(rows) - 1, len(heads)), np.nan)
     wanted = [i for axes in (*columns.values(), [] if clock is None else [clock]) for i in axes]
     for row, cells in enumerate(rows[1:]):
-        if len(cells) < len(heads) or any(cells[len(heads) :]):
+        short = len(heads) - len(cells)
+        if short and (short > 0 or any(cells[len(heads) :])):
             raise FormatError(
                 f"{file}: row {row + 2} has {len(cells)} columns where {len(heads)} are due."
             )
