@@ -21,8 +21,15 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 
+LONGEST_WORDS, LONGEST_BEGINNING = 600, 400
+"""Characters of a sentence, and of its beginning where it quotes a name that is longer."""
+
+
 class KeyposeError(Exception):
     """Something the user can fix; the message is one sentence and needs no traceback."""
+
+    def __init__(self, words: str = "") -> None:
+        super().__init__(_short(words))
 
 
 class VideoError(KeyposeError):
@@ -89,6 +96,13 @@ def one_sentence(error: ValidationError) -> str:
 def listed(names: Sequence[str]) -> str:
     """ "head", "head and neck", "head, neck and chest"."""
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+
+
+def _short(words: str) -> str:
+    """A sentence that quotes a name of thousands of characters, without its middle."""
+    line = " ".join(words.splitlines())
+    end = LONGEST_WORDS - LONGEST_BEGINNING
+    return line if len(line) <= LONGEST_WORDS else f"{line[:LONGEST_BEGINNING]} … {line[-end:]}"
 
 
 def readable(name: str) -> str:

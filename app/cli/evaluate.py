@@ -67,15 +67,17 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.body.trajectory import Trajectory
     from keypose.tracker.evaluate import evaluate, evaluate_joints
+    from keypose.tracker.formats.apart import reading_apart
     from keypose.tracker.formats.reference import load_reference
     from keypose.tracker.storage.files import load_session
     from keypose.tracker.storage.fingerprints import open_ends
     from keypose.tracker.storage.outdated import outdated_words, tracked_keyframes
     from keypose.tracker.storage.tracks import load_trajectory
 
-    session = load_session(session_path)
-    skeleton, camera = Skeleton.of(session.body), session.camera
-    reference = load_reference(reference_path, skeleton)
+    with reading_apart(load_reference) as read:
+        session = load_session(session_path)
+        skeleton, camera = Skeleton.of(session.body), session.camera
+        reference = read(reference_path, skeleton)
     estimate = load_trajectory(session, session_path)
     note(outdated_words(session, estimate))
     frames = tracked_keyframes(session)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -118,12 +119,9 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
-    from keypose.app.export.importing import (
-        DraftImport,
-        import_keypoints,
-        import_motion,
-        read_motion,
-    )
+    from keypose.tracker.formats.apart import reading_apart
+    from keypose.tracker.formats.keypoint_files import read_people
+    from keypose.tracker.formats.reading import load_motion
     from keypose.tracker.storage.files import load_session, open_video_of
 
     path: Path = arguments.session
@@ -135,19 +133,27 @@ def run(arguments: argparse.Namespace) -> int:
             import_camera(arguments)
         return 0
     _require_of_a_kind(arguments)
-    choices = None if arguments.keypoints else _motion_choices(arguments)
-    motion = None if choices is None else read_motion(arguments.file, choices)
-    with alone:
+    file: Path = arguments.file
+    reader: Callable[..., Any] = read_people if arguments.keypoints else load_motion
+    with reading_apart(reader) as read, alone:
+        from keypose.app.export.importing import (
+            DraftImport,
+            as_chosen,
+            import_keypoints,
+            import_motion,
+        )
+
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             info = video.info
-        if choices is None or motion is None:
-            chosen = _keypoint_choices(arguments)
-            drafts = import_keypoints(session, arguments.file, chosen, info)
+        if arguments.keypoints:
+            chosen, people = _keypoint_choices(arguments), read(file, arguments.individual)
+            drafts = import_keypoints(session, people, file.name, chosen, info)
             _keep_drafts(session, drafts, arguments)
         else:
-            file = arguments.file.name
-            made = import_motion(session, motion, file, choices, info.times_s)
+            choices = _motion_choices(arguments)
+            motion = as_chosen(file.name, read(file), choices)
+            made = import_motion(session, motion, file.name, choices, info.times_s)
             if isinstance(made, DraftImport):
                 _keep_drafts(session, made, arguments)
             else:

@@ -30,13 +30,15 @@ def import_camera(arguments: argparse.Namespace) -> None:
     """Read the file into the session, which nobody else has open, and say what changed."""
     from keypose.app.export.import_camera import SAME_DEG, with_camera_file
     from keypose.app.export.recognising import camera_facts
+    from keypose.tracker.formats.apart import reading_apart
     from keypose.tracker.formats.reading_camera import load_camera
     from keypose.tracker.formats.recording import CAMERA_UP
     from keypose.tracker.storage.files import load_session, save_session
 
     path: Path = arguments.session
-    session = load_session(path)
-    found = load_camera(arguments.file, (session.camera.width, session.camera.height))
+    with reading_apart(load_camera) as read:
+        session = load_session(path)
+        found = read(arguments.file, (session.camera.width, session.camera.height))
     made = with_camera_file(session, found)
     save_session(made, path)
     camera = made.camera

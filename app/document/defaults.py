@@ -112,7 +112,7 @@ def _content(path: Path) -> dict[str, Any]:
         return {}
     except OSError as error:
         raise KeyposeError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # not TOML alone: a number of too many digits
         raise KeyposeError(f"{path} is not TOML: {error}.") from None
 
 

@@ -33,6 +33,7 @@ from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import Matched
 from keypose.tracker.formats.keypoint_files import read_people
 from keypose.tracker.formats.notes import Note
+from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
@@ -91,19 +92,20 @@ def import_file(
     """What the file holds, brought to the session; FormatError in one sentence where it does not
     suit it. progress: receives how many frames of how many are done."""
     if isinstance(choices, MotionChoices):
-        motion = read_motion(path, choices)
+        motion = as_chosen(path.name, load_motion(path), choices)
         return import_motion(session, motion, path.name, choices, video.times_s, progress)
     if isinstance(choices, KeypointChoices):
-        return import_keypoints(session, path, choices, video, progress)
+        people = read_people(path, choices.individual)
+        return import_keypoints(session, people, path.name, choices, video, progress)
     return load_camera(path, (session.camera.width, session.camera.height))
 
 
 # --- motion
 
 
-def read_motion(path: Path, choices: MotionChoices) -> JointMotion:
-    """The motion in a file, as it is chosen to be read."""
-    motion = load_motion(path).of_individual(path.name, choices.individual)
+def as_chosen(file: str, motion: JointMotion, choices: MotionChoices) -> JointMotion:
+    """The motion of a file, as it is chosen to be read."""
+    motion = motion.of_individual(file, choices.individual)
     if choices.fps is not None:
         motion = motion.at_rate(choices.fps)
     if choices.world is not None:
@@ -147,19 +149,19 @@ def _offset_s(choices: MotionChoices, times_s: Array) -> float | None:
 
 def import_keypoints(
     session: Session,
-    path: Path,
+    people: People,
+    file: str,
     choices: KeypointChoices,
     video: VideoInfo,
     progress: Progress | None = None,
 ) -> DraftImport:
     """Draft poses from the keypoints in a file, at the frames that are asked for."""
     facts = video_facts(session, video)
-    people = read_people(path, choices.individual)
-    people, notes = on_video(path.name, people, facts, choices.offset_frames or 0)
-    keypoints = keypoints_of(path.name, people, choices.layout, facts)
+    people, notes = on_video(file, people, facts, choices.offset_frames or 0)
+    keypoints = keypoints_of(file, people, choices.layout, facts)
     if choices.exchange:
         keypoints = keypoints.exchanged()
-    known = match_keypoints(session, keypoints, path.name, choices.places)
+    known = match_keypoints(session, keypoints, file, choices.places)
     frames = _wanted_frames(session, keypoints, choices)
     drafts = drafts_of(session, keypoints, known, frames, video.times_s, progress)
     return DraftImport(drafts, known, keypoints.names, tuple(frames), notes)

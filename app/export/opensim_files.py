@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from keypose.app.export.motion_files import Sampling, sampled
+from keypose.tracker.formats.apart import read_apart
 from keypose.tracker.formats.marker_sets import markers_of
 from keypose.tracker.formats.opensim.coordinates import trunk_flexion
 from keypose.tracker.formats.opensim.model import read_model
@@ -52,7 +53,7 @@ def files_for_model(
     out: the folder that the files will be in. FormatError where the model or the body is not a
     person's, or where the motion has gaps.
     """
-    model = read_model(model_path)
+    model = read_apart(read_model, model_path)
     made = sampled(recording, sampling, own_times=False).whole("MOT")
     body = made.skeleton.body
     markers = markers_of(body, made.marker_set)

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from keypose.app.jobs.side_process import Progress
-from keypose.tracker.formats.reading import LARGEST_MOTION_BYTES
+from keypose.tracker.formats.apart import LARGEST_COPY_BYTES, MEMORY_BYTES, SECONDS, died_words
+from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.session import Session
-from keypose.tracker.surface.files.child import limit_memory, limit_time
 
 if TYPE_CHECKING:
     from keypose.app.export.import_choices import Choices
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from keypose.app.export.recognising import Recognised
     from keypose.tracker.video.info import VideoInfo
 
-MEMORY_BYTES: Final = 4 * 2**30
-"""Beyond what the process starts with."""
-SECONDS_TO_READ: Final = 60
 SECONDS_TO_FIT: Final = 3600
 """Of a processor; whoever does not want to wait that long cancels."""
 
@@ -34,16 +31,13 @@ class RecogniseWork:
 
     @property
     def died(self) -> str:
-        return (
-            f"{self.file.name} is damaged, or needs too much time or memory to be read: export it "
-            "again."
-        )
+        return died_words(self.file.name)
 
     def do(self, progress: Progress) -> Recognised:
         from keypose.app.export.recognising import recognise
 
         session = Session.model_validate_json(self.session)
-        _limit(SECONDS_TO_READ)
+        _limit(SECONDS)
         return recognise(session, self.file, self.video)
 
 
@@ -69,6 +63,5 @@ class ImportWork:
 
 
 def _limit(seconds: int) -> None:
-    """From now on; the library that reads C3D needs a copy of the file."""
-    limit_memory(MEMORY_BYTES, LARGEST_MOTION_BYTES)
+    limit_memory(MEMORY_BYTES, LARGEST_COPY_BYTES)
     limit_time(seconds)

@@ -91,7 +91,7 @@ async def _received(request: Request, upload: Upload) -> Response:
 
 def _content_length(request: Request) -> int | None:
     length = request.headers.get("content-length", "")
-    return int(length) if length.isascii() and length.isdigit() else None
+    return int(length) if length.isascii() and length.isdigit() and len(length) < 16 else None
 
 
 def _words(words: str, status: int) -> Response:

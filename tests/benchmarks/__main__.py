@@ -21,7 +21,7 @@ from tests.benchmarks.table import Report
 GROUPS = (
     "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
     "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "drafts", "reduction",
-    "effort", "rigs", "install",
+    "effort", "rigs", "install", "fuzz",
 )  # fmt: skip
 OUT = Path("benchmarks.json")
 

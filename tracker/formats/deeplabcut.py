@@ -65,9 +65,10 @@ def read_table(file: str, rows: list[list[str]], individual: str | None) -> Peop
     first = next((i for i in range(1, width) if rows[0][i].strip()), width)
     levels = [[cell.strip() for cell in head[name][first:]] for name in HEAD if name in head]
     values = np.array([[number(file, cell) for cell in row[first:]] for row in body])
+    values = values.reshape(len(body), width - first)
     index = [next((c for c in reversed(row[:first]) if c.strip()), "") for row in body]
     columns = _columns(file, list(zip(*levels, strict=True)))
-    return _people(file, Table(columns, index, values.reshape(len(body), -1)), individual)
+    return _people(file, Table(columns, index, values), individual)
 
 
 def _require_head(file: str, given: list[str]) -> None:

@@ -101,8 +101,12 @@ class Group:
 @contextmanager
 def opened(file: str, content: bytes) -> Iterator[Group]:
     """The root of an HDF5 file; FormatError in one sentence for whatever is wrong within."""
-    import h5py
-
+    try:
+        import h5py
+    except ImportError:
+        raise FormatError(
+            f"{file} is HDF5, which needs h5py: pip install 'keypose[h5]', or export it as CSV."
+        ) from None
     try:
         with h5py.File(io.BytesIO(content), "r") as root:
             yield Group(file, root)

@@ -30,8 +30,7 @@ from pydantic_core import from_json
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.files import TooLarge, read_regular
-from keypose.tracker.formats import deeplabcut, sleap
-from keypose.tracker.formats.hdf5_child import people_of_hdf5
+from keypose.tracker.formats import deeplabcut, hdf5, sleap
 from keypose.tracker.formats.people import People, frame_numbers
 from keypose.tracker.formats.reading_csv import rows_of
 from keypose.tracker.formats.text import decoded
@@ -119,6 +118,15 @@ def _table(file: str, content: bytes, individual: str | None) -> People:
     )
 
 
+def _hdf5(file: str, content: bytes, individual: str | None) -> People:
+    with hdf5.opened(file, content) as root:
+        if sleap.is_analysis(root):
+            return sleap.read_analysis(root, individual)
+        if deeplabcut.table_name(root) is not None:
+            return deeplabcut.read_hdf(root, individual)
+    raise FormatError(f"{file} is neither SLEAP's analysis nor a table of DeepLabCut.")
+
+
 def _sleap_project(file: str, content: bytes, individual: str | None) -> People:
     raise FormatError(f"{file} is a SLEAP project: export it as analysis HDF5 or CSV.")
 
@@ -128,7 +136,7 @@ def _pickled(file: str, content: bytes, individual: str | None) -> People:
 
 
 _TABLES: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
-    ".csv": _table, ".h5": people_of_hdf5, ".hdf5": people_of_hdf5, ".slp": _sleap_project,
+    ".csv": _table, ".h5": _hdf5, ".hdf5": _hdf5, ".slp": _sleap_project,
     ".pickle": _pickled, ".pkl": _pickled,
 }  # fmt: skip
 

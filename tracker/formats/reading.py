@@ -11,6 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from keypose.tracker.errors import FormatError
 from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats.joint_motion import (
@@ -31,7 +33,8 @@ def load_motion(path: Path) -> JointMotion:
             ".npz or .pt are expected."
         )
     try:
-        motion = read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
+        with np.errstate(all="ignore"):  # numbers too large become none, and are refused as such
+            motion = read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
         return motion.with_middles() if motion.rest_m is None else motion
     except TooLarge:
         limit = LARGEST_MOTION_BYTES // 2**20

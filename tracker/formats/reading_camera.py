@@ -62,7 +62,8 @@ def load_camera(path: Path, size: Size) -> CameraFile:
     if read is None:
         raise FormatError(f"{path.name} is no camera: .json, .chan, .glb or .gltf is expected.")
     try:
-        return read(path.name, read_regular(path, LARGEST_BYTES), size)
+        with np.errstate(all="ignore"):  # numbers too large become none, and are refused as such
+            return read(path.name, read_regular(path, LARGEST_BYTES), size)
     except TooLarge:
         raise FormatError(f"{path.name} is too large for a camera.") from None
     except OSError as error:
@@ -191,7 +192,7 @@ def _of_document(file: str, glb: Glb, size: Size) -> CameraFile:
         if not np.isfinite(Ts).all():
             raise ValueError("not finite")
         own = glb.document.get("asset", {}).get("generator") == "Keypose"
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError):
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
         raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
     Rs = nearest_rotation(Ts[:, :3, :3])
     _require_still(file, Ts[:, :3, 3], Rs)

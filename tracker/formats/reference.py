@@ -123,7 +123,7 @@ def _poses(file: str, arrays: Mapping[str, NDArray[Any]], skeleton: Skeleton) ->
     ps = _numbers(file, arrays, "ps_camera_root", (len(Rs), 3))
     if not (np.isfinite(Rs).all() and np.isfinite(ps).all()):
         raise FormatError(f"{file} holds poses that are not finite numbers.")
-    if np.abs(Rs @ transpose(Rs) - np.eye(3)).max() > ROTATION_TOLERANCE:
+    if np.abs(Rs).max() > 2 or np.abs(Rs @ transpose(Rs) - np.eye(3)).max() > ROTATION_TOLERANCE:
         raise FormatError(f"{file}: Rs_parent_part holds matrices that are not rotations.")
     return Trajectory(_first_frame(file, arrays), Rs, ps)
 

@@ -115,6 +115,6 @@ def _column(file: str, rows: list[list[str]], column: int) -> Array:
 
 def _frame(file: str, word: str) -> int:
     found = number(file, word)
-    if not (found >= 0 and found == int(found) and found < 1e9):
+    if not (0 <= found < 1e9 and found == int(found)):
         raise FormatError(f"{file} has a frame that is numbered {word[:40]!r}.")
     return int(found)

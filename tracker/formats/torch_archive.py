@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import pickle
+import pickletools
 import zipfile
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 MOST_BYTES: Final = 256 * 2**20
 """Of all numbers in a file, and of all tensors made of them."""
 DEEPEST: Final = 8
+_PUTS: Final = ("PUT", "BINPUT", "LONG_BINPUT")
 _STORAGES: Final = {
     "DoubleStorage": "<f8", "FloatStorage": "<f4", "HalfStorage": "<f2", "LongStorage": "<i8",
     "IntStorage": "<i4", "ShortStorage": "<i2", "CharStorage": "i1", "ByteStorage": "u1",
@@ -36,16 +38,27 @@ def torch_arrays(content: bytes) -> dict[str, NDArray[Any]]:
     except Exception as error:  # noqa: BLE001 — whatever foreign bytes bring about
         raise ValueError(f"{type(error).__name__} while reading it") from None
     found: dict[str, NDArray[Any]] = {}
-    _collect(tree, (), found)
+    _collect(tree, (), found, set())
     return found
 
 
-def _collect(tree: Any, path: tuple[str, ...], found: dict[str, NDArray[Any]]) -> None:
+def _require_honest_memo(content: bytes) -> None:
+    """Memory is taken for as many memos as the largest number of one says."""
+    for opcode, argument, _ in pickletools.genops(content):
+        if opcode.name in _PUTS and isinstance(argument, int) and argument > len(content):
+            raise ValueError("it is damaged")
+
+
+def _collect(
+    tree: Any, path: tuple[str, ...], found: dict[str, NDArray[Any]], seen: set[int]
+) -> None:
+    """seen: the dicts that were met, each once: one may hold itself under many names."""
     if isinstance(tree, np.ndarray):
         found[".".join(path)] = tree
-    elif isinstance(tree, Mapping) and len(path) < DEEPEST:
+    elif isinstance(tree, Mapping) and len(path) < DEEPEST and id(tree) not in seen:
+        seen.add(id(tree))
         for key, value in tree.items():
-            _collect(value, (*path, str(key)), found)
+            _collect(value, (*path, str(key)), found, seen)
 
 
 class _Tensors(pickle.Unpickler):
@@ -59,7 +72,9 @@ class _Tensors(pickle.Unpickler):
         if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries.values()):
             raise ValueError("it is compressed, as PyTorch does not write it")
         self._archive, self._folder, self._left = archive, name.removesuffix("data.pkl"), MOST_BYTES
-        super().__init__(io.BytesIO(archive.read(name)))
+        content = archive.read(name)
+        _require_honest_memo(content)
+        super().__init__(io.BytesIO(content))
 
     def find_class(self, module: str, name: str) -> Callable[..., Any] | str | type:
         if (module, name) == ("torch._utils", "_rebuild_tensor_v2"):

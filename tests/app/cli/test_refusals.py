@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -180,3 +181,28 @@ def test_a_name_that_no_file_can_have_is_refused(
 ) -> None:
     for command in (["info", name], ["track", name], ["track", "s.json", "--out", name]):
         refused(capsys, tmp_path, list(command))
+
+
+@pytest.mark.parametrize(
+    ("command", "reader"),
+    [
+        (["import", "FILE"], "tracker.formats.reading.load_motion"),
+        (["import", "FILE", "--keypoints"], "tracker.formats.keypoint_files.read_people"),
+        (["import", "FILE", "--camera"], "tracker.formats.reading_camera.load_camera"),
+        (["evaluate", "--reference", "FILE"], "tracker.formats.reference.load_reference"),
+    ],
+    ids=["motion", "keypoints", "camera", "reference"],
+)
+def test_a_file_that_ends_its_reader_is_refused_as_any_other(
+    tracked_path: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    command: list[str],
+    reader: str,
+) -> None:
+    harm = tmp_path / "harm.npz"
+    harm.write_text("import os; os._exit(0)")
+    monkeypatch.setattr(f"keypose.{reader}", runpy.run_path)
+    name, *options = [str(harm) if word == "FILE" else word for word in command]
+    assert "harm.npz is damaged" in refused(capsys, tmp_path, [name, tracked_path, *options])

@@ -67,6 +67,7 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
         ('workspace = "films"', "workspace: write the whole path, or one that begins with ~"),
         ("colour = 1", "there is no setting 'colour'; the settings are workspace, port, "),
         ("port = ", "is not TOML: "),
+        (f"port = {'9' * 5000}", "is not TOML: "),
         ("\0", "is not TOML: "),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import runpy
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -49,6 +50,16 @@ def test_a_model_gets_motion_setups_and_a_word_on_what_to_do(model: Path, tmp_pa
     table = pd.read_csv(io.StringIO(rows), sep="\t")
     assert "lumbar_extension" in table.columns  # as this model calls it
     assert 0.7 < table["pelvis_ty"].mean() < 1.2  # above the floor
+
+
+def test_a_model_that_ends_its_reader_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    harm = tmp_path / "harm.osim"
+    harm.write_text("import os; os._exit(0)")
+    monkeypatch.setattr("keypose.app.export.opensim_files.read_model", runpy.run_path)
+    with pytest.raises(FormatError, match=r"^harm\.osim is damaged"):
+        files_for_model(recordings.recording("person"), AS_TRACKED, harm, tmp_path)
 
 
 @pytest.mark.usefixtures("without_opensim")

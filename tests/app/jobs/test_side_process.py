@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from keypose.app.jobs.side_process import Progress, SideProcess
 from keypose.tracker.errors import FormatError
-from keypose.tracker.surface.files.child import limit_memory
+from keypose.tracker.limits import limit_memory
 
 DIED = "It ended without a word."
 

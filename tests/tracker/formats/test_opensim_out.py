@@ -257,6 +257,8 @@ def test_setups_name_every_body_and_marker_once() -> None:
     [
         (b"no xml", "small.osim is not XML"),
         (b"<a/>", "is no document of OpenSim"),
+        (osim(version="9" * 5000), "is no document of OpenSim"),
+        (osim(version="4²000"), "is no document of OpenSim"),
         (osim(version="30000"), "is of OpenSim 3 or older: open it in OpenSim 4 and save it"),
         (osim(without="ulna_l"), "has no ulna_l: a full-body model with arms is needed"),
         (b"<!DOCTYPE a><a/>", "declares a document type"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import pickle
 import sys
+import tempfile
 import types
 import zipfile
 from collections import OrderedDict
@@ -114,6 +115,13 @@ def _pt(path: Path, tree: Any) -> Path:
         for i, values in enumerate(pickler.stored):
             archive.writestr(f"hmr/data/{i}", values.tobytes())
     return path
+
+
+def plain_pt() -> bytes:
+    """A file of PyTorch whose tensors are one each of a motion's parts."""
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as folder:
+        _stand_in(patch)
+        return _pt(Path(folder) / "a.pt", {"smpl_params_incam": _tensors(PARAMS)}).read_bytes()
 
 
 def _tensors(params: dict[str, Array]) -> dict[str, _Tensor]:
@@ -245,6 +253,25 @@ def test_a_tensor_that_claims_more_than_its_numbers_is_refused(
         path = _pt(tmp_path / "a.pt", {"transl": Larger(np.zeros(3))})
     with pytest.raises(FormatError, match="a tensor"):
         load_motion(path)
+
+
+def _with_pickle(path: Path, content: bytes) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("hmr/data.pkl", content)
+    return path
+
+
+def test_a_dict_that_holds_itself_is_read_once(tmp_path: Path) -> None:
+    within: dict[str, Any] = {}
+    within.update({str(n): within for n in range(100)})
+    with pytest.raises(FormatError, match="has no global_orient"):
+        load_motion(_with_pickle(tmp_path / "a.pt", pickle.dumps(within)))
+
+
+def test_a_pickle_that_numbers_its_parts_by_the_million_takes_no_memory(tmp_path: Path) -> None:
+    memo = b"\x80\x02}r" + (2**20).to_bytes(4, "little") + b"."
+    with pytest.raises(FormatError, match="it is damaged"):
+        load_motion(_with_pickle(tmp_path / "a.pt", memo))
 
 
 def test_a_file_cut_short_or_overwritten_is_reported_or_read(

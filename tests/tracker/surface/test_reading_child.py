@@ -291,7 +291,7 @@ def test_a_module_in_the_present_folder_is_not_taken_for_a_part_of_the_program(
 
 def test_a_child_may_write_no_file(tmp_path: Path) -> None:
     code = (
-        "from keypose.tracker.surface.files.child import limit_memory; limit_memory(10**9)\n"
+        "from keypose.tracker.limits import limit_memory; limit_memory(10**9)\n"
         f"open({str(tmp_path / 'written')!r}, 'wb', buffering=0).write(b'something')"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)

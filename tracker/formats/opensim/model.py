@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -88,7 +89,7 @@ def _document(file: str, content: bytes) -> Element:
     except ElementTree.ParseError as error:
         raise FormatError(f"{file} is not XML: {error}.") from None
     version = root.get("Version", "")
-    if root.tag != "OpenSimDocument" or not version.isdigit():
+    if root.tag != "OpenSimDocument" or not re.fullmatch("[0-9]{1,9}", version):
         raise FormatError(f"{file} is no document of OpenSim.")
     if int(version) < OLDEST:
         raise FormatError(f"{file} is of OpenSim 3 or older: open it in OpenSim 4 and save it.")

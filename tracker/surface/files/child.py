@@ -13,10 +13,10 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
+from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.surface.files.animated import AnimatedScene, read_resting
 from keypose.tracker.surface.files.parsing.beginning import require_good_beginning
 from keypose.tracker.surface.files.parsing.obj import read_obj
@@ -88,47 +88,6 @@ class MeshServer:
                 self._film = None  # so that never two are in memory
                 self._film = state, AnimatedScene.read(file)
         return self._film[1]
-
-
-def limit_memory(extra: int, written_bytes: int = 0) -> None:
-    """Limit what the process may use beyond what it does now, and let it write no file larger than
-    that."""
-    try:
-        import resource
-    except ImportError:  # a system without such limits: the caps on sizes and time remain
-        return
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-    except OSError:
-        pages = 2**30 // resource.getpagesize()
-    allowed = pages * resource.getpagesize() + extra
-    for kind, value in (
-        (resource.RLIMIT_AS, allowed),
-        (resource.RLIMIT_FSIZE, written_bytes),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        _lower(kind, value)
-
-
-def limit_time(seconds: int) -> None:
-    """Limit the seconds of a processor from now on; the process ends when they are over."""
-    try:
-        import resource
-    except ImportError:
-        return
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    _lower(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime) + seconds + 1)
-
-
-def _lower(kind: int, value: int) -> None:
-    """The soft limit, as low as this or as the hard one."""
-    import resource
-
-    hard = resource.getrlimit(kind)[1]
-    if hard != resource.RLIM_INFINITY:
-        value = min(value, hard)
-    with suppress(ValueError, OSError):  # a system that knows the limit but does not let it be set
-        resource.setrlimit(kind, (value, hard))
 
 
 def _send(answers: BinaryIO, mesh: RawMesh) -> None:

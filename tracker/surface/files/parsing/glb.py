@@ -54,7 +54,10 @@ class Glb:
     def read(cls, file: BinaryIO) -> Glb:
         """Refused where it is no GLB file of version 2, or is cut short."""
         length = _require_head(file)
-        document = json.loads(_chunk(file, _JSON, _LONGEST_DOCUMENT) or b"null")
+        try:
+            document = json.loads(_chunk(file, _JSON, _LONGEST_DOCUMENT) or b"null")
+        except (ValueError, RecursionError):
+            raise Refused("cannot be read: export it again.") from None
         block = _chunk(file, _BINARY, length)
         if not isinstance(document, dict):
             raise damaged()
