@@ -40,7 +40,7 @@ def new_session(video: Video, session_path: Path) -> Session:
     """An empty session of a video: the camera that the file names, or a guessed one, an adult, no
     keyframes; and whether the camera stands still, as a few frames show it. Body and settings are
     a person's defaults."""
-    _require_text(video.info.path)
+    require_text(video.info.path)
     defaults = read_defaults()
     stands_still = still_camera(video).still
     info = video.info  # only now: reading frames may have corrected it
@@ -75,10 +75,10 @@ def new_surface_session(
 
     cameras: the file of the cameras that took them.
     """
-    _require_text(meshes)
+    require_text(meshes)
     rig = None
     if cameras is not None:
-        _require_text(cameras)
+        require_text(cameras)
         rig = Rig.open(cameras)
         reading = replace(reading, cameras=path_from(cameras, session_path.parent))
     with MeshSequence.open(meshes) as sequence:
@@ -192,8 +192,8 @@ def path_from(path: Path, folder: Path) -> str:
         return str(path.absolute())
 
 
-def _require_text(path: Path) -> None:
-    """A session is text, and so is what it calls its video."""
+def require_text(path: Path) -> None:
+    """A session is text, so are what it calls its video and what the page is sent; SessionError."""
     try:
         str(path).encode()
     except UnicodeEncodeError:

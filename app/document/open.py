@@ -9,7 +9,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from keypose.app.document.edit_log import Beginning
-from keypose.app.document.new import new_session, new_surface_session, path_from, standing_in
+from keypose.app.document.new import (
+    new_session,
+    new_surface_session,
+    path_from,
+    require_text,
+    standing_in,
+)
 from keypose.app.editor.documents import Posed
 from keypose.app.editor.pointer_views import up_of
 from keypose.app.editor.state import EditorState
@@ -89,6 +95,7 @@ def open_for_editing(path: Path, session_for: Callable[[Path], Path]) -> OpenSes
     `session_for` returns the path of a video's session; where none exists yet, one is begun.
     KeyposeError in one sentence when it cannot be opened.
     """
+    require_text(path.absolute())
     if path.suffix.lower() == ".json":
         return _open(path)
     if path.is_dir() and (path / "session.json").is_file():

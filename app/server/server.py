@@ -44,6 +44,8 @@ from keypose.tracker.errors import KeyposeError
 STATIC = Path(static.__file__).parent
 STATIC_MOUNT = "/static"
 LARGEST_MESSAGE = 1 << 20
+FAULT = 1011
+"""What a socket is closed with where this program is at fault."""
 SECONDS_TO_CLOSE = 2
 SECONDS_BETWEEN_BEATS = 1.0
 """A tab that receives nothing for three of them takes the connection for lost."""
@@ -214,14 +216,20 @@ async def _received(websocket: WebSocket) -> Any:
 
 
 async def _send(websocket: WebSocket, tab: Tab) -> None:
+    """Whatever there is for a tab, until it is gone. A line on which nothing can be sent ends."""
     number = 0
-    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+    try:
         while True:
             for message in await _news(tab):
                 number += 1
                 # JSON has no word for what is no number: null, which the page shows as nothing.
                 text = to_json({**message, "seq": number}, inf_nan_mode="null").decode()
                 await websocket.send_text(text)
+    except (WebSocketDisconnect, RuntimeError):  # the tab is gone
+        return
+    except Exception:  # noqa: BLE001 — a fault of ours: the tab would wait for ever
+        traceback.print_exc()
+        await websocket.close(FAULT)
 
 
 async def _news(tab: Tab) -> list[dict[str, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -97,6 +98,9 @@ def _or_none(read: _Read) -> Keypoints | None:
     try:
         return read()
     except KeyposeError:
+        return None
+    except Exception:  # noqa: BLE001 — a fault of ours, or no other frame's would be looked for
+        traceback.print_exc()
         return None
 
 

@@ -12,8 +12,10 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import NotALock, SessionLock
+from keypose.app.document.open import open_for_editing
 from keypose.app.jobs.batch.journal import FOLDER, NAME
 from keypose.app.store import runner
+from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
 from tests.app.document.test_edit_log import NoWorker, done, with_store
@@ -35,6 +37,14 @@ def link(kind: str, path: Path, target: Path) -> None:
         path.symlink_to(os.path.relpath(target, path.parent))
     else:
         path.hardlink_to(target)
+
+
+def test_a_session_in_a_folder_whose_name_is_no_text_is_refused_at_the_door(
+    session_path: Path,
+) -> None:
+    folder = session_path.parent.rename(os.fsdecode(os.fsencode(session_path.parent) + b"\xff"))
+    with pytest.raises(SessionError, match=r"is not valid UTF-8: rename it or its folder\.$"):
+        open_for_editing(folder / session_path.name, lambda path: path)
 
 
 def test_tracking_refuses_a_lock_that_is_a_link(
