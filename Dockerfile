@@ -5,22 +5,26 @@
 #   docker run --rm --volume "$PWD/recordings:/data" keypose export jump.keypose --format bvh --out .
 #
 # Written as another user than 1000: add --user "$(id -u):$(id -g)". Loops that were compiled stay
-# with --volume keypose-cache:/cache.
+# with --volume keypose-cache:/cache, in a folder of each user's.
+#
+# The image holds more than Keypose: PyAV's wheel carries FFmpeg (LGPL 3 or later) with x264 and x265
+# (GPL 2 or later), and whoever passes the image on passes these on, under their terms.
 
-FROM python:3.13-slim AS built
+ARG PYTHON=python:3.13.7-slim-bookworm
+FROM ${PYTHON} AS built
 WORKDIR /source
 COPY . .
 RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
 
-FROM python:3.13-slim
+FROM ${PYTHON}
 RUN --mount=type=bind,from=built,source=/wheels,target=/wheels \
     pip install --no-cache-dir /wheels/*.whl \
     && useradd --uid 1000 --create-home keypose \
     && install --directory --owner=keypose /data \
     && install --directory --mode=1777 /cache
-ENV PYTHONUNBUFFERED=1 XDG_CACHE_HOME=/cache
+ENV PYTHONUNBUFFERED=1
 USER 1000
 WORKDIR /data
 VOLUME ["/data", "/cache"]
-ENTRYPOINT ["keypose"]
+ENTRYPOINT ["sh", "-c", "XDG_CACHE_HOME=/cache/$(id -u) exec keypose \"$@\"", "keypose"]
 CMD ["batch", "."]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numba
@@ -42,7 +43,18 @@ _DONE, _HULLS_DONE = "warm", "warm-hulls"
 
 def is_warm() -> bool:
     """Whether the loops, as their files lie here, have been compiled on this machine before."""
-    return _mark(_DONE).exists()
+    return _is_marked(_DONE)
+
+
+def preparing_words() -> str:
+    """What is said before `warm` compiles the loops."""
+    problem = kernels.FOLDER.problem
+    if problem:
+        return (
+            f"Preparing the tracker: about a minute, and again at the next start, for {problem}. "
+            "Make room there, or set XDG_CACHE_HOME to another folder of yours."
+        )
+    return "Preparing the tracker for this computer, once: about a minute."
 
 
 def warm() -> None:
@@ -68,12 +80,12 @@ def warm() -> None:
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), ViewCamera.of(camera))
     if not is_warm():  # compiled, they load in no time, should there be surfaces at all
         _surface(body, poses[0], camera)
-    _mark(_DONE).touch()
+    _put_mark(_DONE)
 
 
 def are_hulls_warm() -> bool:
     """Whether the loops that make surfaces from silhouettes have been compiled here before."""
-    return _mark(_HULLS_DONE).exists()
+    return _is_marked(_HULLS_DONE)
 
 
 def warm_hulls() -> None:
@@ -94,7 +106,7 @@ def warm_hulls() -> None:
     field = hull_field(views, [disc] * len(views), 0.08)
     mesh = hull_mesh(carve_field(field, views, [grey] * len(views)))
     consistency(mesh, views, [grey] * len(views))
-    _mark(_HULLS_DONE).touch()
+    _put_mark(_HULLS_DONE)
 
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
@@ -135,6 +147,16 @@ def _match(picture: Picture) -> None:
     assert patch is not None
     find_match(template, GreyPicture.of(picture), np.array([25.0, 23.0]), 3)
     patch.refine(picture, (25.0, 23.0, 0.0, 0.0))
+
+
+def _is_marked(name: str) -> bool:
+    return kernels.FOLDER.path is not None and _mark(name).exists()
+
+
+def _put_mark(name: str) -> None:
+    if kernels.FOLDER.path is not None:
+        with suppress(OSError):  # the disk is full by now: they are compiled once more
+            _mark(name).touch()
 
 
 def _mark(name: str) -> Path:

@@ -197,18 +197,16 @@ def _folder(name: str, folder: Path, state: State, remedy: str) -> Finding:
 
 
 def compiled_loops() -> Iterator[Finding]:
-    import numba
-
+    from keypose.tracker.kernels import FOLDER
     from keypose.tracker.keypoints.model_files import cache_folder
     from keypose.tracker.warm import is_warm
 
-    place = Path(numba.config.CACHE_DIR)  # type: ignore[attr-defined]
-    usual = cache_folder() / "kernels"
+    place, usual = FOLDER.path, cache_folder() / "kernels"
     if is_warm():
         yield Finding("compiled loops", "ok", str(place))
-    elif place.parent != usual and not os.environ.get("NUMBA_CACHE_DIR"):
-        words = f"{usual} cannot be written to, so they are compiled at every start, a minute each"
-        remedy = "Make it writable, or set XDG_CACHE_HOME to a folder that is."
+    elif FOLDER.problem:
+        words = f"{FOLDER.problem}, so they are compiled at every start, a minute each"
+        remedy = "Make room there, or set XDG_CACHE_HOME to another folder of yours."
         yield Finding("compiled loops", "warning", words, remedy)
     else:
         words = "not compiled yet: the first tracking takes about a minute longer"

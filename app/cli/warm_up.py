@@ -7,10 +7,10 @@ import sys
 
 def warm_tracker() -> None:
     """The first run on a computer takes its time, and says so."""
-    from keypose.tracker.warm import is_warm, warm
+    from keypose.tracker.warm import is_warm, preparing_words, warm
 
     if not is_warm():
-        print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
+        print(preparing_words(), file=sys.stderr)
         warm()
 
 

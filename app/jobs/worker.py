@@ -81,10 +81,9 @@ class Worker:
 
     def _warm(self) -> None:
         """The loops are compiled, or loaded, before anybody waits for them."""
-        from keypose.tracker.warm import is_warm, warm
+        from keypose.tracker.warm import is_warm, preparing_words, warm
 
-        once = "Preparing the tracker for this computer, once: about a minute."
-        self._send(Warming("Getting the tracker ready." if is_warm() else once))
+        self._send(Warming("Getting the tracker ready." if is_warm() else preparing_words()))
         warm()
         self._send(Ready())
 

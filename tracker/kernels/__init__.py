@@ -9,49 +9,34 @@ because numba looks only at the file of the outermost function.
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 
+from keypose.tracker.kernels.folder import loop_folder
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 _FREEDOM = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def _cache_folder() -> Path:
-    """A folder of this user's for the compiled loops, one for each version of their text."""
+def _version() -> str:
+    """Of the loops' text, and of what compiles it."""
     text = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
     version = f"{numba.__version__}-{hashlib.sha256(text).hexdigest()[:16]}"
-    version = f"{sys.implementation.cache_tag}-{version}"
-    chosen = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    if chosen:
-        return Path(chosen) / version
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    place = home / "keypose" / "kernels" / version
-    if _is_writable(place):
-        return place
-    # A home that cannot be written: a fresh private folder, for what lies in it is executed.
-    return Path(tempfile.mkdtemp(prefix="keypose-loops-"))
+    return f"{sys.implementation.cache_tag}-{version}"
 
 
-def _is_writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]
+FOLDER = loop_folder(_version(), numba.config.CACHE_DIR)  # type: ignore[attr-defined]
+numba.config.CACHE_DIR = str(FOLDER.path or "")  # type: ignore[attr-defined]
 
 
 def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
-    loop: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
+    kept = FOLDER.path is not None
+    settings = {"cache": kept, "nogil": True, "error_model": "numpy", "fastmath": _FREEDOM}
+    loop: Any = numba.njit(**settings)(function)
     return loop
