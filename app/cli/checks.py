@@ -184,8 +184,8 @@ def _folder(name: str, folder: Path, state: State, remedy: str) -> Finding:
     """Whether it, or the nearest folder above that exists, can be written to."""
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     try:
-        with tempfile.TemporaryFile(dir=nearest):
-            pass
+        with tempfile.TemporaryFile(dir=nearest) as probe:
+            probe.write(bytes(2**20))  # where the disk or a quota is full, a file can still be made
     except OSError as error:
         words = f"{folder} cannot be written to: {error.strerror or error}"
         return Finding(name, state, words, remedy)

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
     require_tint(session, arguments.tint)
     poses = KnownPoses.of(session, arguments.session)
-    film = film_of(arguments.session.name, session, poses, _order(arguments))
+    film = film_of(arguments.session.name, poses, _order(arguments))
     require_frame(session, film.last)
     with _video(session, arguments.session, film) as video:
         facts = write_film(

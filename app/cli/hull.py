@@ -148,7 +148,7 @@ def _progress(count: int, as_json: bool) -> Iterator[OnStep]:
 
         with tqdm(total=count, unit="step", file=sys.stderr, dynamic_ncols=True) as bar:
 
-            def count_on(step: int, words: str) -> None:
+            def count_on(_step: int, _words: str) -> None:
                 bar.update()
 
             yield count_on

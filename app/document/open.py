@@ -161,7 +161,7 @@ def with_kept_motion(state: EditorState, session_path: Path) -> EditorState:
     return replace(state, kept=kept)
 
 
-def _where_it_opens(opening: Pose, body: Body, video: Video) -> Pose:
+def _where_it_opens(opening: Pose, _body: Body, _video: Video) -> Pose:
     return opening
 
 

@@ -60,7 +60,7 @@ class _Clock:
     rate: Fraction
 
 
-def film_of(name: str, session: Session, poses: KnownPoses, order: FilmOrder) -> Film:
+def film_of(name: str, poses: KnownPoses, order: FilmOrder) -> Film:
     """The film that is ordered; SessionError where there is nothing to film, by the file's name."""
     known = poses.frames
     if not known:

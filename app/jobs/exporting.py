@@ -31,7 +31,7 @@ class FilmExport:
         from keypose.tracker.storage.files import open_video_of
 
         poses = KnownPoses.of(session, path)
-        film = film_of(path.name, session, poses, self.order)
+        film = film_of(path.name, poses, self.order)
 
         def seen(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
             for done, picture in enumerate(pictures, start=1):

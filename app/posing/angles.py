@@ -122,12 +122,12 @@ def continued(rotation: Array, before_rad: Array) -> Array:
     both = triples(rotation)
     both = both - TURN * np.round((both - before_rad) / TURN)
     if abs(math.cos(both[0][1])) < GIMBAL:
-        return _at_gimbal(rotation, both[0], before_rad)
+        return _at_gimbal(both[0], before_rad)
     near = ((both - before_rad) ** 2).sum(axis=1)
     return np.asarray(both[int(np.argmin(near))])
 
 
-def _at_gimbal(rotation: Array, angles: Array, before_rad: Array) -> Array:
+def _at_gimbal(angles: Array, before_rad: Array) -> Array:
     """With y a quarter turn only z − x (or z + x, at −90°) is determined; both change equally."""
     x, y, z = angles.tolist()
     sign = -1.0 if math.sin(y) > 0 else 1.0

@@ -143,7 +143,7 @@ def _carries_more(skeleton: Skeleton, limb: tuple[str, ...]) -> bool:
     return bool(inside > len(limb))
 
 
-def _head(skeleton: Skeleton, limb: tuple[str, ...]) -> BodyHandle:
+def _head(skeleton: Skeleton, _limb: tuple[str, ...]) -> BodyHandle:
     """The head by its top; all between it and the root follows."""
     body = skeleton.body
     parts = body.parts

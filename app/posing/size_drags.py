@@ -77,11 +77,11 @@ def _way(
         sign = -1.0 if end < 0 else 1.0
         # The joint keeps its share of the length, so the end moves by less than all of it.
         share = max(abs(end) / shape.length_m, 0.1)
-        return _along(slope @ (sign * T[:3, 1]), pulled, gesture, view, joint) / share
+        return _along(slope @ (sign * T[:3, 1]), pulled, view, joint) / share
     return _outward(slope, T, pulled, gesture, view)
 
 
-def _along(axis: Array, pulled: Array, gesture: Gesture, view: PointerView, joint: Array) -> float:
+def _along(axis: Array, pulled: Array, view: PointerView, joint: Array) -> float:
     """Metres along an axis, given as it is seen: units of the view for a metre."""
     unit_of_view = 1.0 / view.metres_per_unit(joint)
     seen = length(axis) / unit_of_view

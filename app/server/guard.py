@@ -84,7 +84,7 @@ class Guard:
     ) -> None:
         self._app = app
         self.port = port
-        self.tokens = OneTimeTokens()
+        self.tokens = tokens or OneTimeTokens()
         self.entered: Callable[[str], None] = lambda _: None
         self._browsers = browsers or Browsers()
         self._extra_hosts = tuple(host.lower() for host in extra_hosts)

@@ -127,11 +127,11 @@ def _hdf5(file: str, content: bytes, individual: str | None) -> People:
     raise FormatError(f"{file} is neither SLEAP's analysis nor a table of DeepLabCut.")
 
 
-def _sleap_project(file: str, content: bytes, individual: str | None) -> People:
+def _sleap_project(file: str, _content: bytes, _individual: str | None) -> People:
     raise FormatError(f"{file} is a SLEAP project: export it as analysis HDF5 or CSV.")
 
 
-def _pickled(file: str, content: bytes, individual: str | None) -> People:
+def _pickled(file: str, _content: bytes, _individual: str | None) -> People:
     raise FormatError(f"{file} may run code when it is read: use DeepLabCut's CSV or .h5.")
 
 

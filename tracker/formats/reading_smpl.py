@@ -54,7 +54,7 @@ def read_torch(file: str, content: bytes) -> JointMotion:
     return read_recovered(file, arrays)
 
 
-def refuse_pickle(file: str, content: bytes) -> JointMotion:
+def refuse_pickle(file: str, _content: bytes) -> JointMotion:
     """FormatError."""
     raise FormatError(
         f"{file} may run code when it is read: in Python, load it yourself and save its arrays "

@@ -37,6 +37,5 @@ numba.config.CACHE_DIR = str(FOLDER.path or "")  # type: ignore[attr-defined]
 def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
     kept = FOLDER.path is not None
-    settings = {"cache": kept, "nogil": True, "error_model": "numpy", "fastmath": _FREEDOM}
-    loop: Any = numba.njit(**settings)(function)
+    loop: Any = numba.njit(cache=kept, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
     return loop

@@ -107,7 +107,7 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 
-def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
     """What counts within a segment: masks, corrected keypoints, and an own motion."""
     return [*_masks_and_corrections(session, span), *_own_start(session, span)]
 
@@ -139,7 +139,7 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
     return [*sorted(within), {"keypoints": corrected}] if corrected else sorted(within)
 
 
-def _keyframe_ends(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+def _keyframe_ends(_session: Session, _span: Span, ends: Sequence[Keyframe]) -> list[Any]:
     """Which of a segment's ends are keyframes."""
     return [end.frame for end in ends]
 

@@ -173,7 +173,7 @@ def _film_tracker(
 
 
 def _surface_fitter(
-    session: Session, video: Video, first_motion: Trajectory | None, keypoints: Keypoints | None
+    session: Session, video: Video, _first_motion: Trajectory | None, _keypoints: Keypoints | None
 ) -> SegmentTracker:
     return fitter_of(session, video)
 

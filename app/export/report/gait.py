@@ -64,7 +64,7 @@ def gait_section(subject: Subject, recording: Recording) -> Html | None:
         element("p", words, class_="quiet"),
         _tiles(gait.strides),
         _diagram(subject, gait),
-        element("div", strides_table(subject, gait), class_="scroll gait"),
+        element("div", strides_table(gait), class_="scroll gait"),
         element("p", CYCLE_WORDS, class_="quiet"),
         element("div", *_cycles(recording, gait), class_="cols clinical"),
     )
@@ -80,7 +80,7 @@ def _tiles(strides: Sequence[Stride]) -> Html:
     return element("div", *tiles, class_="tiles")
 
 
-def strides_table(subject: Subject, gait: Gait) -> Html:
+def strides_table(gait: Gait) -> Html:
     """Every stride, and below the mean and standard deviation of each foot."""
     head = ("Foot", "Heel strikes", "Toe off", *(name for name, _, _ in _COLUMNS))
     offs = {(s.part, s.heel_strike): s.toe_off for s in gait.stances}

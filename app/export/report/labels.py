@@ -48,7 +48,7 @@ def _film_subject(session: Session) -> str:
     return f"{session.video.width} × {session.video.height} pixels"
 
 
-def _film_way(session: Session, results: Results) -> str:
+def _film_way(_session: Session, results: Results) -> str:
     return f"method {results.method}, quality {results.quality}"
 
 

@@ -56,7 +56,7 @@ def _why_off(doc: Session, cue: Cue) -> str:
     return ""
 
 
-def networks_here(app_state: AppState) -> tuple[Any, ...]:
+def networks_here(_app_state: AppState) -> tuple[Any, ...]:
     """Which networks are on the disk: one can be added while the page is open."""
     return tuple(model.is_here for model in MODELS)
 

@@ -70,7 +70,7 @@ def floor(app_state: AppState) -> Json:
 def _pin(body: Body, pin: Pin) -> dict[str, Json]:
     return {
         "part": pin.part,
-        "label": pin_label(body, pin),
+        "label": pin_label(pin),
         "side": side_of(body, pin.part),
         "landmarks": list(pin.landmarks),
         "point_m": None if pin.point_m is None else list(pin.point_m),
@@ -80,7 +80,7 @@ def _pin(body: Body, pin: Pin) -> dict[str, Json]:
     }
 
 
-def pin_label(body: Body, pin: Pin) -> str:
+def pin_label(pin: Pin) -> str:
     """What is held: "Left foot", "Left heel", "Left knee"."""
     if len(pin.landmarks) == 1:
         return part_label(pin.landmarks[0])

@@ -72,6 +72,15 @@ def test_nobody_is_let_in_by_what_the_workspace_keeps(keypose: Keypose, tmp_path
         assert not is_in(keypose, thief)
 
 
+def test_a_link_that_was_not_used_lets_in_after_a_restart(tmp_path: Path) -> None:
+    workspace = str(tmp_path / "workspace")
+    with Keypose("--workspace", workspace) as keypose:
+        link, port = keypose.address, keypose.port
+        keypose.kill()
+    with Keypose("--workspace", workspace, port=port) as again:
+        assert is_in(again, enter(link))
+
+
 def test_a_browser_that_was_let_in_comes_back_to_a_restarted_server(tmp_path: Path) -> None:
     workspace = str(tmp_path / "workspace")
     with Keypose("--workspace", workspace) as keypose:

@@ -110,7 +110,7 @@ class DetectedKeypoints:
         first, last = segment.first_frame, segment.last_frame
         seeds = _seeds({first: segment.start, last: segment.end}, skeleton, self.camera)
 
-        def leave(progress: Progress) -> None:
+        def leave(_progress: Progress) -> None:
             report()
 
         return self._detect((first, last), seeds, leave)
@@ -200,7 +200,7 @@ def found_before(
     `DetectedKeypoints`.
     """
 
-    def no_picture(number: int) -> None:
+    def no_picture(_number: int) -> None:
         raise _NotKept
 
     frames = (min(posed), max(posed))

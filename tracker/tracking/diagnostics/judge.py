@@ -70,7 +70,7 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
 def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
     """By all but the silhouette."""
     if outcome.joints is not None:
-        return _judge_joints(scene, segment, outcome.joints, seen)
+        return _judge_joints(scene, segment, outcome.joints)
     evidence = _evidence(scene, outcome)
     apart = evidence.apart.max(initial=0.0)
     drift = evidence.whole_drift.max(initial=0.0)
@@ -95,9 +95,7 @@ def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observat
     return GOOD
 
 
-def _judge_joints(
-    scene: Scene, segment: Segment, joints: JointEvidence, seen: Observation
-) -> Verdict:
+def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verdict:
     """By how likely each joint is wrong in each frame."""
     wrong = joints.wrong
     first, last = segment.first_frame, segment.last_frame

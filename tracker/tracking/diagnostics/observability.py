@@ -50,7 +50,7 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     return Observation(Diagnostics(rank, singular, observability, residual), shown)
 
 
-def unobserved(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
+def unobserved(scene: Scene, _clip: Clip, trajectory: Trajectory) -> Observation:
     """An observation without measurements: rank −1, NaN elsewhere."""
     n, parts, dofs = len(trajectory) - 1, scene.skeleton.part_count, scene.skeleton.dof_count
     unknown = Diagnostics.side_by_side((), n + 1, parts, dofs)

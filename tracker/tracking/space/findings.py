@@ -83,7 +83,7 @@ def _slides(judged: Judged) -> Iterator[SpaceFinding]:
         p = judged.places(stance, judged.motion).mean(axis=1)
         away = np.linalg.norm(p - np.median(p, axis=0), axis=-1)
         if away.max() > SLIDES_M:
-            yield _of_stance(judged, "slides", stance, int(np.argmax(away)), float(away.max()))
+            yield _of_stance("slides", stance, int(np.argmax(away)), float(away.max()))
 
 
 def _floats(judged: Judged) -> Iterator[SpaceFinding]:
@@ -97,7 +97,7 @@ def _floats(judged: Judged) -> Iterator[SpaceFinding]:
         usual = float(np.median(off))
         if abs(usual) > FLOOR_M:
             kind = "off_floor" if usual > 0 else "below_floor"
-            yield _of_stance(judged, kind, stance, row, abs(usual))
+            yield _of_stance(kind, stance, row, abs(usual))
 
 
 def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
@@ -114,7 +114,7 @@ def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
         usual = float(np.median(z[rows] if len(rows) > 2 else z))
         row = max(rows, key=lambda row: abs(z[row] - usual))
         if abs(z[row] - usual) > DEPTH_M:
-            yield _of_stance(judged, "keyframe_depth", stance, row, float(z[row] - usual))
+            yield _of_stance("keyframe_depth", stance, row, float(z[row] - usual))
 
 
 def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
@@ -209,7 +209,7 @@ def _runs(there: Array) -> Iterator[tuple[int, int]]:
     yield from ((int(a), int(b) - 1) for a, b in edges.reshape(-1, 2))
 
 
-def _of_stance(judged: Judged, kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:
+def _of_stance(kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:
     return SpaceFinding.model_validate(
         {
             "kind": kind,
