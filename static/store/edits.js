@@ -7,6 +7,7 @@ import { server, setUi, ui } from './state.js';
 import { inTab } from './storage.js';
 
 const NAME = 'keypose.edits';
+const VERSION = 1; // of what is kept under this name
 const LOOKS = {
   go: ({ frame }) => ({ frame }),
   limits: ({ on }) => ({ limits: on }),
@@ -195,16 +196,35 @@ function newClient() {
 // --- over a reload
 
 function store() {
-  if (entries.length) inTab.write(NAME, JSON.stringify(entries));
+  if (entries.length) inTab.write(NAME, JSON.stringify({ version: VERSION, entries }));
   else inTab.remove(NAME);
 }
 
 /** What a page of this tab did not get to its server. Its gestures are over. */
 function restore() {
   try {
-    const kept = JSON.parse(inTab.read(NAME) ?? '[]');
-    return kept.map((entry) => ({ ...entry, line: null, over: entry.over ?? entry.n }));
+    const kept = JSON.parse(inTab.read(NAME) ?? 'null');
+    if (kept?.version !== VERSION) return []; // another page's, which they would not mean the same to
+    return kept.entries.filter(isEntry).map((entry) => ({ ...entry, line: null, over: entry.over ?? entry.n }));
   } catch {
     return []; // not as this page writes them
   }
+}
+
+function isText(value) {
+  return typeof value === 'string';
+}
+
+function isObject(value) {
+  return value !== null && typeof value === 'object' && !Array.isArray(value);
+}
+
+/** Whether an entry is as `keep` makes them. */
+function isEntry(entry) {
+  if (!isObject(entry) || !isObject(entry.message) || !isObject(entry.look)) return false;
+  const { client: name, n, message, over, file, server: origin, revision } = entry;
+  const isFile = file === null || (isObject(file) && [file.path, file.id, file.name].every(isText));
+  const isNumbered = Number.isSafeInteger(n) && n > 0 && (over === undefined || Number.isSafeInteger(over));
+  const texts = [name, message.do, origin ?? '', revision ?? '']; // no session was open, or no server known
+  return texts.every(isText) && /^[0-9a-f]{24}$/.test(name) && isNumbered && isFile;
 }

@@ -186,7 +186,8 @@ export class FreeView extends View {
     try {
       const kept = JSON.parse(inBrowser.read(this.#key()) ?? 'null');
       if (!isEye(kept?.eye)) return null;
-      this.habits = { ...HABITS, ...kept.habits };
+      const isHabit = ([name, value]) => typeof value === typeof HABITS[name];
+      this.habits = { ...HABITS, ...Object.fromEntries(Object.entries(kept.habits ?? {}).filter(isHabit)) };
       return kept.eye;
     } catch {
       return null; // what cannot be read is as if it were not there
