@@ -74,6 +74,11 @@ class WriteLock:
             self._lock.release()
             self._lock = None
 
+    @property
+    def is_held(self) -> bool:
+        """Whether this program alone writes there."""
+        return self._lock is not None
+
     def require_writable(self) -> None:
         """Refused where it may only be looked at."""
         if self.read_only:

@@ -15,6 +15,7 @@ from keypose.app.render.studio import Paint, Size
 from keypose.app.render.tints import Tint
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.leftovers import sweep
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Span
 from keypose.tracker.video import Video
@@ -81,6 +82,7 @@ def write_film(
     overwrite: bool = False,
 ) -> FilmFacts:
     """Draw and write a film; KeyposeError, and no file, when it cannot be made."""
+    sweep(out.parent)
     clock = _clock(session, video, film, fps)
     wanted = film_size(session, poses, film)
     aspect = video.info.pixel_aspect if video and film.view == "main" and not film.size else None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
@@ -92,8 +93,18 @@ class SideProcess:
         self._over.set()
 
 
+def _end_with_parent() -> None:
+    """What is made for somebody who is gone would fill the disk."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
 def _work(work: Work, reports: Connection) -> None:
     """In the process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which then ends us
+    Thread(target=_end_with_parent, name="parent", daemon=True).start()
     with suppress(OSError, AttributeError):
         os.nice(NICENESS)
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import secrets
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -43,6 +41,7 @@ from keypose.app.server.exchange import json_answer, read_body
 from keypose.app.server.headers import headers_for
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
+from keypose.tracker.scratch import Scratch
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.video.encode import can_write_films
@@ -155,6 +154,7 @@ class Exports:
         self._id = ""
         self._name = ""
         self._process: SideProcess | None = None
+        self._scratch: Scratch | None = None
         self._out = Path()
         self._beginning = asyncio.Lock()
 
@@ -173,7 +173,9 @@ class Exports:
         process, self._process = self._process, None
         if process is not None:
             await asyncio.to_thread(process.cancel)
-            await asyncio.to_thread(shutil.rmtree, self._out.parent, ignore_errors=True)
+        scratch, self._scratch = self._scratch, None
+        if scratch is not None:
+            await asyncio.to_thread(scratch.close)
 
     async def _possible(self, _: Request) -> Response:
         return json_answer({"missing": missing_here()})
@@ -198,9 +200,9 @@ class Exports:
             raise FormatError("Open a video first.")
         order.require(edit.doc)
         await self.close()
-        folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-export-"))
+        self._scratch = await asyncio.to_thread(Scratch, "export")
         export = order.export
-        self._out = folder / f"export{Path(export.suffix).suffix}"
+        self._out = self._scratch.path / f"export{Path(export.suffix).suffix}"
         work = ExportWork(export, path, self._out)
         self._process = await asyncio.to_thread(SideProcess, work)
         self._id = secrets.token_hex(8)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-import shutil
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
@@ -31,6 +29,7 @@ from keypose.app.store.imported import ImportOutcome, ImportTarget
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
+from keypose.tracker.scratch import Scratch
 from keypose.tracker.session.settings import FrameIndex
 
 LARGEST_ORDER = 1 << 16
@@ -96,6 +95,7 @@ class Imports:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._id = ""
+        self._scratch: Scratch | None = None
         self._file = Path()
         self._process: SideProcess | None = None
         self._stage: Literal["reading", "importing"] = "reading"
@@ -117,9 +117,9 @@ class Imports:
         process, self._process, self._id = self._process, None, ""
         if process is not None:
             await asyncio.to_thread(process.cancel)
-        if self._file.name:
-            await asyncio.to_thread(shutil.rmtree, self._file.parent, ignore_errors=True)
-        self._file = Path()
+        scratch, self._scratch = self._scratch, None
+        if scratch is not None:
+            await asyncio.to_thread(scratch.close)
 
     async def _bring(self, request: Request) -> Response:
         """The file, whole; what it holds is looked at from then on."""
@@ -130,7 +130,12 @@ class Imports:
                     return json_answer({"words": words}, 409)
                 target = self._store.import_target()
                 await self.close()
-                self._file = await _received(request)
+                self._scratch = await asyncio.to_thread(Scratch, "import")
+                try:
+                    self._file = await _received(request, self._scratch.path)
+                except BaseException:
+                    await self.close()
+                    raise
                 work = RecogniseWork(target.content, self._file, target.video)
                 self._stage, self._outcome = "reading", None
                 self._process = await asyncio.to_thread(SideProcess, work)
@@ -140,6 +145,8 @@ class Imports:
             return json_answer({"words": str(error)}, 400)
         except ClientDisconnect:
             return json_answer({"words": "The file was not brought whole. Choose it again."}, 400)
+        except OSError as error:
+            return json_answer({"words": f"It cannot be kept: {error.strerror or error}."}, 400)
 
     async def _begin(self, request: Request) -> Response:
         """Import it as somebody chose; once more, where that was not possible before."""
@@ -203,21 +210,13 @@ def _imported(state: WorkState, outcome: ImportOutcome | str | None) -> dict[str
     return {**answer, "words": state.words}
 
 
-async def _received(request: Request) -> Path:
-    """The file that is sent, in a folder of its own; nothing is left of one that is too large."""
+async def _received(request: Request, folder: Path) -> Path:
+    """The file that is sent, in this folder."""
     name = clean_name(request.query_params.get("name", ""))
-    folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-import-"))
-    try:
-        content = await read_body(request, LARGEST_KEYPOINT_BYTES, TOO_LARGE)
-        if not content:
-            raise FormatError(f"{name} is empty.")
-        await asyncio.to_thread((folder / name).write_bytes, content)
-    except OSError as error:
-        await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
-        raise FormatError(f"{name} cannot be kept: {error.strerror or error}.") from None
-    except BaseException:
-        await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
-        raise
+    content = await read_body(request, LARGEST_KEYPOINT_BYTES, TOO_LARGE)
+    if not content:
+        raise FormatError(f"{name} is empty.")
+    await asyncio.to_thread((folder / name).write_bytes, content)
     return folder / name
 
 

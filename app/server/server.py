@@ -40,6 +40,7 @@ from keypose.app.store.sections import image_version
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
 from keypose.tracker.errors import KeyposeError
+from keypose.tracker.scratch import sweep_scratch
 
 STATIC = Path(static.__file__).parent
 STATIC_MOUNT = "/static"
@@ -82,6 +83,7 @@ class Server:
             public_hosts=public_hosts,
         )
         self._uvicorn = _uvicorn(self.guard)
+        sweep_scratch()
         self._serving: Future[None] | None = None
 
     def _application(self) -> Starlette:

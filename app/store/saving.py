@@ -104,6 +104,8 @@ class SessionWriter:
         if self._edit_log is not None:
             self._edit_log.close()
             self._edit_log = None
+        if self.lock.is_held:  # nobody else is about to name a young one
+            tidy_tracks(self._path.parent, young_seconds=0.0)
         self.lock.release()
 
     def _write(self, path: Path, edit: EditorState, edit_log: EditLog) -> None:

@@ -13,7 +13,6 @@ import os
 import pickle
 import subprocess
 import sys
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from typing import Any, Final, TypeVar
 
 from keypose.tracker.errors import FormatError, KeyposeError
 from keypose.tracker.limits import limit_memory, limit_time
+from keypose.tracker.scratch import Scratch
 
 T = TypeVar("T")
 
@@ -45,13 +45,13 @@ def read_apart(reader: Callable[..., T], path: Path, *arguments: Any) -> T:
 @contextmanager
 def reading_apart(reader: Callable[..., T]) -> Iterator[Callable[..., T]]:
     """The same as a function, to be called once: its child starts while there is other work."""
-    with tempfile.TemporaryDirectory(prefix="keypose-read-") as folder:
+    with Scratch("read") as folder:
         child = subprocess.Popen(
             # -P: nothing that lies in the present folder may pass for a module.
             [sys.executable, "-P", "-m", __name__, reader.__module__, reader.__qualname__],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             # A copy that it was ended over goes with the folder; threads take address space.
-            env={**os.environ, "TMPDIR": folder, "OPENBLAS_NUM_THREADS": "1"},
+            env={**os.environ, "TMPDIR": str(folder), "OPENBLAS_NUM_THREADS": "1"},
             start_new_session=True,  # Ctrl+C reaches this program, which then ends it
         )  # fmt: skip
         try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import shutil
 import stat
@@ -22,8 +21,8 @@ MARKS: Final = "warm*"
 
 @dataclass(frozen=True)
 class LoopFolder:
-    """path: the folder; None where they are not kept.  problem: why that is not the usual one,
-    as a part of a sentence."""
+    """path: the folder; None where they cannot be kept, and are compiled in every process.
+    problem: why, as a part of a sentence."""
 
     path: Path | None
     problem: str = ""
@@ -32,8 +31,8 @@ class LoopFolder:
 def loop_folder(version: str, chosen: str = "") -> LoopFolder:
     """The folder for loops of this version.
 
-    chosen: where a person wants all versions instead. Where it cannot be had, or others could put
-    something into it, a fresh private one of this process.
+    chosen: where a person wants all versions instead. None where it cannot be had, or others could
+    put something into it.
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     versions = Path(chosen) if chosen else home / "keypose" / "kernels"
@@ -46,21 +45,10 @@ def loop_folder(version: str, chosen: str = "") -> LoopFolder:
         _require_room(place)
     except OSError as error:
         why = f"{place} cannot be written to: {error.strerror}" if error.strerror else str(error)
-        return LoopFolder(_private(), why)
+        return LoopFolder(None, why)
     if not chosen:  # which may hold what is no loop of ours
         _tidy(place)
     return LoopFolder(place)
-
-
-def _private() -> Path | None:
-    """A folder that goes with this process; None where there is no room for one either."""
-    try:
-        place = Path(tempfile.mkdtemp(prefix="keypose-loops-"))
-        atexit.register(shutil.rmtree, place, ignore_errors=True)
-        _require_room(place)
-    except OSError:
-        return None
-    return place
 
 
 def _is_own(folder: Path) -> bool:

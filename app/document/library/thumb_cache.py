@@ -12,10 +12,8 @@ from keypose.tracker.files import read_own
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import load_session, open_video_of
 
-_FILE = "file-"
-"""How the names of those of files begin; those of sessions stay."""
-
-MOST_OF_FILES = 500
+MOST = 500
+"""Pictures; beyond so many the oldest are removed, and made anew when they are asked for."""
 _LARGEST_BYTES = 4 * 2**20
 
 
@@ -35,6 +33,7 @@ class ThumbCache:
             with suppress(KeyposeError):  # then it is made anew the next time
                 make_folder(self._folder)
                 write_file(cached, content, overwrite=True)
+                self._tidy()
         return content
 
     def of_file(self, path: Path) -> bytes | None:
@@ -43,16 +42,14 @@ class ThumbCache:
         facts = path.stat()
         identity = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
         make = of_session if path.suffix.lower() == ".json" else _of_film
-        content = self.get(f"{_FILE}{id_of(identity)}", lambda: make(path))
-        self._tidy()
-        return content
+        return self.get(f"file-{id_of(identity)}", lambda: make(path))
 
     def _tidy(self) -> None:
-        """Remove the oldest pictures of files beyond so many."""
+        """Remove the oldest pictures beyond so many."""
         with suppress(OSError):  # what is left over does no harm
-            kept = list(self._folder.glob(f"{_FILE}*.jpg"))
-            if len(kept) > MOST_OF_FILES:
-                for old in sorted(kept, key=lambda f: f.stat().st_mtime)[:-MOST_OF_FILES]:
+            kept = list(self._folder.glob("*.jpg"))
+            if len(kept) > MOST:
+                for old in sorted(kept, key=lambda f: f.stat().st_mtime)[:-MOST]:
                     old.unlink()
 
 

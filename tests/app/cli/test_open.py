@@ -281,7 +281,7 @@ def test_a_session_with_a_damaged_motion_opens_with_its_keyframes_and_says_so(
     tab.do(do="track", what="all")
     tab.until(lambda: tab.seen["job"]["state"] == "done")
     keypose.end()
-    for tracks in session.parent.glob("tracks-*.npz"):  # young ones of earlier saves lie there, too
+    for tracks in session.parent.glob("tracks-*.npz"):
         tracks.write_bytes(tracks.read_bytes()[:-9])
     again = Keypose(str(session), "--workspace", str(session.parent / "w"))
     back = Visitor(again)

@@ -13,10 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library, usual_folders
+from keypose.app.document.library import Library, thumb_cache, usual_folders
 from keypose.app.document.library.files import find_files
 from keypose.app.document.library.names import clean_name
 from keypose.app.document.library.recents import strip_of
+from keypose.app.document.library.thumb_cache import ThumbCache
 from keypose.app.document.library.uploads import Upload
 from keypose.app.document.open import open_for_editing
 from keypose.tracker.errors import KeyposeError, SessionError
@@ -286,6 +287,18 @@ def test_films_images_and_sessions_have_small_pictures_that_are_kept(
     video.write_bytes(video.read_bytes() + b"x")  # another file has another picture
     library.file_thumb("0/jump.mp4")
     assert len(left_in(tmp_path / "workspace" / "thumbs")) == 4
+
+
+def test_small_pictures_beyond_so_many_go_the_oldest_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(thumb_cache, "MOST", 2)
+    cache = ThumbCache(tmp_path)
+    for age, name in enumerate(("a", "file-b", "c")):
+        cache.get(name, lambda: b"picture")
+        os.utime(tmp_path / f"{name}.jpg", (10.0**9 + age, 10.0**9 + age))
+    cache.get("d", lambda: b"picture")
+    assert left_in(tmp_path) == ["c.jpg", "d.jpg"]
 
 
 def test_what_is_no_film_has_no_picture(library: Library, home: Path) -> None:

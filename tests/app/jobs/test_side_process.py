@@ -4,12 +4,16 @@ said in a sentence."""
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 from keypose.app.jobs.side_process import Progress, SideProcess
 from keypose.tracker.errors import FormatError
 from keypose.tracker.limits import limit_memory
+from tests.app.serving import LONGEST_S, ROOT
 
 DIED = "It ended without a word."
 
@@ -81,3 +85,26 @@ def test_it_is_cancelled_whatever_it_is_doing() -> None:
     process = SideProcess(Waiting())
     process.cancel()
     assert process.wait().state == "cancelled"
+
+
+ENDS_UNSEEN = """
+import os, sys
+from tests.app.jobs.test_side_process import SideProcess, Waiting
+if __name__ == "__main__":
+    side = SideProcess(Waiting())
+    while side.state.done == 0:
+        pass
+    print("begun", flush=True)
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_it_ends_with_a_parent_that_was_killed(tmp_path: Path) -> None:
+    program = tmp_path / "ends.py"
+    program.write_text(ENDS_UNSEEN)
+    # It has the parent's output, too: that ends only once both have.
+    done = subprocess.run(
+        [sys.executable, str(program)], env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, timeout=LONGEST_S,
+    )  # fmt: skip
+    assert done.stdout == b"begun\n"

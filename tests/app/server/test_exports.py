@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -89,8 +90,12 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
 
 def test_a_film_is_that_of_the_command_line(desk: Desk, tmp_path: Path) -> None:
     options = ("--view", "orbit", "--size", "160x90", "--frames", "0-12", "--fps", "10")
+    killed = tmp_path / ".film.mp4.0123456789ab.part"
+    killed.touch()
+    os.utime(killed, (1.0, 1.0))
     film = desk.commanded("film", str(desk.session), *options, out=tmp_path / "film.mp4")
     assert desk.exported(ORBIT) == film
+    assert not killed.exists()
 
 
 def test_a_sheet_is_that_of_the_command_line(desk: Desk, tmp_path: Path) -> None:

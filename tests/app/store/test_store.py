@@ -203,6 +203,15 @@ def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
     assert session.results.segments[0].missing == 2
 
 
+def test_tracks_that_no_session_speaks_of_go_when_it_is_closed_however_young(path: Path) -> None:
+    async def closes(store: Store) -> None:
+        (path.parent / "tracks-0123456789ab.npz").touch()
+        await store.close_session()
+
+    _with_store(path, closes)
+    assert not list(path.parent.glob("tracks-*.npz"))
+
+
 def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,8 +19,6 @@ NOBODY = 65534
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    (tmp_path / "tmp").mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
     monkeypatch.setattr(folders, "NEEDED_BYTES", 2**21)
     return tmp_path / "cache"
 
@@ -44,10 +42,8 @@ STRANGE: dict[str, Callable[[Path], None]] = {
 def test_loops_that_others_could_have_put_there_are_not_run(home: Path, strange: str) -> None:
     (home / "keypose" / "kernels" / "1").mkdir(parents=True, mode=0o700)
     STRANGE[strange](home)
-    found = loop_folder("1")
-    assert found.path is not None
-    assert found.path.parent == home.parent / "tmp"
-    assert found.problem == f"others may write to {home / 'keypose' / 'kernels' / '1'}"
+    place = home / "keypose" / "kernels" / "1"
+    assert loop_folder("1") == LoopFolder(None, f"others may write to {place}")
 
 
 def test_a_folder_for_all_where_each_keeps_what_is_theirs_is_used(home: Path) -> None:
@@ -56,14 +52,14 @@ def test_a_folder_for_all_where_each_keeps_what_is_theirs_is_used(home: Path) ->
     assert loop_folder("1").problem == ""
 
 
-def test_loops_that_do_not_fit_are_compiled_elsewhere_and_the_words_say_where_room_is_needed(
+def test_loops_that_do_not_fit_are_not_kept_and_the_words_say_where_room_is_needed(
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with mounted(home, "1m"):
         found = loop_folder("1")
-    assert found.path is not None
-    assert found.path.parent == home.parent / "tmp"
+    assert found.path is None
     monkeypatch.setattr("keypose.tracker.kernels.FOLDER", found)
+    assert not warm.is_warm()
     place = home / "keypose" / "kernels" / "1"
     assert warm.preparing_words() == (
         "Preparing the tracker: about a minute, and again at the next start, for "
@@ -72,24 +68,12 @@ def test_loops_that_do_not_fit_are_compiled_elsewhere_and_the_words_say_where_ro
     )
 
 
-def test_loops_that_are_there_already_are_used_on_a_full_disk(
-    home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_loops_that_are_there_already_are_used_on_a_full_disk(home: Path) -> None:
     with mounted(home, "1m"):
         place = home / "keypose" / "kernels" / "1"
         place.mkdir(parents=True, mode=0o700)
         (place / "warm-123").touch()
         assert loop_folder("1") == LoopFolder(place)
-
-
-def test_without_room_anywhere_loops_are_not_kept(
-    home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with mounted(home, "1m"):
-        monkeypatch.setattr("tempfile.tempdir", str(home))
-        assert loop_folder("1").path is None
-        monkeypatch.setattr("keypose.tracker.kernels.FOLDER", loop_folder("1"))
-        assert not warm.is_warm()
 
 
 def test_of_many_versions_the_newest_stay(home: Path, tmp_path: Path) -> None:

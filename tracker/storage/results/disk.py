@@ -72,7 +72,7 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
     return save_result(session, session_path, result, results.space(session))
 
 
-def tidy_tracks(folder: Path) -> None:
+def tidy_tracks(folder: Path, young_seconds: float = YOUNG_SECONDS) -> None:
     """Remove tracks files that no session in the folder refers to any more.
 
     The file before the last save counts, too: `session.json.previous` can be put back. Young files
@@ -82,7 +82,7 @@ def tidy_tracks(folder: Path) -> None:
     for file in folder.glob("tracks-*.npz"):
         if TRACKS_NAME.fullmatch(file.name) and file.name.encode() not in named:
             with suppress(OSError):  # then it stays, and does no harm
-                if time.time() - file.stat().st_mtime > YOUNG_SECONDS:
+                if time.time() - file.stat().st_mtime >= young_seconds:
                     file.unlink()
 
 
