@@ -63,7 +63,7 @@ def _checked(verdict: Verdict, first: int, last: int, capital: bool = False) -> 
 def reason(verdict: Verdict, capital: bool = False) -> str:
     """Why: "right hand hidden". capital: as the beginning of a sentence."""
     first, last = verdict.frames or (None, None)
-    frames = "" if first is None or last is None else _are(first, last)
+    frames = _are(*verdict.frames) if verdict.frames else ""
     named = {"part": readable(verdict.part or ""), "first": first, "last": last, "frames": frames}
     is_other = verdict.cause == "other"
     words = verdict.text if is_other else _REASONS[verdict.cause].format(**named)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from keypose.app.posing.box_corners import drag_box_corner
 from keypose.app.posing.gesture import (
     AxesFrame,
@@ -31,6 +33,7 @@ from keypose.app.posing.turning import rotate_by_ring, rotate_by_surface
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import BodyError, readable
 
 
 def drag(
@@ -54,11 +57,12 @@ def drag(
     angle_before: the readout's angle_rad after the move before this one, if there was one.
     held: the ends that stay where they are.  placed_corners: those of boxes that stay.
     free_sizes: a box whose corners ask for them gets other sizes.
-    BodyError when the body has no such part, handle or size.
+    BodyError when the body has no such part, handle or size, or the view does not show it.
     """
     skeleton = Skeleton.of(body)
     context = GestureContext.of(skeleton, pose_before, limits_on and not gesture.free)
     view, handle = views[gesture.view], gesture.handle
+    _require_seen(context, view, gesture)
     if isinstance(handle, SizeHandle):
         return resize_by_drag(context, view, gesture, handle, linked)
     if isinstance(handle, BoxCorner):
@@ -75,6 +79,18 @@ def drag(
     else:
         turned = rotate_by_surface(context, view, gesture, part, axes_frame, angle_before)
     return with_held_ends(context, turned, held, Moved(taken))
+
+
+def _require_seen(context: GestureContext, view: PointerView, gesture: Gesture) -> None:
+    """BodyError where the joint that is dragged lies behind the eye: no pointer is over it."""
+    body, handle = context.skeleton.body, gesture.handle
+    if isinstance(handle, SizeHandle | BoxCorner):
+        taken: BodyHandle | str = handle.part
+    else:
+        taken = _taken(body, gesture, handle)
+    name = taken.anchor if isinstance(taken, BodyHandle) else body.names[body.index(taken)]
+    if not np.isfinite(view.project(context.placed(*context.point(name)))).all():
+        raise BodyError(f"The {readable(name)} lies behind this view: orbit or zoom out first.")
 
 
 def _held(held: Held, view: PointerView, gesture: Gesture, taken: BodyHandle | str) -> Held:

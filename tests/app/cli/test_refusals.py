@@ -78,6 +78,10 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
         lambda data: data["video"].update(fingerprint="sha256:0"),
         "fingerprint differs",
     ),
+    "a part left out that is none": (
+        lambda data: data["settings"].update(left_out=["tail"]),
+        "settings.left_out names 'tail', which the body does not have",
+    ),
     "another frame count": (lambda data: data["video"].update(frame_count=99), "9 frames instead"),
     "a missing video": (lambda data: data["video"].update(path="gone.mp4"), "is missing"),
     "a newer version": (lambda data: data.update(schema_version=7), "written by a newer Keypose"),

@@ -74,8 +74,44 @@ EDITS = st.one_of(
             "at": SPOTS,
         }
     ),
+    st.fixed_dictionaries(
+        {
+            "do": st.just("drag"),
+            "view": st.just("free"),
+            "eye": st.fixed_dictionaries(
+                {
+                    "azimuth_deg": NUMBERS,
+                    "elevation_deg": st.floats(-90, 90),
+                    "at_m": st.tuples(NUMBERS, NUMBERS, NUMBERS),
+                }
+            ),
+            "handle": HANDLES,
+            "from": SPOTS,
+            "at": SPOTS,
+        }
+    ),
     st.just({"do": "undo"}),
 )
+
+
+def _behind(**handle: str) -> dict[str, Any]:
+    """A drag of what the free view cannot show."""
+    eye = {"azimuth_deg": 0.0, "elevation_deg": 0.0, "at_m": [0.0, 0.0, 9000.0]}
+    return {
+        "do": "drag",
+        "view": "free",
+        "eye": eye,
+        "handle": handle,
+        "from": [0, 0],
+        "at": [9, 9],
+    }
+
+
+BEHIND = [
+    _behind(kind="root"),
+    _behind(kind="ring", part="right_shin", axis="x"),
+    _behind(kind="size", part="left_thigh", key="joint"),
+]
 
 
 def _tried(state: EditorState, message: dict[str, Any]) -> EditorState:
@@ -90,6 +126,7 @@ def _tried(state: EditorState, message: dict[str, Any]) -> EditorState:
 @example(
     edits=[{"do": "camera", "fx": 1e-308}, {"do": "vertical", "a": [300, 300], "b": [310, 100]}]
 )
+@example(edits=BEHIND)
 @given(edits=st.lists(EDITS, min_size=1, max_size=6))
 def test_no_sequence_of_accepted_edits_makes_a_session_that_cannot_be_read(
     tmp_path_factory: pytest.TempPathFactory, edits: list[dict[str, Any]]
@@ -113,6 +150,12 @@ def test_no_sequence_of_accepted_edits_makes_a_session_that_cannot_be_read(
 )
 def test_a_size_or_lens_too_small_to_be_meant_is_refused(edit: dict[str, Any]) -> None:
     with pytest.raises(KeyposeError):
+        after(desk(), edit)
+
+
+@pytest.mark.parametrize("edit", BEHIND)
+def test_what_lies_behind_a_view_cannot_be_dragged_there(edit: dict[str, Any]) -> None:
+    with pytest.raises(KeyposeError, match="lies behind this view: orbit or zoom out first"):
         after(desk(), edit)
 
 

@@ -52,6 +52,12 @@ def test_a_verdict_is_said_in_sentence_case_without_repeating_the_frames_of_its_
     assert sentence(SAID[message], 24, 48) == message
 
 
+def test_a_verdict_without_frames_names_none() -> None:
+    nowhere = Verdict(kind="lost", cause="nothing_seen")
+    words = "Lost. The body is not visible: check keyframes, camera and masks"
+    assert sentence(nowhere, 24, 48) == words
+
+
 def test_there_is_a_sentence_for_every_cause() -> None:
     assert {verdict.cause for verdict in SAID.values()} == set(get_args(Cause))
 

@@ -113,6 +113,18 @@ def _read_or_refused(path: Path) -> None:
         load_keypoints(path)
 
 
+@pytest.mark.parametrize(
+    "dims", ['["x", "y", "z", "w"]', '["frame", "track", "node"]', "7", "[", "{}"]
+)
+def test_axes_that_are_not_the_four_are_reported_as_the_file_names_them(
+    tmp_path: Path, dims: str
+) -> None:
+    path = animals.sleap_h5(tmp_path / "a.h5", NAMES, ONE)
+    with h5py.File(path, "r+") as file:
+        file["tracks"].attrs["dims"] = dims
+    assert _sentence(path) == f"a.h5: its tracks names its axes {dims!r}."
+
+
 def test_a_file_that_leads_to_another_file_is_refused(tmp_path: Path) -> None:
     other = WRITERS["SLEAP HDF5"](tmp_path)
     path = tmp_path / "link.h5"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -33,6 +34,12 @@ HIDDEN = 0.5
 """Mean visibility of a joint below which it counts as not seen."""
 UNSEEN = 0.15
 """Observability below which a part's motion is a guess."""
+LEAST_PX = 8.0
+"""Extent of a body of which a picture shows anything."""
+ALIKE_IN_TIME, ALIKE_IN_SPACE = 0.1, 0.7
+"""Correlation of a picture with the next, and of a pixel with the one beside it, below which both
+are noise. Filmed and rendered pictures have 0.9 and more of either, noise 0 and 0.45, and something
+small that moves fast lacks only the first."""
 SHORTEST_RUN = 3
 """Frames for which a part must stay unseen before it is reported."""
 BESIDE_BODY, BESIDE_FRAMES = 0.08, 5
@@ -61,10 +68,33 @@ class _Evidence:
 
 def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
     """The verdict on a tracked segment."""
+    if extent_px(scene, outcome.trajectory) < LEAST_PX or _is_noise(segment):
+        return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
     verdict = _judge_body(scene, segment, outcome, seen)
     if verdict.kind == "good" and outcome.silhouette is not None:
         return _judge_silhouette(segment, outcome.silhouette)
     return verdict
+
+
+def _is_noise(segment: Segment) -> bool:
+    """Whether the pictures, in the median, show nothing that lasts: black, or noise alone."""
+    clip = segment.clip
+    frames = [
+        n for n in range(segment.first_frame, segment.last_frame + 1) if n not in clip.damaged
+    ]
+    if not clip.levels or len(frames) < 2:
+        return False
+    grey = clip.levels[-1][np.array(frames) - clip.first_frame, ..., 0].astype(np.float64)
+    grey -= grey.mean(axis=(1, 2), keepdims=True)
+    in_time = [_correlation(a, b) for a, b in pairwise(grey)]
+    in_space = [_correlation(a[:, 1:], a[:, :-1]) for a in grey]
+    return bool(np.median(in_time) < ALIKE_IN_TIME and np.median(in_space) < ALIKE_IN_SPACE)
+
+
+def _correlation(a: Array, b: Array) -> float:
+    """Of pictures about their mean; 0 where one is of one brightness."""
+    scale = float(np.sqrt((a * a).sum() * (b * b).sum()))
+    return float((a * b).sum()) / scale if scale > 0 else 0.0
 
 
 def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:

@@ -21,7 +21,7 @@ from keypose.tracker.tracking.diagnostics.observability import Observation, unob
 from keypose.tracker.tracking.result import Diagnostics
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import Clip
+from keypose.tracker.video.pyramid import Clip, prepare
 from tests.tracker.tracking_cases import scene_of
 
 FIRST, LAST = 100, 120
@@ -228,6 +228,32 @@ def test_a_body_that_is_nowhere_to_be_seen_is_lost() -> None:
     found = verdict(outcome(), none)
     assert found == Verdict.nothing_seen(FIRST, LAST)
     assert found.go is None
+
+
+def test_a_body_too_small_or_too_far_away_to_be_seen_is_never_good() -> None:
+    poses = [Pose.rest(SKELETON, (x, 0.0, 9000.0)) for x in (0.0, 0.2)]
+    path = interpolate(*poses, FIRST, LAST)
+    found = replace(outcome(), passes=(Pass("pass", path, 3.0),))
+    assert verdict(found) == Verdict.nothing_seen(FIRST, LAST)
+
+
+def filmed(pictures: list[NDArray[np.uint8]]) -> Segment:
+    """The segment with these pictures, one after the other."""
+    prepared = [prepare(picture, None, 3) for picture in pictures]
+    levels = tuple(np.stack(level) for level in zip(*prepared, strict=True))
+    return replace(SEGMENT, clip=Clip(FIRST, levels))
+
+
+def test_black_pictures_and_noise_show_nothing_and_something_small_that_moves_fast_does() -> None:
+    noise, shape = np.random.default_rng(1), (N + 1, 96, 128)
+    black, moving = np.zeros(shape, np.uint8), np.full(shape, 20, np.uint8)
+    for n in range(N + 1):
+        moving[n, 20:44, 5 * n : 5 * n + 20] = 200 if n % 2 else 120
+        moving[n] = np.roll(moving[n], 40 * n, axis=0)
+    for pictures in (black, noise.integers(0, 256, shape, np.uint8)):
+        found = judge(SCENE, filmed(list(pictures)), outcome(), clear())
+        assert found == Verdict.nothing_seen(FIRST, LAST)
+    assert judge(SCENE, filmed(list(moving)), outcome(), clear()) == GOOD
 
 
 def test_a_pass_that_diverged_is_a_reason_to_check_all_of_the_segment() -> None:
