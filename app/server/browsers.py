@@ -24,6 +24,8 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 
 MOST = 50
 LONGEST_S = 30 * 24 * 3600.0
+AHEAD_S = 3600.0
+"""By which another computer's clock may be ahead."""
 LARGEST_BYTES = 1 << 16
 NAME = "browsers.json"
 
@@ -85,9 +87,10 @@ class Browsers:
         return found
 
     def _valid(self, browsers: Iterable[_Browser]) -> tuple[_Browser, ...]:
-        """The newest, as long as they are let in without a new link."""
-        oldest = self._now() - LONGEST_S
-        recent = [b for b in browsers if b.since_s >= oldest]
+        """The newest, as long as they are let in without a new link. One of the future would be for
+        as long as a clock was wrong."""
+        now = self._now()
+        recent = [b for b in browsers if now - LONGEST_S <= b.since_s <= now + AHEAD_S]
         return tuple(sorted(recent, key=lambda b: -b.since_s)[:MOST])
 
     def _read(self) -> tuple[_Browser, ...]:

@@ -18,8 +18,9 @@ from collections.abc import Callable, Iterable
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl
 
+from starlette.datastructures import MutableHeaders
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from keypose.app.server.addresses import parse
 from keypose.app.server.browsers import LONGEST_S, Browsers
@@ -112,7 +113,7 @@ class Guard:
         except Refusal as refusal:
             await _refuse(str(refusal), scope, receive, send)
             return
-        await answer(scope, receive, send)
+        await answer(scope, receive, _guarded(send))
 
     def _examine(self, scope: Scope) -> Response | None:
         """Raise Refusal, or return what answers one who comes with a token; None for all others."""
@@ -311,6 +312,19 @@ def _query(scope: Scope) -> dict[str, str]:
     if SESSION in query and not _SESSION_ID.fullmatch(query[SESSION]):
         raise unknown
     return query
+
+
+def _guarded(send: Send) -> Send:
+    """Whatever is answered has the headers of data, where it does not say others itself."""
+
+    async def answer(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in headers_for("data").items():
+                headers.setdefault(name, value)
+        await send(message)
+
+    return answer
 
 
 async def _refuse(words: str, scope: Scope, receive: Receive, send: Send) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from keypose.app.server.browsers import AHEAD_S
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_private
 from keypose.tracker.storage.atomic import make_folder, write_file
@@ -73,8 +74,8 @@ class OneTimeTokens:
         return self._valid if stored is None else stored
 
     def _recent(self, tokens: Iterable[_Token]) -> tuple[_Token, ...]:
-        oldest = self._now() - LONGEST_S
-        return tuple(t for t in tokens if t.since_s >= oldest)[:MOST]
+        now = self._now()
+        return tuple(t for t in tokens if now - LONGEST_S <= t.since_s <= now + AHEAD_S)[:MOST]
 
     def _read(self) -> tuple[_Token, ...] | None:
         """None where there is no file, or others could have written it."""

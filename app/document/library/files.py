@@ -92,19 +92,19 @@ def find_files(roots: Sequence[Path]) -> Listing:
 def file_at(id: str, roots: Sequence[Path]) -> Path:
     """The path behind an id; KeyposeError when it is not in one of the folders."""
     number, _, inner = id.partition("/")
-    if number.isascii() and number.isdecimal() and int(number) < len(roots) and len(number) < 6:
+    if len(number) < 6 and number.isascii() and number.isdecimal() and int(number) < len(roots):
         place = unquoted(inner)
         if place and "\0" not in place:
             path = roots[int(number)] / place
-            if is_inside(path, roots) and path.exists():
+            if is_inside(path, roots):
                 return path
     raise KeyposeError("This file no longer exists.")
 
 
 def is_inside(path: Path, roots: Sequence[Path]) -> bool:
-    """Whether it lies in one of the folders once all links are followed."""
+    """Whether it is there, in one of the folders once all links are followed."""
     try:
-        real = path.resolve()
+        real = path.resolve(strict=True)
         return any(real.is_relative_to(root.resolve()) for root in roots)
     except (OSError, RuntimeError, ValueError):  # a ring of links, a name no file can have
         return False

@@ -195,6 +195,15 @@ def test_a_link_out_of_the_folders_is_neither_listed_nor_opened(
             library.find("file", id)
 
 
+@pytest.mark.parametrize("id", [f"0/{'a' * 4000}", f"{'9' * 5000}/jump.mp4", f"0/{'a/' * 3000}"])
+def test_an_id_longer_than_any_name_is_of_nothing(library: Library, id: str) -> None:
+    with pytest.raises(KeyposeError, match=r"This file no longer exists\."):
+        library.find("file", id)
+    with pytest.raises(KeyposeError, match=r"This folder no longer exists\."):
+        library.folder(id)
+    assert library.file_thumb(id) is None
+
+
 def test_a_link_to_a_file_inside_is_listed_once(library: Library, home: Path) -> None:
     (home / "z.mp4").symlink_to(clip(home))
     assert len(names(library)) == 1

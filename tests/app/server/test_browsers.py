@@ -53,6 +53,15 @@ def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
     assert not Browsers(file, lambda: now[0]).has_cookie(given[1].cookie)
 
 
+def test_one_that_was_let_in_under_a_clock_of_the_future_is_not_known_under_the_right_one(
+    file: Path,
+) -> None:
+    given = Browsers(file, lambda: 10 * LONGEST_S).let_in()
+    assert not Browsers(file, lambda: 0.0).has_cookie(given.cookie)
+    near = Browsers(file, lambda: 60.0).let_in()
+    assert Browsers(file, lambda: 0.0).has_cookie(near.cookie)
+
+
 @pytest.mark.parametrize("how", ["readable", "link", "folder", "damaged", "other", "huge"])
 def test_a_file_that_others_may_have_made_lets_nobody_in(file: Path, how: str) -> None:
     given = Browsers(file).let_in()

@@ -510,6 +510,13 @@ def test_a_view_may_start_itself_but_speaks_to_us_only() -> None:
     assert "frame-ancestors 'self'" in policy
 
 
+@pytest.mark.parametrize("path", ["/static/page.js", "/nowhere"])
+def test_what_says_nothing_of_itself_is_not_sniffed_and_runs_nothing(path: str) -> None:
+    headers = ask(path).headers
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["content-security-policy"] == "default-src 'none'; frame-ancestors 'self'"
+
+
 def test_everything_is_kept_from_being_sniffed_framed_or_read_by_others() -> None:
     for kind in ("page", "view", "data"):
         headers = headers_for(kind, HOST)  # type: ignore[arg-type]

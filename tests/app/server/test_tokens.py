@@ -47,6 +47,11 @@ def test_two_servers_of_one_workspace_know_each_others_links_and_each_is_used_on
     assert not any(one.spend(token) or other.spend(token) for token in tokens)
 
 
+def test_a_link_of_a_clock_of_the_future_lets_nobody_in_under_the_right_one(file: Path) -> None:
+    token = OneTimeTokens(file, lambda: 10 * LONGEST_S).issue()
+    assert not OneTimeTokens(file, lambda: 0.0).spend(token)
+
+
 def test_a_link_is_good_for_a_day(file: Path) -> None:
     now = [0.0]
     tokens = OneTimeTokens(file, lambda: now[0])
