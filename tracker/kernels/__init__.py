@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -38,4 +39,13 @@ def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
     kept = FOLDER.path is not None
     loop: Any = numba.njit(cache=kept, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
+    if kept:
+        save = loop._cache.save_overload
+        loop._cache.save_overload = lambda *given: _if_there_is_room(save, *given)
     return loop
+
+
+def _if_there_is_room(save: Callable[..., None], *given: Any) -> None:
+    """A disk that is full by now stops nothing: the loop is compiled once more the next time."""
+    with suppress(OSError):
+        save(*given)

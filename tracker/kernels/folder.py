@@ -13,7 +13,7 @@ from typing import Final
 
 NEEDED_BYTES: Final = 64 * 2**20
 """All loops of one version take 48 MB."""
-MOST_VERSIONS: Final = 3
+MOST_VERSIONS: Final = 8
 """Of the usual folder; beyond so many, those used longest ago are removed."""
 MARKS: Final = "warm*"
 """Files that `keypose.tracker.warm` leaves once all loops are there."""

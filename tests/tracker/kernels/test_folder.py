@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from keypose.tracker import warm
+from keypose.tracker.kernels import compiled
 from keypose.tracker.kernels import folder as folders
 from keypose.tracker.kernels.folder import LoopFolder, loop_folder
 from tests.app.full_disks import mounted
@@ -76,7 +79,27 @@ def test_loops_that_are_there_already_are_used_on_a_full_disk(home: Path) -> Non
         assert loop_folder("1") == LoopFolder(place)
 
 
-def test_of_many_versions_the_newest_stay(home: Path, tmp_path: Path) -> None:
+@compiled
+def _twice(x: float) -> float:
+    return 2 * x
+
+
+def test_a_disk_that_fills_up_while_loops_are_compiled_stops_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    loop: Any = _twice
+    monkeypatch.setattr(loop._cache._cache_file, "save", full)
+    monkeypatch.setattr(loop._cache, "load_overload", lambda *_: None)
+    assert _twice(2.0) == 4.0
+
+
+def test_of_many_versions_the_newest_stay(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folders, "MOST_VERSIONS", 3)
     for age, version in enumerate("edcba"):
         place = loop_folder(version).path
         assert place is not None
