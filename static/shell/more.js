@@ -7,7 +7,7 @@ import { heading, line, menuButton, menuHolder } from '../controls/menu.js';
 import { server } from '../store/state.js';
 import { words } from '../store/subject.js';
 
-const NARROW = matchMedia('(max-width: 759px)');
+const NARROW = matchMedia('(max-width: 799px)');
 const TINY = matchMedia('(max-width: 439px)');
 
 /** Whether Live, help and theme are in the menu, and Export is an icon. */
