@@ -14,7 +14,7 @@ KeyposeError
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -103,6 +103,23 @@ def _short(words: str) -> str:
     line = " ".join(words.splitlines())
     end = LONGEST_WORDS - LONGEST_BEGINNING
     return line if len(line) <= LONGEST_WORDS else f"{line[:LONGEST_BEGINNING]} … {line[-end:]}"
+
+
+MOST_LISTED = 8
+"""Numbers, or runs of them, that are called by their names."""
+
+
+def numbers_listed(numbers: Set[int], step: int = 1) -> str:
+    """ "3, 7–9 and 12"; of many runs the first, and how many numbers more there are.
+
+    step: between two that follow one another.
+    """
+    firsts = [number for number in sorted(numbers) if number - step not in numbers]
+    lasts = [number for number in sorted(numbers) if number + step not in numbers]
+    runs = list(zip(firsts, lasts, strict=True))
+    names = [f"{first}" if first == last else f"{first}–{last}" for first, last in runs]
+    left = sum((last - first) // step + 1 for first, last in runs[MOST_LISTED:])
+    return listed([*names[:MOST_LISTED], *([f"{left} more"] if left else [])])
 
 
 def readable(name: str) -> str:

@@ -154,6 +154,8 @@ def _facts(video: Video) -> dict[str, Any]:
         "variable_rate": info.variable_rate,
         "interlaced": info.interlaced,
         "rotation_deg": info.rotation_deg,
+        "depth": info.depth,
+        "numbering": info.numbering,
         "missing_frames": list(info.missing),
         "damaged_frames": list(info.damaged),
         "fingerprint": video.fingerprint(),
@@ -183,6 +185,8 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         f"rotated by {facts['rotation_deg']}° to be upright": facts["rotation_deg"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
         "interlaced: every frame holds two fields": facts["interlaced"],
+        f"{facts['depth']} of 16 bits are used: they are spread to the full range": facts["depth"],
+        facts["numbering"][:1].lower() + facts["numbering"][1:].rstrip("."): facts["numbering"],
         f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],
         _damage(facts): facts["damaged_frames"],
         "every frame was decoded, and none is damaged": facts["checked"]

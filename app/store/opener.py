@@ -103,7 +103,7 @@ class Opener:
             self._host.session_opened(opened, _opened_file(opened, film), edit)
             if edit.doc.evidence.can_be_damaged:
                 self._examiner = Examiner(self._loop, opened.video, self._host.show_damage)
-            for words in (*opened.news, *([problem] if problem else [])):
+            for words in filter(None, (*opened.news, opened.video.info.numbering, problem)):
                 self._host.note("check", words)
             await self._visit(opened)
 

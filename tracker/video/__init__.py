@@ -15,7 +15,8 @@ What a picture is:
 - upright: rotation and mirroring asked for by the file are applied here, once;
 - as stored otherwise: pixels that are not square stay so (`VideoInfo.pixel_aspect`), the two
   fields of an interlaced frame stay woven (`VideoInfo.interlaced`);
-- 8-bit RGB without alpha, whatever the depth and colour model of the file.
+- 8-bit RGB without alpha, whatever the depth and colour model of the file; of images of 16 bits
+  that use fewer, those that are used (`VideoInfo.depth`).
 """
 
 from __future__ import annotations

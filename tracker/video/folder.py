@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import io
+import math
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import av
 import numpy as np
 
-from keypose.tracker.errors import VideoError
+from keypose.tracker.errors import VideoError, numbers_listed
 from keypose.tracker.files import open_regular
 from keypose.tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
 from keypose.tracker.video.damage import Examined
@@ -20,11 +23,19 @@ from keypose.tracker.video.file_lens import lens_in
 from keypose.tracker.video.fingerprint import fingerprint_of_images
 from keypose.tracker.video.image_size import stored_size
 from keypose.tracker.video.info import VideoInfo, clock
-from keypose.tracker.video.picture import Orientation, Picture, PictureMaker, orientation_of
+from keypose.tracker.video.picture import (
+    Orientation,
+    Picture,
+    PictureMaker,
+    depth_of,
+    orientation_of,
+)
 from keypose.tracker.video.timecode import Timecode
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
 FPS = Fraction(30)  # a folder keeps no time; this is what is assumed
+MOST_LOOKED_AT = 32
+"""Images of a folder in which is looked for how many bits are used."""
 
 
 class FolderSource:
@@ -34,7 +45,6 @@ class FolderSource:
         """Raises VideoError when there are no images, or they are not all of one size."""
         self._files = _images_in(path)
         self._missing: set[int] = set()
-        self._maker = PictureMaker()
         self._same_stored_size()
         for number in range(len(self._files)):
             frame = self._decode(number)
@@ -45,6 +55,8 @@ class FolderSource:
                 f'No image in the folder "{path.name}" can be read: export them again as PNG.'
             )
         self._pattern = number
+        self._depth = depth_of([frame]) and depth_of(self._looked_at())
+        self._maker = PictureMaker(self._depth)
         self._facts = self._describe(path, frame)
 
     @property
@@ -104,6 +116,14 @@ class FolderSource:
             return None
         return frame
 
+    def _looked_at(self) -> Iterator[av.VideoFrame]:
+        """Some frames, spread over all of them."""
+        last = len(self._files) - 1
+        for number in np.unique(np.linspace(0, last, MOST_LOOKED_AT).round().astype(int)):
+            frame = self._decode(number)
+            if frame is not None:
+                yield frame
+
     def _same_stored_size(self) -> None:
         first: tuple[int, tuple[int, int]] | None = None
         for number, file in enumerate(self._files):
@@ -132,6 +152,7 @@ class FolderSource:
         width, height = frame.width, frame.height
         if orientation.transpose:
             width, height = height, width
+        numbers = [_number_in(file.stem) for file in self._files]
         return VideoInfo(
             path=path,
             container="images",
@@ -149,7 +170,9 @@ class FolderSource:
             pixel_aspect=Fraction(1),
             missing=tuple(sorted(self._missing)),
             lens=lens_in((tags_of(frame),)),
-            timecode=Timecode.of_numbers([_number_in(f.stem) for f in self._files], timing.fps),
+            timecode=Timecode.of_numbers(numbers, timing.fps),
+            depth=self._depth,
+            numbering=_unevenness(numbers),
         )
 
 
@@ -187,6 +210,22 @@ def _number_in(stem: str) -> int | None:
     """The last number in the name of a file, as sequences of images count; None without one."""
     found = re.findall(r"[0-9]+", stem)
     return int(found[-1]) if found else None
+
+
+def _unevenness(numbers: Sequence[int | None]) -> str:
+    """Which numbers in the names of the images are missing or doubled, in a sentence; empty where
+    none is, or where most would be: then they do not count images, but are times, say."""
+    counted = Counter(number for number in numbers if number is not None)
+    there = sorted(counted)
+    if len(there) < 2 or counted.total() < len(numbers):
+        return ""
+    step = math.gcd(*(after - number for number, after in pairwise(there)))
+    are_counts = there[-1] - there[0] < 2 * step * len(there)
+    missing = set(range(there[0], there[-1], step)) - counted.keys() if are_counts else set()
+    doubled = {number for number, times in counted.items() if times > 1}
+    found = {"missing": missing, "doubled": doubled}
+    words = ", ".join(f"{numbers_listed(of, step)} {what}" for what, of in found.items() if of)
+    return f"Image numbers {words}: the images are read as consecutive frames." if words else ""
 
 
 def _read(path: Path, length: int = -1) -> bytes:

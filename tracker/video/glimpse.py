@@ -8,7 +8,7 @@ from pathlib import Path
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video.container import decode_packets, open_container, picture_stream
 from keypose.tracker.video.folder import first_image
-from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
+from keypose.tracker.video.picture import Picture, PictureMaker, depth_of, orientation_of
 
 MOST_FRAMES = 60
 """Decoded until one is whole: a recorder may begin in the middle of a group of pictures."""
@@ -23,7 +23,9 @@ def first_picture(path: Path) -> Picture:
         stream = picture_stream(path, container, threaded=False)
         for frame in islice(decode_packets(path, container, stream), MOST_FRAMES):
             if frame is not None and not frame.is_corrupt:
-                picture = PictureMaker().picture_or_none(frame, orientation_of(frame))
+                picture = PictureMaker(depth_of([frame])).picture_or_none(
+                    frame, orientation_of(frame)
+                )
                 if picture is not None:
                     return picture
     raise VideoError(f'"{path.name}" has no picture near its beginning.')

@@ -47,6 +47,8 @@ class VideoInfo:
     damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
     lens: FileLens | None = None  # as the file gives it
     timecode: Timecode | None = None  # of the first frame, as the file gives it
+    depth: int | None = None  # bits used of sixteen in image files, spread to the full range
+    numbering: str = ""  # how the numbers in the names of image files go on unevenly, a sentence
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,15 +71,42 @@ def orientation_of(frame: av.VideoFrame) -> Orientation:
     return Orientation(flip_rows=d < 0, flip_columns=a < 0)
 
 
+_SIXTEEN_BITS = {"gray16be", "gray16le", "rgb48be", "rgb48le", "rgba64be", "rgba64le"}
+_DEPTHS = (10, 12, 14)
+
+
+def depth_of(frames: Iterable[av.VideoFrame]) -> int | None:
+    """How many bits the brightest value of pictures of sixteen bits needs: 10, 12 or 14, as cameras
+    have them; None where it needs more, or the pictures have not sixteen."""
+    brightest = max((_values(f)[..., :3].max() for f in frames if _is_deep(f)), default=0xFFFF)
+    return next((depth for depth in _DEPTHS if brightest < 1 << depth), None)
+
+
+def _is_deep(frame: av.VideoFrame) -> bool:
+    return frame.format.name in _SIXTEEN_BITS
+
+
+def _values(frame: av.VideoFrame) -> NDArray[np.uint16]:
+    """(height, width, channels) of a deep frame."""
+    values = np.asarray(frame.to_ndarray(), dtype=np.uint16)
+    return values.reshape(*values.shape[:2], -1)
+
+
 class PictureMaker:
     """Makes pictures of frames. Keeps the conversion tables between frames: making them again,
-    and threads to share the work, takes many times longer than the conversion itself."""
+    and threads to share the work, takes many times longer than the conversion itself.
 
-    def __init__(self) -> None:
+    depth: the bits that are used where frames have sixteen, as `depth_of` finds them.
+    """
+
+    def __init__(self, depth: int | None = None) -> None:
         self._reformatter = VideoReformatter()
+        self._depth = depth
 
     def picture(self, frame: av.VideoFrame, orientation: Orientation) -> Picture:
         """The frame as an upright (height, width, 3) uint8 RGB picture, read-only."""
+        if self._depth is not None and _is_deep(frame):
+            frame = self._spread(frame, self._depth)
         rgb = self._reformatter.reformat(frame, format="rgb24", threads=1)
         stored = np.asarray(rgb.to_ndarray(), dtype=np.uint8)
         picture = np.ascontiguousarray(orientation.apply(stored))
@@ -91,3 +119,11 @@ class PictureMaker:
             return self.picture(frame, orientation)
         except PYAV_ERRORS:
             return None
+
+    @staticmethod
+    def _spread(frame: av.VideoFrame, depth: int) -> av.VideoFrame:
+        """The frame with the values of so many bits spread over sixteen."""
+        used = np.minimum(_values(frame), (1 << depth) - 1)
+        values = (used << (16 - depth)).astype(np.uint16)
+        grey = values.shape[2] == 1
+        return av.VideoFrame.from_ndarray(values[..., 0] if grey else values, frame.format.name)

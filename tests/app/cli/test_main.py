@@ -228,6 +228,17 @@ def test_info_gives_the_facts_of_a_video(
     assert facts["fingerprint"].startswith("sha256:")
 
 
+def test_info_says_how_images_of_sixteen_bits_and_uneven_numbers_are_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in (1, 2, 4):
+        assert cv2.imwrite(str(tmp_path / f"{number}.png"), np.full((4, 6), 4000, np.uint16))
+    assert main(["info", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "note         12 of 16 bits are used: they are spread to the full range" in said
+    assert "note         image numbers 3 missing: the images are read as consecutive" in said
+
+
 def test_info_check_decodes_every_frame_and_names_the_damaged_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

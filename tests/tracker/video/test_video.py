@@ -13,6 +13,7 @@ from typing import Any
 
 import av
 import av.error
+import cv2
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -446,6 +447,49 @@ def test_images_of_different_sizes_are_refused_by_name(tmp_path: Path) -> None:
     write_image(folder / "c.png", numbered_picture(2, 32, 24))
     with pytest.raises(VideoError, match=r'"a.png" is 64 × 48 and "c.png" is 32 × 24'):
         Video.open(folder)
+
+
+@pytest.mark.parametrize(
+    ("brightest", "depth"), [(1023, 10), (4080, 12), (9000, 14), (16384, None)]
+)
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_bits_that_are_used_of_sixteen_are_spread_alike_for_a_whole_folder(
+    tmp_path: Path, brightest: int, depth: int | None, channels: int
+) -> None:
+    shape = (4, 6) if channels == 1 else (4, 6, channels)
+    for number, value in enumerate((brightest // 2, brightest)):
+        values = np.full(shape, value, np.uint16)
+        if channels == 4:
+            values[..., 3] = 0xFFFF
+        assert cv2.imwrite(str(tmp_path / f"{number}.png"), values)
+    with Video.open(tmp_path) as video:
+        assert video.info.depth == depth
+        seen = [picture.mean() for _, picture in video.frames(0, 2) if picture is not None]
+    full = (1 << (depth or 16)) - 1
+    assert seen == pytest.approx([255 * brightest / 2 / full, 255 * brightest / full], abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["1", "2", "3"], ""),
+        (["a0002", "a0004", "a0006"], ""),
+        (["a", "b"], ""),
+        (["run", "1", "3"], ""),
+        (["20240101120000", "20240101120107", "20240101120351"], ""),
+        (["1", "2", "4", "8", "9"], "Image numbers 3 and 5–7 missing"),
+        (["0", "2", "4", "8"], "Image numbers 6 missing"),
+        (["a1", "a2", "a02", "a3", "a5"], "Image numbers 4 missing, 2 doubled"),
+        (["9" * 30, "1"], ""),
+    ],
+)
+def test_numbers_that_are_missing_or_doubled_among_images_are_told(
+    tmp_path: Path, names: list[str], words: str
+) -> None:
+    folder = write_folder(tmp_path / "shots", [f"{name}.png" for name in names])
+    with Video.open(folder) as video:
+        told = f"{words}: the images are read as consecutive frames." if words else ""
+        assert video.info.numbering == told
 
 
 def test_a_folder_is_fingerprinted_by_its_images(tmp_path: Path) -> None:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Mapping
 
-from keypose.tracker.errors import listed
-
-MOST_NAMED = 8
-"""Steps, or runs of them, that are called by their numbers."""
+from keypose.tracker.errors import numbers_listed
 
 
 def describe_unusable(problems: Mapping[int, str]) -> str:
@@ -18,15 +15,5 @@ def describe_unusable(problems: Mapping[int, str]) -> str:
     """
     if len(problems) < 2:
         return "".join(problems.values())
-    runs = list(_runs(problems.keys()))
-    names = [f"{first}" if first == last else f"{first}–{last}" for first, last in runs]
-    more = sum(last - first + 1 for first, last in runs[MOST_NAMED:])
-    named = listed([*names[:MOST_NAMED], *([f"{more} more"] if more else [])])
-    return f"Steps {named} cannot be used. The first of them: {problems[runs[0][0]]}"
-
-
-def _runs(steps: Set[int]) -> Iterator[tuple[int, int]]:
-    """The first and the last of those that follow one another."""
-    starts = [step for step in sorted(steps) if step - 1 not in steps]
-    ends = [step for step in sorted(steps) if step + 1 not in steps]
-    yield from zip(starts, ends, strict=True)
+    steps = numbers_listed(problems.keys())
+    return f"Steps {steps} cannot be used. The first of them: {problems[min(problems)]}"
