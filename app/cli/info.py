@@ -153,6 +153,7 @@ def _facts(video: Video) -> dict[str, Any]:
         "fps": float(info.fps),
         "variable_rate": info.variable_rate,
         "interlaced": info.interlaced,
+        "deinterlaced": info.deinterlaced,
         "rotation_deg": info.rotation_deg,
         "depth": info.depth,
         "numbering": info.numbering,
@@ -184,7 +185,7 @@ def _lines(facts: dict[str, Any]) -> list[str]:
     notes = {
         f"rotated by {facts['rotation_deg']}° to be upright": facts["rotation_deg"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
-        "interlaced: every frame holds two fields": facts["interlaced"],
+        "interlaced: frames are deinterlaced as they are read": facts["interlaced"],
         f"{facts['depth']} of 16 bits are used: they are spread to the full range": facts["depth"],
         facts["numbering"][:1].lower() + facts["numbering"][1:].rstrip("."): facts["numbering"],
         f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],

@@ -13,8 +13,9 @@ because it is built on what is lost, is reported damaged once it has been examin
 What a picture is:
 
 - upright: rotation and mirroring asked for by the file are applied here, once;
-- as stored otherwise: pixels that are not square stay so (`VideoInfo.pixel_aspect`), the two
-  fields of an interlaced frame stay woven (`VideoInfo.interlaced`);
+- progressive: an interlaced frame is made one (`VideoInfo.deinterlaced`), unless its two fields are
+  to stay woven;
+- as stored otherwise: pixels that are not square stay so (`VideoInfo.pixel_aspect`);
 - 8-bit RGB without alpha, whatever the depth and colour model of the file; of images of 16 bits
   that use fewer, those that are used (`VideoInfo.depth`).
 """

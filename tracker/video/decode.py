@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import TypeVar
 
 import av
 import numpy as np
@@ -21,12 +22,18 @@ from keypose.tracker.video.container import (
     tags_of,
 )
 from keypose.tracker.video.damage import Examined, examine
+from keypose.tracker.video.fields import Deinterlacer
 from keypose.tracker.video.file_lens import lens_in
 from keypose.tracker.video.fingerprint import fingerprint_of_file
 from keypose.tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from keypose.tracker.video.info import VideoInfo, clock
 from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
 from keypose.tracker.video.timecode import timecode_in
+
+T = TypeVar("T")
+
+_INTERLACED = {2, 3, 4, 5}
+"""FFmpeg's AVFieldOrder: which field of a frame comes first, and is shown first."""
 
 # Going on forward is worth this many more frames than a seek would decode.
 _SEEK_COST = 8
@@ -48,9 +55,10 @@ class _Run:
 class FileSource:
     """The pictures of one media file. Not for use by two threads at once."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, deinterlace: bool = True) -> None:
         """Raises VideoError when the file holds no video that can be decoded."""
         self._path = path
+        self._deinterlace = deinterlace
         self._maker = PictureMaker()
         self._container = open_container(path)
         try:
@@ -72,11 +80,19 @@ class FileSource:
         first = self._first_frame()
         self._orientation = orientation_of(first)
         self._stored_size = (first.width, first.height)
+        self._held: dict[int, av.VideoFrame] = {}  # decoded last, of an interlaced film
+        self._fields = Deinterlacer()
         self._facts = _describe(self._path, self._container, self._stream, first, index)
+        self.deinterlace(self._deinterlace)
 
     @property
     def info(self) -> VideoInfo:
         return self._facts
+
+    def deinterlace(self, wanted: bool) -> None:
+        """From now on make interlaced frames progressive, or leave their fields woven."""
+        self._deinterlace = wanted
+        self._facts = replace(self._facts, deinterlaced=wanted and self._facts.interlaced)
 
     def close(self) -> None:
         self._container.close()
@@ -94,6 +110,42 @@ class FileSource:
         The last one given is the frame itself. When it is not, the frame is missing, and
         `info.missing` says so from now on. Raises IndexMismatch when the index is wrong.
         """
+        if self._facts.deinterlaced:
+            return self._approach_progressive(number, since)
+        return self._approach(number, since, self._picture)
+
+    def _picture(self, frame: av.VideoFrame) -> Picture | None:
+        return self._maker.picture_or_none(frame, self._orientation)
+
+    def _approach_progressive(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
+        """The same of an interlaced film: the frames beside one are decoded with it."""
+        for wanted in range(max(number - 1, 0), min(number + 2, self._facts.frame_count)):
+            if wanted in self._held or wanted in self._missing:
+                continue
+            for at, frame in self._approach(wanted, min(since, number) - 1, lambda frame: frame):
+                self._held[at] = frame
+                self._held = {n: f for n, f in self._held.items() if at - 2 <= n <= at}
+                if since < at <= number and len(self._held) == 3:
+                    yield from self._progressive(at - 1)
+        if number in self._held:
+            yield from self._progressive(number)
+
+    def _progressive(self, number: int) -> Iterator[tuple[int, Picture]]:
+        """The picture of a frame that is held, from its neighbours that are; else it is missing."""
+        neighbours = self._held.get(number - 1), self._held[number], self._held.get(number + 1)
+        try:
+            picture = self._picture(self._fields.frame(number, *neighbours))
+        except PYAV_ERRORS:
+            picture = None
+        if picture is None:
+            self._lose(number)
+        else:
+            yield number, picture
+
+    def _approach(
+        self, number: int, since: int, make: Callable[[av.VideoFrame], T | None]
+    ) -> Iterator[tuple[int, T]]:
+        """Decode up to frame `number`; gives what is made of the frames met on the way."""
         from_packets = not self._index.from_decoding
         for run in self._runs(number):
             self._run = run
@@ -101,16 +153,19 @@ class FileSource:
                 run.at = at
                 good = self._is_good(frame)
                 if good and since <= at <= number:
-                    picture = self._maker.picture_or_none(frame, self._orientation)
-                    good = picture is not None
-                    if picture is not None:
-                        yield at, picture
+                    made = make(frame)
+                    good = made is not None
+                    if made is not None:
+                        yield at, made
                 if good and at == number:
                     return
                 if at >= number or (from_packets and not good):
                     break
         if from_packets:
             raise IndexMismatch
+        self._lose(number)
+
+    def _lose(self, number: int) -> None:
         self._missing.add(number)
         self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
 
@@ -223,7 +278,7 @@ def _describe(
         fps=timing.fps,
         variable_rate=timing.variable,
         rotation_deg=orientation.rotation_deg,
-        interlaced=first.interlaced_frame,
+        interlaced=first.interlaced_frame or stream.codec_context.field_order in _INTERLACED,
         pixel_aspect=aspect,
         missing=tuple(sorted(index.missing)),
         lens=lens_in((container.metadata, stream.metadata, tags_of(first))),

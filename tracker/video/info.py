@@ -41,12 +41,13 @@ class VideoInfo:
     fps: float  # mean rate
     variable_rate: bool
     rotation_deg: int  # turned by this much counter-clockwise to stand upright: 0, 90, 180, 270
-    interlaced: bool
+    interlaced: bool  # as the file marks it, or its first frame
     pixel_aspect: Fraction  # width over height of one pixel of the upright picture
     missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
     damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
     lens: FileLens | None = None  # as the file gives it
     timecode: Timecode | None = None  # of the first frame, as the file gives it
+    deinterlaced: bool = False  # each frame that is marked interlaced is made a progressive one
     depth: int | None = None  # bits used of sixteen in image files, spread to the full range
     numbering: str = ""  # how the numbers in the names of image files go on unevenly, a sentence
 

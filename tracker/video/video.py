@@ -49,18 +49,22 @@ class Video:
         self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
 
     @classmethod
-    def open(cls, path: str | Path, cache_bytes: int = CACHE_BYTES) -> Self:
+    def open(
+        cls, path: str | Path, cache_bytes: int = CACHE_BYTES, *, deinterlace: bool = True
+    ) -> Self:
         """Open a video file, or a folder of images in natural order.
 
         A file is indexed from its packets where they are reliable, which takes under a second
         per hour of video; otherwise it is decoded once. Raises VideoError when it is no video.
+        deinterlace: whether interlaced frames are made progressive.
         """
         path = Path(path)
         try:
             is_folder = path.is_dir()
         except OSError:
             is_folder = False  # opening it as a file will report what is wrong
-        return cls(FolderSource(path) if is_folder else FileSource(path), cache_bytes)
+        source = FolderSource(path) if is_folder else FileSource(path, deinterlace)
+        return cls(source, cache_bytes)
 
     def __enter__(self) -> Self:
         return self
@@ -160,6 +164,14 @@ class Video:
 
     def _numbers(self, first: int, last: int) -> range:
         return range(first, min(last + 1, self.info.frame_count))
+
+    def deinterlace(self, wanted: bool) -> None:
+        """Make interlaced frames progressive from now on, or leave their fields woven."""
+        with self._lock:
+            if isinstance(self._source, FileSource) and not self._closed:
+                self._source.deinterlace(wanted)
+                self._cache.clear()
+                self._with_damaged = None
 
     def note(self, index: int) -> str | None:
         """What is known to be wrong with a frame's own file, in a sentence."""
