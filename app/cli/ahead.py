@@ -47,8 +47,9 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
             for way in ways:
                 if not stop.is_set():
                     found.append(_followed(asked, video, way, stop, arguments))
+        times_s = session.evidence.times_s(video.info.times_s)
         for each in found:
-            given = each.frame, each.motion, each.to_frame, each.stop, video.info.times_s
+            given = each.frame, each.motion, each.to_frame, each.stop, times_s
             session = followed_session(up_to_date(session), *given)
         if any(each.to_frame != each.frame for each in found):
             if arguments.out is None:

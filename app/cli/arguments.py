@@ -8,8 +8,9 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
 
@@ -180,6 +181,47 @@ def names_of(*known: str) -> Callable[[str], tuple[str, ...]]:
         return tuple(name for name in known if name in asked)
 
     return parse
+
+
+FASTEST_FPS = 1_000_000
+
+
+def add_taken(command: argparse.ArgumentParser) -> None:
+    """How a film was taken, where its file does not say so."""
+    command.add_argument(
+        "--recorded-fps",
+        metavar="N",
+        type=_recorded_rate,
+        help="frames a second at which it was recorded, such as 240 of slow motion, or at which a "
+        "folder's images were taken: times and speeds follow it, and the session keeps it; "
+        "default: the file's rate, 30 for images",
+    )
+    command.add_argument(
+        "--deinterlace",
+        choices=("yes", "no"),
+        help="whether frames that are marked interlaced are deinterlaced, which the session keeps; "
+        "default: yes",
+    )
+
+
+def taken_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What was said of it, by the fields of the session's video."""
+    known = {"recorded_fps": arguments.recorded_fps}
+    if arguments.deinterlace is not None:
+        known["deinterlace"] = arguments.deinterlace == "yes"
+    return {name: value for name, value in known.items() if value is not None}
+
+
+def _recorded_rate(text: str) -> float:
+    try:
+        rate = float(Fraction(text)) if len(text) <= 16 and "e" not in text.lower() else 0.0
+    except (ValueError, ZeroDivisionError):
+        rate = 0.0
+    if not 0.001 <= rate <= FASTEST_FPS:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a rate from 0.001 to {FASTEST_FPS} frames a second"
+        )
+    return rate
 
 
 def add_work(command: argparse.ArgumentParser) -> None:

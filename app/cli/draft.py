@@ -16,8 +16,10 @@ from keypose.app.cli.arguments import (
     add_command,
     add_json,
     add_overwrite,
+    add_taken,
     file_name,
     frames_asked,
+    taken_of,
     whole_number,
 )
 from keypose.app.cli.interrupts import set_when_interrupted
@@ -92,6 +94,7 @@ def add(commands: Subcommands) -> None:
         type=_angle,
         help="along the picture's longer side; default: from the file, else of a usual lens",
     )
+    add_taken(command)
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
     )
@@ -103,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
     from keypose.app.document.new import new_session
     from keypose.app.editor.drafted import require_draftable
+    from keypose.app.editor.film_edits import as_taken
     from keypose.app.jobs.drafts import DraftLeft
     from keypose.tracker.body.body import preset
     from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
@@ -116,8 +120,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.overwrite:
         require_absent([place], error=SessionError)
     require_folder(arguments.out, error=SessionError)
-    with Video.open(arguments.video) as video:
-        session = new_session(video, place)
+    taken = taken_of(arguments)
+    with Video.open(arguments.video, deinterlace=taken.get("deinterlace", True)) as video:
+        session = as_taken(new_session(video, place), taken)
         if body is not None:
             session = session.model_copy(update={"body": body})
         if arguments.field_of_view is not None:
@@ -182,7 +187,8 @@ def _save(
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
-    given = (draft.body, draft.poses, session.keypoints, draft.proposals, video.info.times_s)
+    times_s = session.evidence.times_s(video.info.times_s)
+    given = (draft.body, draft.poses, session.keypoints, draft.proposals, times_s)
     done = drafted_session(session, frames, *given)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError

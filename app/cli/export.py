@@ -59,7 +59,8 @@ def add(commands: Subcommands) -> None:
         "--fps",
         metavar="N",
         type=rate,
-        help="frames per second in every format; default: the video's",
+        help="sample the motion at so many frames per second, as fast as it was; default: the "
+        "video's rate. How fast it was recorded is said by `keypose open --recorded-fps`",
     )
     command.add_argument(
         "--frames",
@@ -191,10 +192,9 @@ def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None
 
     with video_if_there(session, session_path, "times are those between keyframes") as video:
         if video is not None:
-            return np.asarray(video.info.times_s), video.info.timecode
-    stated = session.evidence.times_s()
-    if stated is not None:
-        return stated, None
+            return session.evidence.times_s(video.info.times_s), video.info.timecode
+    if session.evidence.fps is not None:
+        return session.evidence.times_s(None), None
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:

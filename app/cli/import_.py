@@ -153,7 +153,8 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             choices = _motion_choices(arguments)
             motion = as_chosen(file.name, read(file), choices)
-            made = import_motion(session, motion, file.name, choices, info.times_s)
+            times_s = session.evidence.times_s(info.times_s)
+            made = import_motion(session, motion, file.name, choices, times_s)
             if isinstance(made, DraftImport):
                 _keep_drafts(session, made, arguments)
             else:

@@ -169,12 +169,13 @@ def _facts(video: Video) -> dict[str, Any]:
 def _lines(facts: dict[str, Any]) -> list[str]:
     last = facts["frame_count"] - 1
     rate = "varying, mean " if facts["variable_rate"] else ""
+    assumed = ", assumed: images keep none" * (facts["container"] == "images")
     lines = [
         facts["path"],
         f"  pictures     {facts['width']}×{facts['height']} pixels, {facts['codec']} in "
         f"{facts['container']}",
         f"  frames       0 to {last}, the last at {facts['last_frame_s']:.3f} s",
-        f"  rate         {rate}{facts['fps']:.3f} frames/s",
+        f"  rate         {rate}{facts['fps']:.3f} frames/s{assumed}",
         f"  fingerprint  {facts['fingerprint']}",
     ]
     if facts["focal_mm"] is not None:

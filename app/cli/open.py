@@ -19,10 +19,12 @@ from keypose.app.cli.arguments import (
     UP_AXES,
     Subcommands,
     add_command,
+    add_taken,
     file_name,
     host_name,
     note,
     session_file,
+    taken_of,
     whole_number,
 )
 from keypose.tracker.errors import KeyposeError
@@ -100,6 +102,7 @@ def add(commands: Subcommands) -> None:
         type=file_name,
         help="JSON file with the calibrated cameras of new meshes",
     )
+    add_taken(command)
     command.add_argument(
         "--host",
         default="127.0.0.1",
@@ -159,7 +162,13 @@ def _open(
 def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
-    """What to open, once its meshes are read as a person says."""
+    """What to open, once its film or meshes are read as a person says."""
+    if taken := taken_of(arguments):
+        if path is None:
+            raise KeyposeError("--recorded-fps and --deinterlace need a video or a session.")
+        from keypose.app.document.new import open_as_taken
+
+        path = open_as_taken(path, library.session_for, taken)
     given = (arguments.units, arguments.up, arguments.cameras)
     if given == (None, None, None):
         return path

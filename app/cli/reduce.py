@@ -210,7 +210,7 @@ def _save(
 
     path = arguments.session
     with open_video_of(session, path) as video:
-        times_s = video.info.times_s
+        times_s = session.evidence.times_s(video.info.times_s)
     own = None if found.parts is not None else save_own_motion(session, path, found.motion)
     given = (found, reduction.frames, times_s, own)
     save_session(reduced_session(session, *given, replacing=arguments.replace_keyframes), path)

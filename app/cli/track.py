@@ -3,8 +3,20 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_session, add_work, names_of
+from keypose.app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_session,
+    add_taken,
+    add_work,
+    names_of,
+    taken_of,
+)
+
+if TYPE_CHECKING:
+    from keypose.tracker.session import Session
 
 _EXAMPLES = """\
   keypose track session.json
@@ -76,6 +88,7 @@ def add(commands: Subcommands) -> None:
         help="instead, follow the body on from the last keyframe, back from the first, or both, as "
         "far as it is seen well; one keyframe is enough. The poses become drafts of the session",
     )
+    add_taken(command)
     add_work(command)
 
 
@@ -88,12 +101,27 @@ def _cues(text: str) -> tuple[str, ...]:
     return cues
 
 
+def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
+    """The session as the film was taken, which its file says too, unless a copy is tracked."""
+    from keypose.app.cli.outcome import locked_place
+    from keypose.app.editor.film_edits import as_taken
+    from keypose.tracker.storage.files import save_session
+
+    if not (taken := taken_of(arguments)):
+        return session
+    session = as_taken(session, taken)
+    if arguments.out is None:
+        with locked_place(arguments) as place:
+            save_session(session, place)
+    return session
+
+
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.cli.outcome import track_and_save
     from keypose.app.jobs.rerun import require_trackable, with_settings
     from keypose.tracker.storage.files import load_session
 
-    session = load_session(arguments.session)
+    session = _as_taken(load_session(arguments.session), arguments)
     if arguments.ahead is None:
         require_trackable(session, arguments.session)
     still = None if arguments.static_camera is None else arguments.static_camera == "yes"

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from keypose.app.document.defaults import read_defaults
 from keypose.app.document.folder_lock import locked
 from keypose.app.editor.documents import NEAREST_M
+from keypose.app.editor.film_edits import as_taken
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.scaling import with_height
@@ -102,6 +104,30 @@ def _as_tall(body: Body, height_m: float) -> Body:
     return with_height(body, height_m) if low <= height_m <= high else body
 
 
+def open_as_taken(
+    path: Path, session_for: Callable[[Path], Path], taken: Mapping[str, Any]
+) -> Path:
+    """The session of a film, written or changed so that it was taken as a person says."""
+    session_path, _ = _session_of(path, session_for)
+    if session_path.exists():
+        session = load_session(session_path)
+    else:
+        with Video.open(path, deinterlace=taken.get("deinterlace", True)) as video:
+            session = new_session(video, session_path)
+    session = as_taken(session, taken)
+    make_folder(session_path.parent, error=SessionError)
+    with locked(session_path, "close it there"):
+        save_session(session, session_path)
+    return session_path
+
+
+def _session_of(path: Path, session_for: Callable[[Path], Path]) -> tuple[Path, bool]:
+    """The session's file of what is to be opened, and whether that was named itself."""
+    named = path / "session.json" if (path / "session.json").is_file() else path
+    is_session = named.suffix.lower() == ".json"
+    return (named if is_session else session_for(path)), is_session
+
+
 def open_with_reading(
     path: Path, session_for: Callable[[Path], Path], reading: Reading, cameras: Path | None
 ) -> tuple[Path, tuple[str, ...]]:
@@ -111,9 +137,7 @@ def open_with_reading(
     SessionError where the body was posed in them as they are read now: then only the page changes
     that, for the poses follow there.
     """
-    named = path / "session.json" if (path / "session.json").is_file() else path
-    is_session = named.suffix.lower() == ".json"
-    session_path = named if is_session else session_for(path)
+    session_path, is_session = _session_of(path, session_for)
     if not is_session and not holds_meshes(path):
         raise SessionError(f"{str(path)!r} holds no meshes: only these have units and an up axis.")
     meshes = path

@@ -16,16 +16,15 @@ from keypose.app.document.new import (
     require_text,
     standing_in,
 )
-from keypose.app.editor.documents import Posed
 from keypose.app.editor.pointer_views import up_of
 from keypose.app.editor.state import EditorState
+from keypose.app.editor.timing import with_times
 from keypose.app.posing import opening_pose
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
 from keypose.tracker.files import read_regular
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.history import History
 from keypose.tracker.session.schema import Session
@@ -140,7 +139,7 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
     state = EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
-        times_s=opened.video.info.times_s,
+        file_times_s=opened.video.info.times_s,
         opening=_STANDING.of(session)(opening, session.body, opened.video),
         results=results,
         history=opened.history,
@@ -192,10 +191,10 @@ def _open(path: Path) -> OpenSession:
     if seen is not session:
         news = (*news, *_exported_again(session, seen))
         session, moment = seen, of_film(moment, seen)
-    timed = with_times(session, video.info.times_s)
+    timed = _timed(session, video)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
-        moment = moment.each(lambda doc: with_times(doc, video.info.times_s))
+        moment = moment.each(lambda doc: _timed(doc, video))
     return OpenSession(
         path,
         session,
@@ -219,19 +218,8 @@ def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
     )
 
 
-def with_times(doc: Session, times_s: Array) -> Session:
-    """With each pose at its frame's time in the video, which hand-written sessions may not know."""
-
-    def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
-        retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
-        if all(pose.time_s == time_s for pose, time_s in retimed):
-            return poses
-        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
-
-    poses = {name: timed(getattr(doc, name)) for name in ("keyframes", "part_keyframes", "drafts")}
-    if all(now is getattr(doc, name) for name, now in poses.items()):
-        return doc
-    return doc.model_copy(update=poses)
+def _timed(doc: Session, video: Video) -> Session:
+    return with_times(doc, doc.evidence.times_s(video.info.times_s))
 
 
 def _is_one_file(one: Path, other: Path) -> bool:

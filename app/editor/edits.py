@@ -11,6 +11,7 @@ from keypose.app.editor import (
     body_edits,
     camera_edits,
     depth_turn,
+    film_edits,
     floor_edits,
     key_range_edits,
     keyframe_edits,
@@ -155,6 +156,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.IgnoreKeypoint: EditKind(keypoint_edits.ignore_keypoint, "ignore the keypoint", "joint"),
     do.RestoreKeypoint: EditKind(keypoint_edits.restore_keypoint, "put back the keypoint", "joint"),
     do.Observe: EditKind(surface_edits.set_surface, "change the surfaces"),
+    do.ReadFilm: EditKind(film_edits.read_film, "change how the film was taken"),
 }
 """All edits but a drag, which is a gesture and says what it turns or moves (`label_of`)."""
 

@@ -53,8 +53,8 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class EditorState:
-    """doc: the session as it stands, results left out.  times_s: (frames,) seconds.  timecode: the
-    video's.
+    """doc: the session as it stands, results left out.  file_times_s: (frames,) seconds as the
+    video's file has them.  timecode: the video's.
 
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
@@ -66,7 +66,7 @@ class EditorState:
 
     doc: Session
     skeleton: Skeleton
-    times_s: Array
+    file_times_s: Array
     opening: Pose
     results: Results = field(default_factory=Results)
     history: History = field(default_factory=History)
@@ -86,6 +86,11 @@ class EditorState:
     @property
     def frame_count(self) -> int:
         return self.doc.video.frame_count
+
+    @cached_property
+    def times_s(self) -> Array:
+        """(frames,) seconds in the world."""
+        return self.doc.evidence.times_s(self.file_times_s)
 
     @property
     def keys(self) -> tuple[int, ...]:
@@ -143,9 +148,6 @@ class EditorState:
         """The same with another document, but for what it makes outdated of what was tracked
         ahead; the skeleton is rebuilt only for another body."""
         doc = up_to_date(doc)
-        times_s = doc.evidence.times_s() if doc.surface is not self.doc.surface else None
-        if times_s is not None:
-            self = replace(self, times_s=times_s)
         if doc.pins is not self.doc.pins:
             self = replace(self, proposed_pins=self.proposals)
         if doc.body is self.doc.body:

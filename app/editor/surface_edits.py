@@ -13,7 +13,7 @@ from keypose.app.editor.documents import require_before_camera
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.timing import retimed
+from keypose.app.editor.timing import with_times
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.rotations import quaternion_wxyz
@@ -39,7 +39,7 @@ def set_surface(state: EditorState, action: do.Observe) -> Session:
     if "up" in named:
         doc = _turned(doc, state.skeleton, action)
     doc = _with_surface(doc, {**surface_of(doc).model_dump(), **named})
-    return _retimed(doc) if "fps" in named else doc
+    return with_times(doc, doc.evidence.times_s(None)) if "fps" in named else doc
 
 
 def _named(action: do.Observe) -> dict[str, Any]:
@@ -104,13 +104,6 @@ def _turned(doc: Session, skeleton: Skeleton, action: do.Observe) -> Session:
 def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
     place = [float(v) for v in p_camera_surface]
     return _with_surface(doc, {**surface_of(doc).model_dump(), "p_camera_surface": place})
-
-
-def _retimed(doc: Session) -> Session:
-    """Poses know when they are."""
-    surface = surface_of(doc)
-    poses = {name: retimed(getattr(doc, name), surface) for name in ("keyframes", "drafts")}
-    return doc.model_copy(update=poses)
 
 
 def _with_surface(doc: Session, values: dict[str, Any]) -> Session:

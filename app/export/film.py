@@ -107,13 +107,18 @@ def film_words(session: Session, poses: KnownPoses, film: Film) -> list[str]:
 
 def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:
     count = film.last - film.first + 1
-    if fps is None and video is not None:
+    if fps is None and video is not None and not _has_no_clock(session, video):
         info = video.info
         pts = info.pts[film.first : film.last + 1]
         return _Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
     if fps is None:
         fps = _fraction(_fps_of_keyframes(session))
     return _Clock(1 / fps, list(range(count)), fps)
+
+
+def _has_no_clock(session: Session, video: Video) -> bool:
+    """Whether its rate is what the session says: images have none; slow motion stays so."""
+    return video.info.container == "images" and session.evidence.fps is not None
 
 
 def _fps_of_keyframes(session: Session) -> float:

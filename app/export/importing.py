@@ -93,7 +93,8 @@ def import_file(
     suit it. progress: receives how many frames of how many are done."""
     if isinstance(choices, MotionChoices):
         motion = as_chosen(path.name, load_motion(path), choices)
-        return import_motion(session, motion, path.name, choices, video.times_s, progress)
+        times_s = session.evidence.times_s(video.times_s)
+        return import_motion(session, motion, path.name, choices, times_s, progress)
     if isinstance(choices, KeypointChoices):
         people = read_people(path, choices.individual)
         return import_keypoints(session, people, path.name, choices, video, progress)
@@ -163,7 +164,8 @@ def import_keypoints(
         keypoints = keypoints.exchanged()
     known = match_keypoints(session, keypoints, file, choices.places)
     frames = _wanted_frames(session, keypoints, choices)
-    drafts = drafts_of(session, keypoints, known, frames, video.times_s, progress)
+    times_s = session.evidence.times_s(video.times_s)
+    drafts = drafts_of(session, keypoints, known, frames, times_s, progress)
     return DraftImport(drafts, known, keypoints.names, tuple(frames), notes)
 
 

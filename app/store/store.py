@@ -193,6 +193,9 @@ class Store:
             if self.opened and edit.doc.first_motion != before.doc.first_motion:
                 edit = with_kept_motion(edit, self.opened.session_path)
             edit = edit.stamped(before, time.time())
+            video = edit.doc.video
+            if self.opened and video.deinterlace != before.doc.video.deinterlace:
+                self.opened.video.deinterlace(video.deinterlace)
         fit = self._app_state.fit
         self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):

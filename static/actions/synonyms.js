@@ -195,6 +195,8 @@ export const SETTINGS = [
   { title: 'Up direction', tab: 'camera', section: 'Up direction', words: 'vertical horizon gravity tilt level' },
   { title: 'Lens distortion', tab: 'camera', section: 'Distortion', words: 'bent fisheye barrel k1 k2' },
   { title: 'Ignore masks', tab: 'camera', section: 'Ignore masks', words: 'regions mask exclude occlusion matte roto' },
+  { title: 'Recording rate (slow motion)', tab: 'camera', section: 'Video', words: 'frame rate fps frames per second high speed recorded 240 timing' },
+  { title: 'Deinterlace', tab: 'camera', section: 'Video', words: 'interlaced fields comb lines' },
   { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints silhouette evidence' },
   { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings passes preview fast full smooth initial guess static camera' },
   { title: 'Tracked motions', tab: 'track', section: 'Tracked motions', words: 'degrees of freedom dof joints locked' },

@@ -8,6 +8,7 @@ import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
 import { cues } from './cues.js';
 import { draft } from './draft.js';
+import { film } from './film.js';
 import { freedom } from './freedom.js';
 import { keypoints } from './keypoints.js';
 import { lens, virtualCamera } from './lens.js';
@@ -24,7 +25,7 @@ import { upright } from './upright.js';
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },
   body: { label: 'Body', title: 'The whole body: preset, height, all sizes', draw: bodyTab },
-  camera: { label: 'Camera', title: 'Lens, up direction, ignored regions', draw: cameraTab },
+  camera: { label: 'Camera', title: 'Lens, up direction, ignored regions, recording rate', draw: cameraTab },
   track: { label: 'Track', title: 'Tracking settings and results', draw: trackTab },
 };
 
@@ -108,7 +109,7 @@ function turn(event) {
 }
 
 function cameraTab() {
-  return server.camera ? html`${lens()}${upright()}${masks()}` : nothing;
+  return server.camera ? html`${lens()}${upright()}${masks()}${film()}` : nothing;
 }
 
 function virtualTab() {

@@ -21,6 +21,17 @@
  * @property {number[]} missing
  * @property {number[] | null} times  Only where the rate varies.
  * @property {{ focal_mm: number, device: string } | null} lens  As the file gives it.
+ * @property {Taken | null} taken
+ */
+
+/**
+ * @typedef {object} Taken  How a film was taken.
+ * @property {number | null} file_fps  Null for images, which keep no rate.
+ * @property {number | null} recorded_fps  As a person says; null where the file's times count.
+ * @property {boolean} interlaced
+ * @property {boolean} deinterlace
+ * @property {number | null} depth  Bits that are used of sixteen.
+ * @property {string} numbering  Which images are missing or doubled, a sentence.
  */
 
 /**

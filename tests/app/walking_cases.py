@@ -25,11 +25,11 @@ SKELETON = Skeleton.of(preset("adult_female"))
 WIDTH, HEIGHT = 64, 48
 
 
-def write_walk(folder: Path) -> tuple[Path, Results]:
+def write_walk(folder: Path, film: str = "walk.mkv", rate: int = 30) -> tuple[Path, Results]:
     """The session file beside its film, with six steps and a keyframe at every stride."""
-    folder.mkdir()
-    clip = folder / "walk.mkv"
-    write_numbered(clip, FRAMES)
+    folder.mkdir(parents=True)
+    clip = folder / film
+    write_numbered(clip, FRAMES, rate=rate)
     motion = crossing(SKELETON, FRAMES)
     camera = Camera(width=WIDTH, height=HEIGHT, fx=60.0, fy=60.0, cx=31.5, cy=23.5)
     session = Session(

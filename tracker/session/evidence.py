@@ -132,9 +132,14 @@ class Evidence(ABC):
         """Frames a second as the session has them; None where the file has the times."""
         return None
 
-    def times_s(self) -> Array | None:
-        """(frames,) seconds by that rate; None likewise."""
-        return None if self.fps is None else frozen(np.arange(self.video.frame_count) / self.fps)
+    def times_s(self, of_file: Array | None) -> Array:
+        """(frames,) seconds in the world: by that rate, else the file's own; TypeError where there
+        is neither."""
+        if self.fps is not None:
+            return frozen(np.arange(self.video.frame_count) / self.fps)
+        if of_file is None:
+            raise TypeError("neither the session nor the file says when frames are")
+        return of_file
 
     # --- identity
 
@@ -158,8 +163,10 @@ class Evidence(ABC):
         return {"video": {"path"}}
 
     def refreshed_fields(self, now: Evidence) -> Fields:
-        """The session's fields, updated from a later look at the same files."""
-        return {"video": now.video}
+        """The session's fields, updated from a later look at the same files; what a person says of
+        them stays."""
+        own = {name: getattr(self.video, name) for name in ("recorded_fps", "deinterlace")}
+        return {"video": now.video.model_copy(update=own)}
 
     def with_paths(self, moved: Callable[[str], str]) -> Fields:
         """The session's fields with every path moved."""
@@ -194,6 +201,10 @@ class FilmEvidence(Evidence):
 
     def open_ends(self, keyed: Frames, reached: Frames | None = None) -> tuple[int, ...]:
         return ()
+
+    @property
+    def fps(self) -> float | None:
+        return self.video.recorded_fps
 
 
 class SurfaceEvidence(Evidence):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat
 
@@ -16,6 +16,8 @@ from keypose.tracker.session.settings import (
     Weights,
     is_unknown,
 )
+
+FramesPerSecond: TypeAlias = Annotated[FiniteFloat, Field(ge=0.001, le=1_000_000)]
 
 
 class VideoReference(Plain):
@@ -34,6 +36,24 @@ class VideoReference(Plain):
         description="Whether the camera stands still, as found in the frames when the session was "
         "begun; left out where nobody looked.",
     )
+
+    recorded_fps: FramesPerSecond | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="Frames a second as they were recorded, where the file has another rate, as of "
+        "slow motion, or none, as a folder of images; left out where the file's times count.",
+    )
+    deinterlace: bool = Field(
+        default=True,
+        exclude_if=bool,
+        description="Whether interlaced frames are made progressive as they are read; left out "
+        "where they are.",
+    )
+
+    @property
+    def pictures(self) -> str:
+        """What the pictures are known by: another name where the same file gives others."""
+        return self.fingerprint if self.deinterlace else f"{self.fingerprint} woven"
 
 
 class Surface(Plain):

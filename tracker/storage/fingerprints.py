@@ -87,6 +87,7 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
     """Of what a body is followed ahead with from a keyframe: its pose, the body and the camera."""
     pose = _pose(_ById(keyframe), session.body.names)
     setup = [keyframe.frame, _body(_ById(session.body)), _camera(_ById(session.camera))]
+    setup += _woven(session)
     return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
 
 
@@ -153,7 +154,7 @@ def _film_setup(session: Session) -> bytes:
     settings = session.settings.model_dump(mode="json", exclude=_BY_THEMSELVES)
     settings["static_camera"] = session.has_static_camera  # found or chosen is the same motion
     setup = [_body(_ById(session.body)), _camera(_ById(session.camera)), settings, *_start(session)]
-    setup += _cues(session)
+    setup += [*_cues(session), *_woven(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
 
@@ -244,6 +245,11 @@ def _keypoints(session: Session) -> list[Any]:
     weight = settings.weight("keypoints")
     weighted = [] if weight == 1.0 else [weight]
     return ["keypoints", model.sha256 if given is None else given.file, *weighted]
+
+
+def _woven(session: Session) -> list[Any]:
+    """Whether interlaced frames keep their fields; nothing where not."""
+    return [] if session.video.deinterlace else ["woven"]
 
 
 def _uses_keypoints(session: Session) -> bool:

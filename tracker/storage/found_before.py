@@ -17,5 +17,5 @@ def found_before(session: Session, span: Span) -> Keypoints | None:
     skeleton = Skeleton.of(session.body)
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
     model = find_model(session.settings.network or FULL.name)
-    film = session.video.fingerprint
+    film = session.video.pictures
     return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)

@@ -81,7 +81,7 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
     if results.tracked_for not in (None, setup_hash(session)):
         reasons.append(f"{session.evidence.words.setup} have changed")
     if keyed and moved:
-        reasons.append("pins, the floor or smoothing have changed")
+        reasons.append("pins, the floor, smoothing or the frame rate have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
     other = "settings or keypoints" if session.keypoint_corrections else "settings"

@@ -101,7 +101,7 @@ def _found_keypoints(
             )
         return GivenKeypoints(given)
     model = find_model(session.settings.network or FULL.name)
-    film = session.video.fingerprint
+    film = session.video.pictures
     return DetectedKeypoints(video, session.camera, film, Detections(), model)
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.actions.message import Edit, Metres, Spot
 from keypose.tracker.body.body import Name
+from keypose.tracker.session.references import FramesPerSecond
 from keypose.tracker.session.settings import (
     ALL_CUES,
     Cue,
@@ -79,4 +80,13 @@ class Observe(Edit):
     binding: Literal["nearest", "smooth"] | None = None
 
 
-Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
+class ReadFilm(Edit):
+    """How a film was taken. Fields that are left out stay; `recorded_fps` may be null, as its file
+    says."""
+
+    do: Literal["read_film"] = "read_film"
+    recorded_fps: FramesPerSecond | None = None
+    deinterlace: bool | None = None
+
+
+Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe | ReadFilm

@@ -33,7 +33,7 @@ from keypose.app.render.snapshots import Look
 from keypose.tracker.errors import FormatError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
-from keypose.tracker.video import Video, VideoInfo
+from keypose.tracker.video import Video
 
 __all__ = [
     "Html",
@@ -214,20 +214,19 @@ def _facts(subject: Subject) -> list[str]:
     if video is None:
         facts += [f"{clip.frame_count} frames", f"{words.material} not at hand"]
     else:
-        rate = "about " if video.variable_rate else ""
+        stated = session.evidence.fps
+        about = "about " if video.variable_rate and stated is None else ""
+        rate = stated or video.fps
+        # until the last frame has been shown as long as the others, as the page says it
+        seconds = subject.time_s(clip.frame_count - 1) + 1 / rate
         facts += [
-            f"{clip.frame_count} frames, {number_text(_duration_s(video), 2)} s",
-            f"{rate}{number_text(video.fps, 2)} frames/s",
+            f"{clip.frame_count} frames, {number_text(seconds, 2)} s",
+            f"{about}{number_text(rate, 2)} frames/s",
         ]
     facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
     if session.results is not None:
         facts.append(words.way(session, session.results))
     return facts
-
-
-def _duration_s(video: VideoInfo) -> float:
-    """Until the last frame has been shown as long as the others, as the page says it."""
-    return float(video.times_s[-1]) + 1 / video.fps
 
 
 def _summary(subject: Subject) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from keypose.app.editor.verdict_text import sentence
 from keypose.app.render.poses import KnownPoses
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Results, Span, State, load_results
@@ -95,9 +97,15 @@ class Subject:
     def time_s(self, frame: int) -> float:
         """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,
         NaN where these do not say."""
-        if self.video is not None:
-            return float(self.video.times_s[frame])
-        return _time_by_keyframes(self.session, frame)
+        if self.video is None and self.session.evidence.fps is None:
+            return _time_by_keyframes(self.session, frame)
+        return float(self.times_s[frame])
+
+    @cached_property
+    def times_s(self) -> Array:
+        """(frames,) seconds in the world; TypeError where neither session nor video has them."""
+        of_file = None if self.video is None else self.video.times_s
+        return self.session.evidence.times_s(of_file)
 
 
 def subject_of(session: Session, session_path: Path, video: VideoInfo | None = None) -> Subject:

@@ -35,7 +35,8 @@ def export_motion(session_path: Path, export: Export) -> tuple[str, ...]:
     session = load_session(session_path)
     tracks = load_tracks(session, session_path)
     with open_video_of(session, session_path) as video:
-        recording = saved_motion(session, tracks, video.info.times_s, video.info.timecode)
+        times_s = session.evidence.times_s(video.info.times_s)
+        recording = saved_motion(session, tracks, times_s, video.info.timecode)
     make_folder(export.folder, error=FormatError)
     written = []
     for format_name in FORMATS:

@@ -87,7 +87,7 @@ _TRACKED = _both(
     _settled(
         *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
         *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
-        "reviewed",
+        *("reviewed", "video"),
     ),
     _edit("results"),
 )
@@ -106,10 +106,12 @@ def _tinted(app_state: AppState) -> tuple[Any, ...]:
 
 
 SECTIONS: dict[str, _Section] = {
-    "file": _Section(_both(_doc("surface", "title"), lambda o: (o.opened,)), scene_values.file),
+    "file": _Section(
+        _both(_doc("surface", "title", "video"), lambda o: (o.opened,)), scene_values.file
+    ),
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
-        _both(_doc("camera", "up_camera", "lens_source"), lambda o: (o.opened,), _tinted),
+        _both(_doc("camera", "up_camera", "lens_source", "video"), lambda o: (o.opened,), _tinted),
         scene_values.camera,
     ),
     "surface": _Section(

@@ -14,8 +14,10 @@ from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.sections.surface_values import surface_version
 from keypose.app.store.state import AppState
 from keypose.tracker.geometry.horizon import horizon_of
+from keypose.tracker.session.references import VideoReference
 from keypose.tracker.session.schema import Session
 from keypose.tracker.tracking.diagnostics.runs import runs
+from keypose.tracker.video import VideoInfo
 
 
 def file(app_state: AppState) -> Json:
@@ -24,7 +26,8 @@ def file(app_state: AppState) -> Json:
     if opened is None:
         return None
     info, doc = opened.info, doc_of(app_state)
-    fps = (doc.evidence.fps if doc is not None else None) or info.fps
+    stated = None if doc is None else doc.evidence.fps
+    fps = stated or info.fps
     return {
         "name": (doc.title if doc is not None else "") or opened.name,
         "video": info.path.name,
@@ -34,10 +37,25 @@ def file(app_state: AppState) -> Json:
         "fps": fps,
         "width": info.width,
         "height": info.height,
-        "duration_s": float(info.times_s[-1]) * info.fps / fps + 1 / fps,
+        "duration_s": info.frame_count / fps if stated else float(info.times_s[-1]) + 1 / fps,
         "missing": list(info.missing),
-        "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
+        "times": [round(float(t), 4) for t in info.times_s]
+        if info.variable_rate and not stated
+        else None,
         "lens": None if info.lens is None else asdict(info.lens),
+        "taken": None if doc is None else _taken(info, doc.video),
+    }
+
+
+def _taken(info: VideoInfo, video: VideoReference) -> Json:
+    """How a film was taken, by its file and by what a person says."""
+    return {
+        "file_fps": None if info.container == "images" else info.fps,
+        "recorded_fps": video.recorded_fps,
+        "interlaced": info.interlaced,
+        "deinterlace": video.deinterlace,
+        "depth": info.depth,
+        "numbering": info.numbering,
     }
 
 
@@ -93,7 +111,8 @@ def image_version(app_state: AppState) -> str:
         return ""
     camera = edit.doc.camera
     lens = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
-    made_of = (film, lens if camera.is_distorted else ())
+    woven = () if edit.doc.video.deinterlace else ("woven",)
+    made_of = (film, lens if camera.is_distorted else (), *woven)
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
 
 

@@ -29,7 +29,7 @@ def desk(*, keyframes: bool = True) -> EditorState:
     return EditorState(
         doc=session,
         skeleton=Skeleton.of(session.body),
-        times_s=np.arange(session.video.frame_count) / 30,
+        file_times_s=np.arange(session.video.frame_count) / 30,
         opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
     )
 

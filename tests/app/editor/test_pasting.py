@@ -105,7 +105,7 @@ def test_a_body_without_any_of_the_parts_takes_nothing_and_says_so() -> None:
 def test_another_session_whose_body_is_a_box_takes_no_person() -> None:
     box = load_session(SAMPLE.parents[1] / "box" / "session.json")
     other = replace(
-        desk(), doc=box, skeleton=Skeleton.of(box.body), times_s=np.arange(200) / 30, frame=0
+        desk(), doc=box, skeleton=Skeleton.of(box.body), file_times_s=np.arange(200) / 30, frame=0
     )
     with pytest.raises(Refused, match="no part that this body has"):
         pasted(other, text_of(24), 0)

@@ -67,7 +67,7 @@ def _state(session: Session) -> EditorState:
     return EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
-        times_s=np.arange(session.video.frame_count) / 30,
+        file_times_s=np.arange(session.video.frame_count) / 30,
         opening=opening_pose(session.body, session.camera),
         results=Results(),
         frame=0,

@@ -40,7 +40,7 @@ def desk() -> EditorState:
     return EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
-        times_s=np.arange(session.video.frame_count) / 25,
+        file_times_s=np.arange(session.video.frame_count) / 25,
         opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from keypose.tracker.session import Session
@@ -71,11 +72,14 @@ def test_the_name_of_that_keyframe_follows_it_to_another_frame() -> None:
     assert evidence.with_key_moved(1, 2) == FILM.evidence.with_key_moved(4, 5) == {}
 
 
-def test_a_film_s_file_gives_its_times_and_of_surfaces_the_session_does() -> None:
-    assert FILM.evidence.times_s() is None
-    times_s = SURFACES.evidence.times_s()
-    assert times_s is not None
-    assert times_s[-1] == pytest.approx(4 / surface_of(SURFACES).fps)
+def test_a_film_s_file_gives_its_times_unless_the_session_has_a_rate_as_for_surfaces() -> None:
+    of_file = np.arange(FILM.video.frame_count) / 30
+    assert FILM.evidence.times_s(of_file) is of_file
+    with pytest.raises(TypeError):
+        FILM.evidence.times_s(None)
+    times_s = about(FILM, recorded_fps=240.0).evidence.times_s(of_file)
+    np.testing.assert_allclose(times_s, of_file / 8)
+    assert SURFACES.evidence.times_s(None)[-1] == pytest.approx(4 / surface_of(SURFACES).fps)
 
 
 def test_another_film_is_another_and_meshes_may_be_exported_again() -> None:

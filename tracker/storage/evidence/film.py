@@ -18,7 +18,7 @@ class FilmFiles:
     def open(self, session: Session, path: Path, folder: Path) -> Video:
         from keypose.tracker.video import Video  # the decoder loads only when needed
 
-        return Video.open(path)
+        return Video.open(path, deinterlace=session.video.deinterlace)
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         from keypose.tracker.video.fingerprint import fingerprint_of_file
@@ -26,7 +26,7 @@ class FilmFiles:
         return fingerprint_of_file(path, session.video.frame_count) if path.is_file() else None
 
     def state(self, session: Session, path: Path, folder: Path) -> tuple[Any, ...]:
-        return (identity(path),)
+        return identity(path), session.video.deinterlace
 
     def refresh_fingerprints(self, session: Session, folder: Path, video: Video) -> Session:
         return session

@@ -163,7 +163,8 @@ def test_changed_pins_are_reported(tmp_path: Path, change: object) -> None:
     of = smooth(pinned())
     again, path = saved(solved(of), tmp_path, of)
     assert outdated_words(change(again), load_tracks(again, path)) == (
-        "the tracked motion is out of date (pins, the floor or smoothing have changed)."
+        "the tracked motion is out of date (pins, the floor, smoothing or the frame rate have "
+        "changed)."
     )
 
 
