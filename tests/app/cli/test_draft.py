@@ -33,11 +33,14 @@ def test_a_session_with_drafts_and_its_keypoints_are_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "new"
-    assert run(command(out, "--frame", "2", "--body", "elderly_male")) == 0
+    taken = ("--recorded-fps", "240", "--deinterlace", "no")
+    assert run(command(out, "--frame", "2", "--body", "elderly_male", *taken)) == 0
     session = load_session(out / "session.json")
     assert [draft.frame for draft in session.drafts] == list(range(6))
     assert session.keyframes == ()
     assert session.body.name == "elderly_male"
+    assert (session.video.recorded_fps, session.video.deinterlace) == (240.0, False)
+    assert session.drafts[5].time_s == pytest.approx(5 / 240)
     assert session.keypoints is not None
     assert session.keypoints.seeds == (2,)
     assert session.keypoints.network

@@ -25,6 +25,7 @@ from keypose.app.store.store import Store
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from tests.app.document.test_edit_log import done, with_store
 from tests.app.walking_cases import write_walk
+from tests.tracker import session_cases as cases
 from tests.tracker.video.test_fields import write_interlaced
 from tests.tracker.video_cases import numbered_picture, write_image, write_numbered
 
@@ -80,6 +81,19 @@ def test_slow_motion_has_the_speeds_and_the_gait_of_a_film_at_its_true_rate(
         found.append((gait_section(subject, recording), derivatives_section(subject)))
     assert found[0] == found[1]
     assert found[0][1] is not None
+
+
+@pytest.mark.parametrize(("kind", "seconds"), [("images", 9 / 90), ("slow motion", 9 / 30)])
+def test_a_film_of_images_has_their_rate_and_one_of_slow_motion_stays_slow(
+    tmp_path: Path, kind: str, seconds: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = cases.write_session(tmp_path / "job")
+    if kind == "slow motion":
+        film = write_numbered(tmp_path / "job" / "film.mp4", cases.FRAMES)
+        cases.altered(path, lambda data: data["video"].update(path=film.name, fingerprint=""))
+    taken(path, recorded_fps=90.0)
+    assert main(["film", str(path), "--out", str(tmp_path / "out.mp4"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["seconds"] == pytest.approx(seconds, abs=1e-3)
 
 
 def test_a_rate_is_kept_in_the_session_and_a_session_without_one_is_written_as_before(

@@ -64,6 +64,10 @@ def settings(**changes: Any) -> Change:
     return lambda of: {"settings": of.settings.model_copy(update=changes)}
 
 
+def video(**changes: Any) -> Change:
+    return lambda of: {"video": of.video.model_copy(update=changes)}
+
+
 OUTDATES_ALL: dict[str, Change] = {
     "a longer part": lambda of: part(of, "left_arm", shape=Cylinder(end_m=0.5, radius_m=0.05)),
     "a joint elsewhere": lambda of: part(of, "left_arm", joint_m=(0.3, -0.2, 0.0)),
@@ -77,6 +81,7 @@ OUTDATES_ALL: dict[str, Change] = {
     "more passes": settings(passes=7),
     "a static camera": settings(static_camera=True),
     "a mask over everything": lambda of: {"ignore_masks": (mask(0, 8),)},
+    "interlaced frames left woven": video(deinterlace=False),
     "the middle keyframe moved": lambda of: posed(of, 1, root_m=(0.2, 0.0, 3.0)),
     "the middle keyframe turned": lambda of: posed(of, 1, rotations_wxyz={}),
 }
@@ -87,6 +92,7 @@ OUTDATES_NONE: dict[str, Change] = {
     "a limit of posing": lambda of: part(of, "left_arm", limits_deg={"x": (-10.0, 90.0)}),
     "a limit of twist": lambda of: part(of, "left_arm", twist=Twist(range_deg=(-90.0, 90.0))),
     "the camera's origin": lambda of: {"camera": of.camera.model_copy(update={"origin": "guess"})},
+    "another rate of recording": video(recorded_fps=240.0),
     "a keyframe's time": lambda of: posed(of, 1, time_s=0.2),
     "signs of quaternions": turned_over,
     "rotations at rest left out": without_rest,
