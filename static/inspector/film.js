@@ -14,8 +14,8 @@ const readFilm = (change) => ({ do: 'read_film', ...change });
 export function film() {
   const { fps, taken } = server.file;
   const spec = {
-    key: 'recorded_fps', label: 'Recorded at', text: 'Recorded', value: fps, unit: 'fps', decimals: 3, step: 1, coarse: 10,
-    min: SLOWEST_FPS, max: FASTEST_FPS,
+    key: 'recorded_fps', label: 'Recorded at', text: 'Recorded', value: fps, unit: '/s',
+    decimals: Number.isInteger(fps) ? 0 : 2, step: 1, coarse: 10, min: SLOWEST_FPS, max: FASTEST_FPS,
     title: 'Frames per second at which it was recorded, such as 240 for slow motion. All times and speeds follow',
     edit: (value) => readFilm({ recorded_fps: value }),
   };
