@@ -119,7 +119,8 @@ class FolderSource:
     def _looked_at(self) -> Iterator[av.VideoFrame]:
         """Some frames, spread over all of them."""
         last = len(self._files) - 1
-        for number in np.unique(np.linspace(0, last, MOST_LOOKED_AT).round().astype(int)):
+        numbers = np.unique(np.linspace(0, last, MOST_LOOKED_AT).round().astype(int))
+        for number in numbers.tolist():
             frame = self._decode(number)
             if frame is not None:
                 yield frame

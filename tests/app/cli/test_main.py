@@ -237,6 +237,10 @@ def test_info_says_how_images_of_sixteen_bits_and_uneven_numbers_are_read(
     said = capsys.readouterr().out
     assert "note         12 of 16 bits are used: they are spread to the full range" in said
     assert "note         image numbers 3 missing: the images are read as consecutive" in said
+    (tmp_path / "2.png").write_bytes(b"no picture")
+    assert main(["info", str(tmp_path), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["depth"], facts["missing_frames"]) == (12, [1])
 
 
 def test_info_check_decodes_every_frame_and_names_the_damaged_ones(
