@@ -45,7 +45,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
         (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
-        (r"/motion", {"format", "filter_hz", "fps", "first", "last", "rig", "unit"}),
+        (r"/motion", {"format", "filter_hz", "fps", "first", "last", "rig", "unit", "from_zero"}),
         (r"/upload|/imports", {"name"}),
         (r"/folder|/file\.jpg", {"at"}),
     )
