@@ -1,7 +1,7 @@
 """Match the joint names of a file with places on a body.
 
 A convention counts as a whole: LeftShoulder is the collar bone in one program and the upper arm in
-another. The convention that knows most of a file's names is taken; the body's own names come first,
+another. The convention that knows most of a file's joints is taken; the body's own names come first,
 then the rigs that Keypose writes, then `conventions.json`:
 
     title    programs that use these names
@@ -69,6 +69,11 @@ class Matched:
     left_out: tuple[str, ...]
 
     @property
+    def count(self) -> int:
+        """How much is known: not by the ends of parts, which every convention has alike."""
+        return sum(not ours.endswith("_end") for _, ours, _ in self.known)
+
+    @property
     def indices(self) -> list[int]:
         return [index for index, _, _ in self.known]
 
@@ -91,7 +96,7 @@ def matched(
     spellings = [words] if bare == words else [words, bare]
     conventions = (_own_names(skeleton), *_rigs(skeleton.body), *_conventions(skeleton.body))
     found = [_match(one, names, spelt) for one in conventions for spelt in spellings]
-    return max(found, key=lambda m: len(m.known))  # the first of those alike
+    return max(found, key=lambda m: m.count)  # the first of those alike
 
 
 def match_also(

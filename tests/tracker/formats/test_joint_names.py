@@ -154,6 +154,17 @@ def test_a_foot_is_the_ankle_where_no_other_name_is() -> None:
     assert _found(MAKERS["MocapNET"])["rHand"] == "right_hand"
 
 
+def test_joints_count_for_whose_names_they_are_and_not_the_ends_of_parts() -> None:
+    arms = [
+        f"{s}{n}" for s in ("left", "right") for n in ("UpperArm", "LowerArm", "Hand", "Hand_end")
+    ]
+    known = matched(
+        SKELETON, ["hips", "spine", "chest", "neck", "head", "head_end", *arms], "a.bvh"
+    )
+    assert known.convention == "VRM"
+    assert "chest" in known.left_out
+
+
 def test_a_wrist_lies_between_its_markers() -> None:
     names = ["LSHO", "LELB", "LWRA", "LWRB", "LKNE", "LWRA+LWRB"]
     assert _found(names)["LWRA+LWRB"] == "left_hand"
