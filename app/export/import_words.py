@@ -39,6 +39,11 @@ def _untold(*parts: str) -> str:
     )
 
 
+def _unplaced(*parts: str) -> str:
+    shown = listed([readable(part) for part in parts[:SHOWN]])
+    return f"Nothing in the file says where {shown} begin, so how these limbs bend is a guess."
+
+
 def _proportions(*bones: tuple[str, float]) -> str:
     shown = listed([f"{readable(part)} × {ratio:.2g}" for part, ratio in bones[:SHOWN]])
     return (
@@ -70,6 +75,7 @@ _WORDS: Final[dict[Oddity, Callable[..., str]]] = {
     ),
     "z up at rest": lambda: "Read with z up, as its rest pose shows.",
     "untold parts": _untold,
+    "unplaced joints": _unplaced,
     "proportions": _proportions,
     "poor fit": _poor,
     "flat": lambda: (

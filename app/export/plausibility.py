@@ -64,6 +64,20 @@ def _untold(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
     return [part for part in _inner(skeleton) if part not in told]
 
 
+def _middles(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
+    """Parts in the middle of a limb, such as a shin, at whose joint no place is."""
+    children = np.bincount(skeleton.parents[skeleton.parents >= 0], minlength=skeleton.part_count)
+    placed = {place[0][0] for place in places if len(place) == 1 and not any(place[0][1])}
+    return [
+        part
+        for part in _inner(skeleton)
+        if part not in placed
+        and children[part] == 1
+        and (parent := int(skeleton.parents[part])) >= 0
+        and children[parent] == 1
+    ]
+
+
 # --- size
 
 
@@ -133,6 +147,9 @@ def implausible(
     untold = _untold(skeleton, places)
     if untold:
         notes.append(Note("untold parts", tuple(names[part] for part in untold)))
+    unplaced = [part for part in _middles(skeleton, places) if part not in untold]
+    if unplaced:
+        notes.append(Note("unplaced joints", tuple(names[part] for part in unplaced)))
     if len(places) > 3 and _is_flat(ps):
         return (*notes, Note("flat"))  # which gives wrong proportions, and errors
     odd = {

@@ -1,8 +1,8 @@
 """Match the joint names of a file with places on a body.
 
 A convention counts as a whole: LeftShoulder is the collar bone in one program and the upper arm in
-another. The convention that knows most of a file's joints is taken; the body's own names come first,
-then the rigs that Keypose writes, then `conventions.json`:
+another. The convention that knows most of a file's joints is taken; the body's own names come
+first, then the rigs that Keypose writes, then `conventions.json`:
 
     title    programs that use these names
     joints   plain name to place; `{}` is the side. A place is a part (its joint), a landmark, a

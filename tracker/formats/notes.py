@@ -12,6 +12,7 @@ Oddity: TypeAlias = Literal[
     "row per frame",
     "z up at rest",
     "untold parts",
+    "unplaced joints",
     "poor fit",
     "proportions",
     "flat",

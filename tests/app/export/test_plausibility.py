@@ -102,6 +102,14 @@ def test_limbs_that_nothing_tells_are_named() -> None:
     assert _oddities(_fitted(_motion(JOINTS))) == []
 
 
+def test_limbs_whose_knees_and_elbows_have_no_counterpart_bend_by_a_guess() -> None:
+    without = [n for n in JOINTS if not n.endswith(("shin", "forearm"))]
+    found = _fitted(_motion(without))
+    assert _oddities(found) == ["unplaced joints"]
+    (words,) = note_words(found.notes)
+    assert "left forearm, right forearm, left shin and right shin begin" in words
+
+
 def test_a_flat_motion_says_that_it_has_no_depth() -> None:
     assert _oddities(_fitted(_motion(JOINTS, flat=True))) == ["flat"]
 
