@@ -69,11 +69,11 @@ def pose(share: float) -> Pose:
 
 
 def write_frames(folder: Path, brightness: int = 100) -> Path:
-    """The video: a folder of images with a texture that lasts, under some noise."""
+    """The video: a folder of images of some texture that wanders."""
     folder.mkdir(parents=True)
-    texture = np.random.default_rng(0).integers(0, 50, (HEIGHT, WIDTH, 3)) + brightness
+    texture = np.random.default_rng(0).integers(0, 60, (HEIGHT, WIDTH, 3))
     for i in range(FRAMES):
-        picture = texture + np.random.default_rng(i).integers(0, 10, (HEIGHT, WIDTH, 3))
+        picture = np.roll(texture, i, axis=1) + brightness
         good, content = cv2.imencode(".png", picture.astype(np.uint8))
         assert good
         (folder / f"{i:03}.png").write_bytes(content.tobytes())

@@ -226,8 +226,8 @@ OWN_READS = {
     "tracker/formats/rigs/table.py": "tables that come with the program",
     "tracker/formats/usd.py": "a file that was just written",
     "tracker/kernels/__init__.py": "the program's own text",
+    "tracker/limits.py": "a number of the system's",
     "tracker/storage/atomic.py": "what was just seen to be a regular file",
-    "tracker/surface/files/child.py": "a number of the system's",
     "tracker/video/encode.py": "a file that was just written",
 }
 """Where a file is read without `keypose.tracker.files`, and what it is."""

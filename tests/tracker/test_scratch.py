@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from keypose.tracker.scratch import Scratch, sweep_scratch
+from keypose.tracker.scratch import LOCK, Scratch, sweep_scratch
 
 HOLDS = """
 import sys, tempfile
@@ -19,6 +20,17 @@ held = Scratch("export")
 print(held.path, flush=True)
 sys.stdin.read()
 """
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives away")
+def test_folders_of_other_users_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    theirs = tmp_path / "keypose-export-1"
+    theirs.mkdir()
+    (theirs / LOCK).touch()
+    os.chown(theirs, 65534, 65534)
+    sweep_scratch()
+    assert theirs.is_dir()
 
 
 def test_folders_of_the_killed_go_and_those_in_use_and_of_others_stay(

@@ -22,7 +22,6 @@ from typing import Any, Final, TypeVar
 
 from keypose.tracker.errors import FormatError, KeyposeError
 from keypose.tracker.limits import limit_memory, limit_time
-from keypose.tracker.scratch import Scratch
 
 T = TypeVar("T")
 
@@ -45,6 +44,8 @@ def read_apart(reader: Callable[..., T], path: Path, *arguments: Any) -> T:
 @contextmanager
 def reading_apart(reader: Callable[..., T]) -> Iterator[Callable[..., T]]:
     """The same as a function, to be called once: its child starts while there is other work."""
+    from keypose.tracker.scratch import Scratch  # which the child need not load
+
     with Scratch("read") as folder:
         child = subprocess.Popen(
             # -P: nothing that lies in the present folder may pass for a module.

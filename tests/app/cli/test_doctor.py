@@ -14,6 +14,7 @@ from keypose.app.cli.main import main
 from keypose.app.server.listening import bind
 from keypose.tracker.keypoints import model_files
 from keypose.tracker.video import encode
+from tests.app.full_disks import mounted
 
 
 @pytest.fixture
@@ -46,6 +47,16 @@ def test_what_cannot_be_written_to_is_an_error(tmp_path: Path) -> None:
     found = {finding.name: finding for finding in folders(tmp_path / "file" / "workspace")}
     assert found["workspace"].state == "error"
     assert "cannot be written to" in found["workspace"].words
+
+
+def test_a_full_cache_is_a_warning_that_says_where_room_is_needed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with mounted(tmp_path / "cache", "100k"):
+        found = {finding.name: finding for finding in folders(tmp_path)}
+    assert found["cache"].state == "warning"
+    assert found["cache"].words.endswith("cannot be written to: No space left on device")
 
 
 def test_the_exit_code_shows_that_something_is_wrong(

@@ -160,3 +160,13 @@ def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> Non
         assert reported("cues")["keypoints"]["off"] == "Not in the published method"
 
     try_at(path, act)
+
+
+def test_a_file_that_brings_about_a_fault_of_ours_is_as_if_it_were_not_there_and_logged(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def faulty() -> None:
+        raise ZeroDivisionError
+
+    assert keypoint_finder._or_none(faulty) is None
+    assert "ZeroDivisionError" in capsys.readouterr().err

@@ -177,6 +177,7 @@ def test_no_code_within_a_file_is_run(tmp_path: Path, monkeypatch: pytest.Monkey
         ("scorer,n\nbodyparts,nose\ncoords,x\n0,1\n", "'nose' without x and y"),
         ("scorer,n,n,n\nbodyparts,a,a,a\ncoords,x,y,z\n0,1,2,3\n", "coordinates in space"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1\n", "row 4 has 2 columns where 3"),
+        ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n", "holds no frame"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1,fish\n", "'fish' where a number"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n0,1,inf\n", "not a finite number"),
         ("scorer,n,n\nbodyparts,a,a\ncoords,x,y\n-4,1,2\n", "row '-4' that names no frame"),

@@ -137,6 +137,13 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
         "shot.gltf", json.dumps(gltf() | {"cameras": [{"type": "orthographic"}]}), "perspective"
     ),
     "a damaged one": ("shot.gltf", json.dumps(gltf() | {"cameras": []}), "is a damaged glTF"),
+    "a lens of many digits": (
+        "shot.gltf",
+        json.dumps(
+            gltf() | {"cameras": [{"type": "perspective", "perspective": {"yfov": 10**400}}]}
+        ),
+        "is a damaged glTF",
+    ),
     "no glb": ("shot.glb", b"glTF", "shot.glb "),
     "a matrix": (
         "shot.json", camera_json(tilted()).replace("0.0,\n   1.0", "0.0,\n   NaN"), "shot.json"

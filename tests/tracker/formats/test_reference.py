@@ -113,6 +113,11 @@ NOT_REFERENCES: dict[str, tuple[str, Writer, str]] = {
         lambda p: np.savez(p, **poses(Rs_parent_part=np.ones((5, 4, 3, 3)))),
         "not rotations",
     ),
+    "numbers too large for any rotation": (
+        "a.npz",
+        lambda p: np.savez(p, **poses(Rs_parent_part=np.full((5, 4, 3, 3), 1e200))),
+        "not rotations",
+    ),
     "NaN": (
         "a.npz",
         lambda p: np.savez(p, **poses(ps_camera_root=np.full((5, 3), np.nan))),
