@@ -39,7 +39,7 @@ def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
     kept = FOLDER.path is not None
     loop: Any = numba.njit(cache=kept, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
-    if kept:
+    if kept and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         save = loop._cache.save_overload
         loop._cache.save_overload = lambda *given: _if_there_is_room(save, *given)
     return loop
