@@ -117,7 +117,7 @@ def kinds(folder: Path) -> dict[str, Kind]:
         "MediaPipe": Kind("m.json", _json(mediapipe), load_keypoints),
         "SLEAP": Kind("s.csv", sleap, load_keypoints),
         "DeepLabCut": Kind("d.csv", deeplabcut, load_keypoints),
-        "HDF5": Kind("s.h5", hdf5, load_keypoints),
+        "HDF5": Kind("s.h5", hdf5, load_keypoints, apart=True),
         "camera": Kind("k.json", camera_json(tilted()).encode(), _camera),
         "chan": Kind("k.chan", chan(tilted()).encode(), _camera),
         "GLB": Kind("k.glb", written(tilted()), _camera),

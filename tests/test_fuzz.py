@@ -8,7 +8,6 @@ from keypose.tracker.formats.apart import read_apart
 from tests.fuzzing import fault, kinds, mutant
 
 MUTANTS, MUTANTS_APART = 150, 3
-SLOW = {"HDF5": 10}
 
 
 def test_a_mutant_of_any_file_is_read_or_refused_in_one_sentence(tmp_path: Path) -> None:
@@ -17,7 +16,7 @@ def test_a_mutant_of_any_file_is_read_or_refused_in_one_sentence(tmp_path: Path)
         path = tmp_path / kind.file
         path.write_bytes(kind.content)
         assert fault(kind, path) is None, name
-        for seed in range(MUTANTS_APART if kind.apart else SLOW.get(name, MUTANTS)):
+        for seed in range(MUTANTS_APART if kind.apart else MUTANTS):
             path.write_bytes(mutant(kind, seed))
             read = (lambda p, k=kind: read_apart(k.read, p)) if kind.apart else None
             if (wrong := fault(kind, path, read)) is not None:
