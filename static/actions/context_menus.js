@@ -2,11 +2,10 @@
 // now stays in it, greyed, with its reason in the place of the key.
 
 import { line } from '../controls/menu.js';
-import { whyNot } from './actions.js';
+import { entryOf, whyNot } from './actions.js';
 import { menuItem } from './buttons.js';
 import { isDraftAlone } from './keying.js';
 import { frame, isKey } from './playhead.js';
-import { TITLES } from './synonyms.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
 
@@ -62,7 +61,8 @@ export function contextEntries(name, about = {}) {
 function entry(id, about) {
   const why = whyNot(id, about);
   const isElsewhere = typeof about === 'number' && about !== frame();
-  const label = TITLES[id] ? { label: TITLES[id] } : {};
+  const { alone } = entryOf(id);
+  const label = alone ? { label: alone } : {};
   return menuItem(id, about, { ...label, ...(why || isElsewhere ? { right: why } : {}) });
 }
 

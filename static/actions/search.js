@@ -12,7 +12,6 @@ import { menusWith } from './context_menus.js';
 import { allNotes, noteLine } from './notes.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
 import { isReviewing } from './review.js';
-import { JOINTS, SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
 import { GROUPS } from './table.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
@@ -42,6 +41,30 @@ const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
 const isOfReview = (handledBy) => handledBy === 'review' && !isReviewing();
 
 const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };
+/** The joint at which a part hangs, by which it is looked for as well. @type {Record<string, string>} */
+const JOINTS = { thigh: 'hip', shin: 'knee', foot: 'ankle', upper_arm: 'shoulder', forearm: 'elbow', hand: 'wrist' };
+
+/** The settings: where each is, and by what words it is looked for. */
+export const SETTINGS = [
+  { title: 'Rotation of the selected part', tab: 'part', section: 'Rotation', words: 'angle degrees euler bend twist numeric' },
+  { title: 'Position of the body', tab: 'part', section: 'Position', words: 'translate coordinates root numeric' },
+  { title: 'Size of the selected part', tab: 'part', section: 'Size', words: 'length width radius shape bone' },
+  { title: 'Pins of the selected part', tab: 'part', section: 'Pins', words: 'contact plant foot' },
+  { title: 'Floor height', tab: 'part', section: 'Floor', words: 'ground plane level' },
+  { title: 'Body preset and height', tab: 'body', section: 'Body', words: 'male female adult elderly actor person figure tall' },
+  { title: 'Parts and sizes', tab: 'body', section: 'Parts', words: 'all sizes proportions lengths limbs table racket tool prop bone' },
+  { title: 'Lens', tab: 'camera', section: 'Lens', words: 'focal length field of view fov zoom mm calibration distortion intrinsics' },
+  { title: 'Up direction', tab: 'camera', section: 'Up direction', words: 'vertical horizon gravity tilt level' },
+  { title: 'Lens distortion', tab: 'camera', section: 'Distortion', words: 'bent fisheye barrel k1 k2' },
+  { title: 'Ignore masks', tab: 'camera', section: 'Ignore masks', words: 'regions mask exclude occlusion matte roto' },
+  { title: 'Recording rate (slow motion)', tab: 'camera', section: 'Video', words: 'frame rate fps frames per second high speed recorded 240 timing' },
+  { title: 'Deinterlace', tab: 'camera', section: 'Video', words: 'interlaced fields comb lines' },
+  { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints silhouette evidence' },
+  { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings passes preview fast full smooth initial guess static camera' },
+  { title: 'Tracked motions', tab: 'track', section: 'Tracked motions', words: 'degrees of freedom dof joints locked' },
+  { title: 'Results of this segment', tab: 'track', section: 'Segment', words: 'verdict score error rank' },
+];
+
 const FOR_RECENT = 6;
 const FOR_OFF = -12;
 const MOST_FOUND = 40;
@@ -105,14 +128,14 @@ function actionEntry(id, group) {
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';
   const off = held ?? (needsFile || nothingThere || whyNot(id, about));
-  const title = nothingThere ? 'Zoom to segment' : TITLES[id] ?? String(labelOf(id, about));
+  const title = nothingThere ? 'Zoom to segment' : entryOf(id).alone ?? String(labelOf(id, about));
   const menus = menusWith(id);
   const tip = nothingThere ? '' : String(titleOf(id, about) ?? '');
   return made({
     id: `action:${id}`, kind: 'Action', group, title, icon: nothingThere ? 'grow' : iconOf(id, about), off,
     key: keys.length ? keys.map(spell).join(', ') : '', on: off ? undefined : isOn(id, about),
     more: menus.length ? `In the menu of ${joined(menus.slice(0, MOST_MENUS))}` : '',
-    words: `${group} ${SYNONYMS[id] ?? ''}`, tip, run: () => perform(id, about),
+    words: `${group} ${entryOf(id).also ?? ''}`, tip, run: () => perform(id, about),
   });
 }
 

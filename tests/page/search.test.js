@@ -5,8 +5,7 @@ import assert from 'node:assert/strict';
 import { readdirSync, readFileSync } from 'node:fs';
 import { beforeEach, test } from 'node:test';
 import { fitOf } from '../../static/controls/fuzzy.js';
-import { allEntries, found, runEntry } from '../../static/actions/search.js';
-import { SETTINGS, SYNONYMS, TITLES } from '../../static/actions/synonyms.js';
+import { SETTINGS, allEntries, found, runEntry } from '../../static/actions/search.js';
 import { ACTIONS } from '../../static/actions/table.js';
 import { inBrowser } from '../../static/store/storage.js';
 import { server, ui } from '../../static/store/state.js';
@@ -103,10 +102,6 @@ test('without a file only what needs none can be done', () => {
   server.file = null;
   const can = allEntries().filter(({ off }) => !off).map(({ id }) => id);
   assert.deepEqual(can.sort(), ['action:darkTheme', 'action:lightTheme', 'action:openFile', 'action:showKeys', 'action:systemTheme', 'file:a']);
-});
-
-test('every list of other words is of an action that there is', () => {
-  for (const id of [...Object.keys(SYNONYMS), ...Object.keys(TITLES)]) assert.ok(id in ACTIONS, id);
 });
 
 test('every setting is a section of the inspector', () => {

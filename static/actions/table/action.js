@@ -10,6 +10,8 @@
  * @typedef {object} Action
  * @property {Text} label  in menus, on buttons, to screen readers and on the sheet of keys
  * @property {Text} [title]  the tip, where the label does not say enough
+ * @property {string} [also]  what else people call it: the command search finds it by these words too
+ * @property {string} [alone]  what it is called without the heading of the menu or bar it is from
  * @property {Text} [icon]
  * @property {string[]} [keys]  chords as "Ctrl Shift Z"; the first is shown beside the label
  * @property {string[]} [aliases]  chords that work as well and are shown nowhere

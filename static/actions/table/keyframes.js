@@ -11,14 +11,24 @@ import {
 
 /** @satisfies {Record<string, Action>} */
 export const KEYFRAMES = {
-  addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
+  addKeyframe: { also: 'key set insert record pose i', label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
   keyLimb: {
+    also: 'partial keyframe part only correct arm leg',
     label: 'Key this limb only', icon: 'part', keys: ['Shift K'], off: whyNotKeyLimb,
     title: 'The limb is exact at this frame, the rest of the body stays with the tracker', run: keyLimb,
   },
-  keyWhole: { label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }) },
-  unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
-  deleteKeyframe: { label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny },
+  keyWhole: {
+    label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }),
+    also: 'full keyframe all parts',
+  },
+  unkeyLimb: {
+    label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage,
+    also: 'remove partial keyframe release limb',
+  },
+  deleteKeyframe: {
+    label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny,
+    also: 'remove key clear unkey discard draft',
+  },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
   selectKeyframe: {

@@ -6,9 +6,9 @@ import { chooseTheme, chosenTheme } from '../theme.js';
 
 /** @satisfies {Record<string, Action>} */
 export const THEME = {
-  darkTheme: theme('dark', 'Dark', 'moon'),
-  lightTheme: theme('light', 'Light', 'sun'),
-  systemTheme: theme('auto', 'System', 'both'),
+  darkTheme: { ...theme('dark', 'Dark', 'moon'), also: 'appearance night mode colours colors', alone: 'Dark theme' },
+  lightTheme: { ...theme('light', 'Light', 'sun'), also: 'appearance day mode colours colors', alone: 'Light theme' },
+  systemTheme: { ...theme('auto', 'System', 'both'), also: 'appearance auto mode colours colors', alone: 'System theme' },
 };
 
 function theme(name, label, icon) {

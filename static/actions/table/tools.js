@@ -9,20 +9,26 @@ import { hasNoChild, isRoot, noOtherSide } from '../reasons.js';
 
 /** @satisfies {Record<string, Action>} */
 export const TOOLS = {
-  select: { label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
-  rotate: { label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
-  move: { label: 'Move body', title: 'Move or turn the whole body, hands and feet go along', icon: 'move', keys: ['G'], ...tool('move') },
-  ends: { label: 'Drag hands and feet', icon: 'ik', keys: ['E'], ...tool('ends') },
-  size: { label: 'Sizes', icon: 'size', keys: ['S'], ...tool('size') },
-  pan: { label: 'Pan and zoom', icon: 'hand', ...tool('pan') },
+  select: { also: 'pointer cursor tool arrow', alone: 'Select tool', label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
+  rotate: { also: 'turn spin tool rings gizmo', alone: 'Rotate tool', label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
+  move: {
+    label: 'Move body', title: 'Move or turn the whole body, hands and feet go along', icon: 'move', keys: ['G'], ...tool('move'),
+    also: 'translate position root grab whole body',
+  },
+  ends: { also: 'ik inverse kinematics pull limbs tool', label: 'Drag hands and feet', icon: 'ik', keys: ['E'], ...tool('ends') },
+  size: { also: 'scale resize lengths tool bones', alone: 'Sizes tool', label: 'Sizes', icon: 'size', keys: ['S'], ...tool('size') },
+  pan: { also: 'hand scroll tool', alone: 'Pan tool', label: 'Pan and zoom', icon: 'hand', ...tool('pan') },
   otherSide: {
+    also: 'mirror opposite left right select',
     label: 'Other side of the body', icon: 'mirror', keys: ['Q'], repeats: true, off: noOtherSide, run: otherSide,
   },
   inward: {
+    also: 'parent up chain select',
     label: () => towards('body', partNamed(selectedPart()?.parent)), icon: 'sb', keys: ['['], row: 'Along the limb',
     repeats: true, off: isRoot, run: () => alongChain(-1),
   },
   outward: {
+    also: 'child down chain select',
     label: outwardLabel, icon: 'sf', keys: [']'],
     row: 'Along the limb', repeats: true, off: hasNoChild, run: () => alongChain(1),
   },

@@ -16,15 +16,18 @@ import {
 /** @satisfies {Record<string, Action>} */
 export const TRACK = {
   trackChanged: {
+    also: 'solve run compute process calculate outdated update',
     label: () => `${words().verb} changed segments`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
     title: () => `${words().verb} ${namesOf(changedSegments())}`,
     message: () => ({ do: 'track', what: 'changed' }),
   },
   trackThis: {
+    also: 'solve segment current run',
     label: () => `${words().verb} this segment`, icon: 'mid', keys: ['Shift T'], off: whyNotTrackThis,
     run: trackSegment,
   },
   trackAll: {
+    also: 'solve everything whole run recompute',
     label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
   },
@@ -39,34 +42,44 @@ export const TRACK = {
     message: () => ({ do: 'track_ahead', direction: 'backward' }),
   },
   drawBox: {
+    also: 'detect person automatic pose estimation draft another other person actor',
     label: 'Draw a box around the person', icon: 'crop', keys: ['B'], row: 'Draft from a box', off: whyNotDrawBox,
     title: 'Show which person to find: poses for every frame are drafted from it', run: () => setUi('tool', 'box'),
   },
   draft: {
+    also: 'automatic auto detect pose estimation markerless ai',
     label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
     title: 'Find the person in every frame and pose the body there', message: draftMessage,
   },
   reduce: {
+    also: 'unbake bake keyframe reduction decimate simplify sparse fewer thin key reducer optimise optimize curve',
     label: 'Reduce to keyframes…', icon: 'mid', off: whyNotReduce,
     title: 'A few keyframes to edit the motion by, which stays as it is between them; between the in and the out point',
     run: beginReduction,
   },
   cancel: {
+    also: 'stop abort tracking', alone: 'Cancel what is running',
     label: 'Cancel', icon: 'x', keys: ['Escape'], handledBy: 'escape',
     off: () => (server.job?.state === 'running' ? '' : 'Nothing is running'), message: () => ({ do: 'cancel' }),
   },
   live: {
+    also: 'auto track realtime automatic',
     label: () => `${words().verb} while posing`, keys: ['L'],
     title: () => `${words().verb} the neighbouring segments each time a keyframe changes`,
     on: () => Boolean(server.view?.live), message: () => ({ do: 'live', on: !server.view?.live }),
   },
   nextProblem: {
+    also: 'error warning check lost review worst issue',
     label: 'Next problem', keys: ['Shift N'],
     title: (state) => ({ check: 'Go to the next segment to check', lost: 'Go to the next lost segment' })[state],
     off: (state) => (problems(state).length ? '' : 'No segment needs attention'), run: nextProblem,
   },
   search: {
+    also: 'command palette find menu actions',
     label: 'Search commands', icon: 'find', keys: ['Ctrl K'], always: true, run: () => toggleSearch(),
   },
-  showKeys: { label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet },
+  showKeys: {
+    label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet,
+    also: 'shortcuts hotkeys keyboard help cheat sheet manual',
+  },
 };
