@@ -23,7 +23,6 @@ from keypose.app.cli.json_output import print_json
 if TYPE_CHECKING:
     from keypose.app.editor.reduced import Reducible
     from keypose.tracker.reduction.result import Every, Reduction, Tolerance
-    from keypose.tracker.reduction.tracked import TrackedReduction
     from keypose.tracker.session import Session
 
 EVERY = 20
@@ -36,7 +35,6 @@ _FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 _EXAMPLES = """\
   keypose reduce jump.keypose
   keypose reduce jump.keypose --every 40 --frames 40-120
-  keypose reduce jump.keypose --tracked-within 2cm
   keypose reduce jump.keypose --tolerance 2cm
   keypose reduce jump.keypose --tolerance 4px --from drafts
   keypose reduce jump.keypose --limb left_forearm --dry-run
@@ -73,14 +71,6 @@ def add(commands: Subcommands) -> None:
         "as 2cm, in the picture, such as 5px, or both, 2cm,5px",
     )
     command.add_argument(
-        "--tracked-within",
-        metavar="DISTANCE",
-        type=_metres,
-        help="track the video between the keyframes and move them until the tracked motion stays "
-        "so near to the one that is reduced, such as 2cm; takes up to three times as long as "
-        "tracking does",
-    )
-    command.add_argument(
         "--frames",
         metavar="A-B",
         type=frames_asked,
@@ -112,26 +102,17 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
-    from keypose.tracker.body.skeleton import Skeleton
-    from keypose.tracker.reduction.reduce import reduced_to
     from keypose.tracker.storage.files import load_session
 
-    _require_whole_body(arguments)
     path = arguments.session
     # Reading it reports one that is not there.
     held = path.is_file() and not arguments.dry_run
     with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
         found, reduction = _reduced(session, arguments)
-        tracked = None
-        if arguments.tracked_within is not None:
-            tracked = _tracked(session, found, reduction, arguments)
-            reduction = reduced_to(
-                Skeleton.of(session.body), session.camera, found.motion, tracked.frames
-            )
         if not arguments.dry_run:
             _save(session, found, reduction, arguments)
-    _print(session, found, reduction, tracked, arguments)
+    _print(session, found, reduction, arguments)
     return 0
 
 
@@ -158,47 +139,6 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
             progress,
         )  # fmt: skip
     return found, reduction
-
-
-def _require_whole_body(arguments: argparse.Namespace) -> None:
-    """Refused where tracking between the keyframes would say nothing about what is asked for."""
-    from keypose.app.editor.refusal import Refused
-    from keypose.tracker.reduction.result import Every
-
-    if arguments.tracked_within is None:
-        return
-    if arguments.limb:
-        raise Refused("--tracked-within is for keyframes of the whole body: leave out --limb.")
-    if not isinstance(arguments.goal, Every):
-        raise Refused("--tracked-within moves one keyframe in so many frames: use --every.")
-
-
-def _tracked(
-    session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
-) -> TrackedReduction:
-    """The keyframes moved to where tracking between them is nearest to the motion."""
-    from keypose.tracker.reduction.spread import longest_interval
-    from keypose.tracker.reduction.tracked import nearer_by_tracking, tracked_deviation
-    from keypose.tracker.storage import keypoints
-    from keypose.tracker.storage.files import open_video_of
-    from keypose.tracker.storage.part_keyframes import keyed_parts
-    from keypose.tracker.storage.tracking import tracker_of
-
-    given = keypoints.of_session(session, arguments.session.parent)
-    with open_video_of(session, arguments.session) as video, _progress() as progress:
-        tracker = tracker_of(session, video, first_motion=found.motion, keypoints=given, fewest=0)
-        deviation = tracked_deviation(
-            tracker, found.motion, session.settings, keyed_parts(session, tracker.skeleton)
-        )
-        return nearer_by_tracking(
-            reduction.frames,
-            deviation,
-            arguments.tracked_within,
-            fixed=found.required,
-            allowed=found.has_pose,
-            longest=longest_interval(arguments.goal.frames),
-            progress=progress,
-        )
 
 
 def _save(
@@ -240,10 +180,9 @@ def _print(
     session: Session,
     found: Reducible,
     reduction: Reduction,
-    tracked: TrackedReduction | None,
     arguments: argparse.Namespace,
 ) -> None:
-    facts = {**_facts(session, found, reduction), **_tracked_facts(tracked)}
+    facts = _facts(session, found, reduction)
     if arguments.json:
         print_json({**facts, "written": None if arguments.dry_run else str(arguments.session)})
         return
@@ -258,10 +197,6 @@ def _print(
     if found.parts is None:
         print("The motion between them stays as it is, for tracking to start from.")
     print(f"Interpolated alone, no point of the body is off by more than {_off(facts)}.")
-    if tracked is not None:
-        before, after = facts["tracked_off_before_cm"], facts["tracked_off_cm"]
-        moved = f", {before:.2g} cm before keyframes were moved" if after < before else ""
-        print(f"Tracked between them, no joint is off by more than {after:.2g} cm{moved}.")
     if facts["frames_without_a_pose"]:
         print(f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them.")
     if not arguments.dry_run:
@@ -287,13 +222,6 @@ def _facts(session: Session, found: Reducible, reduction: Reduction) -> dict[str
     }
 
 
-def _tracked_facts(tracked: TrackedReduction | None) -> dict[str, Any]:
-    if tracked is None:
-        return {}
-    found = {"tracked_off_cm": tracked.worst_m, "tracked_off_before_cm": tracked.before_m}
-    return {name: 100 * metres for name, metres in found.items()}
-
-
 # --- arguments
 
 
@@ -301,14 +229,6 @@ def _every(text: str) -> Every:
     from keypose.tracker.reduction.result import Every
 
     return Every(whole_number(1)(text))
-
-
-def _metres(text: str) -> float:
-    """ "2cm"."""
-    found = _tolerance(text)
-    if not math.isinf(found.pixels):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a distance in space such as 2cm")
-    return found.metres
 
 
 def _tolerance(text: str) -> Tolerance:

@@ -15,9 +15,6 @@ from keypose.tracker.body.trajectory import Trajectory, displaced, joined
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Every, Tolerance
-from keypose.tracker.reduction.spread import longest_interval
-from keypose.tracker.reduction.tracked import nearer_by_tracking, tracked_deviation
-from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.tracking.tracker import Tracker
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.sequences import Sequence, sequence
@@ -68,9 +65,8 @@ def _interpolated(report: Report) -> None:
 def _tracked(report: Report) -> None:
     """The film tracked between few keyframes, from the motion that was reduced."""
     report.note("joints, cm, mean/largest: with what lay between kept, and tracked from it;")
-    report.note("moved: the same with keyframes moved to where tracking stays near to the motion")
     columns = ("every", "keyframes", "frames a keyframe", "interpolated", "kept", "tracked")
-    table = report.table("tracked", *columns, "moved")
+    table = report.table("tracked", *columns)
     for name in RECORDED:
         shown = sequence(name)
         for every in SPARSER:
@@ -82,8 +78,7 @@ def _tracked_row(table: Table, name: str, shown: Sequence, every: int) -> None:
     tracker = _tracker(shown, frames, shown.truth)
     found = joined(track(tracker).trajectories)
     plain, kept = joined(linear(tracker)), _kept(tracker, shown.truth)
-    moved = joined(track(_tracker(shown, _moved(shown, frames, every), shown.truth)).trajectories)
-    errors = [_error(shown, each) for each in (plain, kept, found, moved)]
+    errors = [_error(shown, each) for each in (plain, kept, found)]
     each = (len(shown.truth) - 1) / (len(frames) - 1)
     expected = [
         Expected("keyframes, of those allowed", FEWEST_PER_KEYFRAME / each, 1.0, "×"),
@@ -142,13 +137,6 @@ def _over(errors: list[Pair]) -> Pair:
 def _keyframes(shown: Sequence, every: int) -> list[int]:
     found = reduce_motion(shown.skeleton, shown.camera, shown.truth, Every(every))
     return list(found.frames)
-
-
-def _moved(shown: Sequence, frames: list[int], every: int) -> list[int]:
-    tracker = _tracker(shown, frames, None)
-    deviation = tracked_deviation(tracker, shown.truth, TrackSettings())
-    longest, within_m = longest_interval(every), WITHIN_CM / 100
-    return list(nearer_by_tracking(frames, deviation, within_m, longest=longest).frames)
 
 
 def _tracker(shown: Sequence, frames: list[int], own: Trajectory | None) -> Tracker:

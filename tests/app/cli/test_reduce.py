@@ -75,23 +75,6 @@ def test_one_keyframe_in_twenty_frames_where_nothing_else_is_asked_for(
     assert facts["off_px"] is None
 
 
-def test_keyframes_are_moved_to_where_tracking_stays_nearest(
-    session: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The frames that are printed are the ones saved, as many as without tracking."""
-    assert main(["reduce", str(session), "--every", "36", "--dry-run", "--json"]) == 0
-    plain = json.loads(capsys.readouterr().out)
-    given = ["reduce", str(session), "--every", "36", "--tracked-within", "0.1mm"]
-    assert main([*given, "--dry-run", "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert len(facts["frames"]) == len(plain["frames"])
-    assert 0 < facts["tracked_off_cm"] <= facts["tracked_off_before_cm"]
-    assert not {30, 31, 32} & set(facts["frames"])
-    assert main(given) == 0
-    assert "Tracked between them, no joint is off by more than" in capsys.readouterr().out
-    assert [keyframe.frame for keyframe in load_session(session).keyframes] == facts["frames"]
-
-
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -103,9 +86,6 @@ def test_keyframes_are_moved_to_where_tracking_stays_nearest(
         (["--frames", "7"], "not a range of frames"),
         (["--frames", "30-32"], "There is no motion to reduce in these frames"),
         (["--from", "imported"], "No motion has been imported"),
-        (["--tracked-within", "5px"], "not a distance in space such as 2cm"),
-        (["--tracked-within", "2cm", "--tolerance", "2cm"], "use --every"),
-        (["--tracked-within", "2cm", "--limb", "head"], "leave out --limb"),
         (["--limb", "tail"], "The body has no part 'tail'"),
     ],
 )
