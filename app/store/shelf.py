@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from keypose.app.document.library import Library
-from keypose.app.document.library.trash import KEPT_DAYS
 from keypose.app.editor import actions
 from keypose.app.store.state import AppState
 
@@ -77,7 +76,7 @@ class Shelf:
             await self._host.close_session()
         in_trash, name = await asyncio.to_thread(self._library.delete, id)
         undo = {"do": "restore_session", "id": in_trash, "open": was_open}
-        words = f"{name} moved to the trash, for {KEPT_DAYS} days. Its video stays."
+        words = f"{name} moved to the trash. Its video stays."
         self._host.note("good", words, {"label": "Undo", "send": undo})
 
     async def _restore(self, action: actions.RestoreSession) -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Literal, TypeAlias
 
-from keypose.app.document.duplicating import duplicate_session
 from keypose.app.document.library.files import (
     Found,
     file_at,
@@ -34,12 +33,15 @@ from keypose.app.document.library.recents import (
     spans_of,
 )
 from keypose.app.document.library.samples import bundled_samples, own_copy
+from keypose.app.document.library.session_files import (
+    TRASH,
+    Trash,
+    duplicate_session,
+    rename_session,
+)
 from keypose.app.document.library.session_paths import SESSION, session_for
 from keypose.app.document.library.thumb_cache import ThumbCache, of_session
-from keypose.app.document.library.trash import FOLDER as TRASH
-from keypose.app.document.library.trash import Trash
 from keypose.app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
-from keypose.app.document.renaming import rename_session
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
@@ -166,7 +168,6 @@ class Library:
         path = self._saved(id)
         name = next((one.name for one in self.recents() if one.id == id), name_of(path, ""))
         in_trash = self._trash.put(path)
-        self._trash.empty_old(time.time())
         self._visited.pop(id, None)
         self.forget(id)
         return in_trash, name

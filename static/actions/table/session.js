@@ -32,7 +32,7 @@ export const SESSION = {
   },
   deleteSession: {
     alone: 'Move session to the trash',
-    label: 'Move to the trash', icon: 'trash', title: 'Kept there for 30 days. The video stays', always: true, off: whichSession,
+    label: 'Move to the trash', icon: 'trash', title: 'The video stays', always: true, off: whichSession,
     message: ({ id } = server.file) => ({ do: 'delete_session', id }),
   },
   copyPath: { also: 'file location clipboard folder', label: 'Copy path', icon: 'copy', run: copyPath },

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import time
 from pathlib import Path
 
 import pytest
 
 from keypose.app.document.folder_lock import SessionLock
 from keypose.app.document.library import Library, id_of
-from keypose.app.document.library.belongings import belongings
+from keypose.app.document.library.session_files import belongings
 from keypose.app.document.open import open_for_editing
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.files import load_session, open_video_of
@@ -103,28 +101,6 @@ def test_a_deleted_session_leaves_its_video_and_comes_back_as_it_was(
     assert names(library) == ["jump"]
     with pytest.raises(KeyposeError, match="not in the trash"):
         library.restore(in_trash)
-
-
-def test_what_was_deleted_is_kept_for_a_month(library: Library, session: Path, home: Path) -> None:
-    other = home / "other.keypose" / "session.json"
-    shutil.copytree(session.parent, other.parent)
-    library.remember(other, load_session(other))
-    kept, _ = library.delete(the_id(session))
-    trash = library.workspace / ".trash"
-    stranger = trash / "mine"
-    stranger.mkdir()
-    (stranger / "origin.json").write_text("{}")
-    for place in (trash / kept, stranger):
-        os.utime(place / "origin.json", (0, time.time() - 29 * 86400))
-    second, _ = library.delete(the_id(other))
-    assert {place.name for place in trash.iterdir()} == {kept, second, "mine"}
-    library.restore(second)
-    for place in (trash / kept, stranger):
-        os.utime(place / "origin.json", (0, time.time() - 31 * 86400))
-    third, _ = library.delete(the_id(other))
-    assert {place.name for place in trash.iterdir()} == {third, "mine"}
-    with pytest.raises(KeyposeError, match="not in the trash any more"):
-        library.restore(kept)
 
 
 def test_of_a_folder_with_a_video_and_another_session_only_the_deleted_one_goes(
