@@ -22,10 +22,11 @@ browser: .venv/.ready-dev
 	@if ! command -v chromium-headless-shell > /dev/null && \
 	    [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
 	    echo "Installing Chromium for the tests of the page …"; \
-	    install="apt-get install --quiet=2 --yes --no-install-recommends"; \
-	    apt-get update --quiet=2 > /dev/null 2>&1; \
+	    apt="apt-get --quiet=2 -o DPkg::Lock::Timeout=60"; \
+	    install="$$apt install --yes --no-install-recommends"; \
+	    $$apt update > /dev/null 2>&1; \
 	    $$install chromium-headless-shell > /dev/null 2>&1 || \
-	        .venv/bin/python -m tests.browser.chromium || $$install chromium > /dev/null; \
+	        .venv/bin/python -m tests.browser.chromium || $$install chromium > /dev/null || true; \
 	fi
 	@.venv/bin/python -m tests.browser.chromium || \
 	    echo "There is no Chromium: the tests of the page will be skipped."

@@ -375,13 +375,13 @@ def put_together(at: Desk) -> tuple[float, float]:
 
 
 def focus(page: Page, label: str, most: int = 120) -> None:
-    """Press Tab until the control of this name has the focus."""
-    name = """() => {
-      const { activeElement: at } = document;
-      return (at?.getAttribute('aria-label') ?? at?.innerText ?? '').trim();
-    }"""
+    """Press Tab until the control of this name has the focus; wait until it is drawn first."""
+    name = "(at) => (at?.getAttribute('aria-label') ?? at?.innerText ?? '').trim()"
+    there = f"""(label) => [...document.querySelectorAll('button, [aria-label]')]
+      .some((one) => ({name})(one).startsWith(label))"""
+    until(lambda: page.evaluate(there, label), f"a control called {label}")
     for _ in range(most):
-        if page.evaluate(name).startswith(label):
+        if page.evaluate(f"() => ({name})(document.activeElement)").startswith(label):
             return
         page.keyboard.press("Tab")
     raise AssertionError(f"Tab does not lead to {label}")
