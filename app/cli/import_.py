@@ -34,8 +34,8 @@ WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
-MOST_NAMES = 12
-"""Names that are listed as left out; JSON has all of them."""
+MOST_NAMES, LONGEST_NAME = 12, 60
+"""Names that are listed as left out, and letters of one; JSON has all of them."""
 
 _EXAMPLES = """\
   keypose import session.json walk.bvh
@@ -349,11 +349,13 @@ def _places(arguments: argparse.Namespace) -> dict[str, str]:
 
 
 def _print_names(facts: dict[str, Any], what: str) -> None:
-    pairs = ", ".join(f"{theirs} = {ours}" for theirs, ours in facts["matched"].items())
+    matched = facts["matched"].items()
+    pairs = ", ".join(f"{theirs[:LONGEST_NAME]} = {ours}" for theirs, ours in matched)
     print(f"Matched {len(facts['matched'])} {what} ({facts['convention']}): {pairs}")
     if facts["left_out"]:
         count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
-        print(f"Left out {count}: {', '.join(facts['left_out'][:MOST_NAMES])}{more}")
+        names = (name[:LONGEST_NAME] for name in facts["left_out"][:MOST_NAMES])
+        print(f"Left out {count}: {', '.join(names)}{more}")
 
 
 # --- arguments
