@@ -1,5 +1,5 @@
 // The shapes of what the page knows, for whoever reads it and for the type check: no code.
-// The server's sections are made in app/sections; angles are degrees, points metres in the camera frame.
+// The server's sections are made in app/store/sections; angles are degrees, points metres in the camera frame.
 
 /** @typedef {'x' | 'y' | 'z'} Axis */
 /** @typedef {'main' | 'top' | 'side' | 'front' | 'free'} ViewName */

@@ -1,1 +1,1 @@
-"""A body fitted to positions of its points."""
+"""Nonlinear least squares over one pose or many: terms, how a body moves, and one loop."""

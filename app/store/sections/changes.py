@@ -34,7 +34,7 @@ from keypose.app.store.state import AppState
 
 @dataclass(frozen=True)
 class _Section:
-    """How a section is made, and what of the outlook it is made of."""
+    """How a section is made, and of what in the state."""
 
     made_of: Callable[[AppState], tuple[Any, ...]]
     make: Callable[[AppState], Json]
