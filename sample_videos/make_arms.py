@@ -2,7 +2,7 @@
 
 With --studio DIR, what the cameras take of it instead, for `keypose hull`; --chain, --cameras N.
 
-Three arms of 1 m, seen by 15 calibrated cameras; of every step their photo hull, thinned.
+Three arms of 1 m, seen by 15 calibrated cameras; of every step their visual hull, thinned.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def main() -> None:
 def make_sample() -> None:
     """The sample that comes with the product."""
     coarse = make_scene("tripod", cameras=15, voxel_m=VOXEL_M, smoothing_voxels=0.2)
-    fine = arms_scene("tripod", cameras=15, hull="photo")
+    fine = arms_scene("tripod", cameras=15)
     steps = [lighter(*meshes) for meshes in zip(coarse.steps, fine.steps, strict=True)]
     write(replace(fine, steps=steps), FOLDER)
 

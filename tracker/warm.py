@@ -90,7 +90,6 @@ def are_hulls_warm() -> bool:
 
 def warm_hulls() -> None:
     """Compile these, or load them: on a ball that four cameras see as a disc."""
-    from keypose.tracker.surface.cameras.carve import carve_field
     from keypose.tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
     from keypose.tracker.surface.cameras.photo import consistency
     from keypose.tracker.surface.cameras.views import View
@@ -103,8 +102,7 @@ def warm_hulls() -> None:
     for turn in np.arange(4) * np.pi / 2:
         R = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
         views.append(View(f"{turn:.0f}", camera, transform(R, np.array([0.0, 0.0, 2.0]))))
-    field = hull_field(views, [disc] * len(views), 0.08)
-    mesh = hull_mesh(carve_field(field, views, [grey] * len(views)))
+    mesh = hull_mesh(hull_field(views, [disc] * len(views), 0.08))
     consistency(mesh, views, [grey] * len(views))
     _put_mark(_HULLS_DONE)
 

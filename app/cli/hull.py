@@ -34,7 +34,7 @@ OnStep: TypeAlias = Callable[[int, str], None]
 
 _EXAMPLES = """\
   keypose hull cameras.json --out meshes
-  keypose hull cameras.json --voxel 0.02 --carve --out meshes --overwrite
+  keypose hull cameras.json --voxel 0.02 --out meshes --overwrite
 """
 
 
@@ -60,11 +60,6 @@ def add(commands: Subcommands) -> None:
         default=0.01,
         help="edge length of a voxel in metres; default: 0.01",
     )
-    command.add_argument(
-        "--carve",
-        action="store_true",
-        help="remove volume that the images contradict; takes seconds per step",
-    )
     add_json(command)
     add_overwrite(command)
 
@@ -77,9 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out
     stop = threading.Event()
     with ExitStack() as stack:
-        hulls = stack.enter_context(
-            Hulls(Rig.open(arguments.rig), arguments.voxel, carve=arguments.carve)
-        )
+        hulls = stack.enter_context(Hulls(Rig.open(arguments.rig), arguments.voxel))
         places = [out / f"step_{step:04d}.ply" for step in range(hulls.step_count)]
         if not arguments.overwrite:
             require_absent(places, error=SurfaceError)

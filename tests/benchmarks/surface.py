@@ -12,7 +12,9 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -33,7 +35,8 @@ from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.table import Expected, Report, Table
-from tests.rendering.arms import HullKind, arms_scene
+from tests.rendering.arm_bodies import Kind
+from tests.rendering.arms import arms_scene
 from tests.rendering.walker import WalkKind, walker
 
 PAPER = Options(mutual=False, floor=False, stiff=0.0, trust=False, offset=False)
@@ -47,7 +50,7 @@ DISTANCES: Mapping[str, Options] = {
     "point": replace(PAPER, plane=0.0, agreement=-2.0),
     "plane": PAPER,
 }
-SCENES: tuple[tuple[HullKind, int], ...] = (("visual", 15), ("visual", 8), ("photo", 15))
+CAMERAS = (15, 8)
 MOST_CM, MOST_MS = 1.0, 150.0
 EVERY: Mapping[WalkKind, tuple[int, ...]] = {
     "plain": (1, 2, 3, 6, 8), "contact": (1, 2, 3), "missing20": (1,), "noise1cm": (1,),
@@ -91,9 +94,8 @@ class Outcome:
 def surface(report: Report) -> None:
     """The whole group."""
     with threadpool_limits(1):
-        for kind in ("tripod", "chain"):
-            for hull, cameras in SCENES:
-                _arms(report, kind, cameras, hull)
+        for kind, cameras in product(get_args(Kind), CAMERAS):
+            _arms(report, kind, cameras)
         try:
             _walks(report)
             _first_poses(report)
@@ -104,12 +106,12 @@ def surface(report: Report) -> None:
             report.note(f"left out: {absent} is not here")
 
 
-def _arms(report: Report, kind: str, cameras: int, hull: HullKind) -> None:
-    scene = arms_scene(kind, cameras, hull=hull)  # type: ignore[arg-type]
+def _arms(report: Report, kind: Kind, cameras: int) -> None:
+    scene = arms_scene(kind, cameras)
     truth = _joints(scene.body, scene.poses)
-    report.note(f"{kind}, {cameras} cameras, {hull} hull: mean joint error, cm, by step")
+    report.note(f"{kind}, {cameras} cameras: mean joint error, cm, by step")
     columns = ("mean", "worst", "t6–8", "t8–10", "ms", "every step")
-    table = report.table(f"arms {kind} {cameras} {hull}", *columns, wide=("every step",))
+    table = report.table(f"arms {kind} {cameras}", *columns, wide=("every step",))
     for distance, how in DISTANCES.items():
         for name, variant in VARIANTS.items():
             options = replace(variant, plane=how.plane, agreement=how.agreement)

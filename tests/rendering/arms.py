@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeAlias
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.surface.cameras.carve import carve_field, carve_seen_through
 from keypose.tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
 from keypose.tracker.surface.cameras.photo import consistency
 from keypose.tracker.surface.cameras.views import View
@@ -21,12 +19,8 @@ from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Carvings, Shot, ring_of
 
-HullKind: TypeAlias = Literal["visual", "photo", "ideal"]
-
 MADE_BY = ("arms", "arm_bodies", "arm_motions", "ring", "shade", "texture")
 VOXEL_M = 0.01
-THROUGH_M = 0.02
-"""A place is seen through by a view in which the thing lies farther away by this."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +37,12 @@ class ArmsScene:
         return Skeleton.of(self.body)
 
 
-def arms_scene(
-    kind: Kind, cameras: int, seed: int = 0, hull: HullKind = "visual", voxel_m: float = VOXEL_M
-) -> ArmsScene:
+def arms_scene(kind: Kind, cameras: int, seed: int = 0, voxel_m: float = VOXEL_M) -> ArmsScene:
     """`make_scene`, or as it was kept of a run before: making one takes up to a minute."""
-    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed, hull, voxel_m)).encode())
-    place = place_for(f"arms-{kind}-{cameras}-{seed}-{hull}-{1000 * voxel_m:g}mm", key, ".npz")
+    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed, voxel_m)).encode())
+    place = place_for(f"arms-{kind}-{cameras}-{seed}-{1000 * voxel_m:g}mm", key, ".npz")
     if not place.is_file():
-        keep_meshes(place, make_scene(kind, cameras, seed, hull, voxel_m).steps)
+        keep_meshes(place, make_scene(kind, cameras, seed, voxel_m).steps)
     views = ring_of(cameras, P_CENTRE)
     return ArmsScene(kept_meshes(place), arms_body(kind), arm_poses(kind), views)
 
@@ -59,17 +51,15 @@ def make_scene(
     kind: Kind,
     cameras: int,
     seed: int = 0,
-    hull: HullKind = "visual",
     voxel_m: float = VOXEL_M,
     smoothing_voxels: float = SMOOTHING_VOXELS,
 ) -> ArmsScene:
-    """hull: visual, of the silhouettes alone; photo, carved by the pictures; ideal, carved by the
-    true depths: what two views see through is away, all else as the silhouettes left it."""
+    """The hulls of all steps, of which nothing is kept."""
     body, poses, views = arms_body(kind), arm_poses(kind), ring_of(cameras, P_CENTRE)
     steps = []
     for step in range(len(poses)):
         shots = shots_of(kind, poses[step], views, [seed, step])
-        steps.append(observed(views, shots, hull, voxel_m, smoothing_voxels))
+        steps.append(observed(views, shots, voxel_m, smoothing_voxels))
     return ArmsScene(steps, body, poses, views)
 
 
@@ -83,25 +73,20 @@ def shots_of(kind: Kind, pose: Pose, views: Sequence[View], seed: list[int]) -> 
 def observed(
     views: Sequence[View],
     shots: Sequence[Shot],
-    hull: HullKind,
     voxel_m: float,
     smoothing_voxels: float = SMOOTHING_VOXELS,
 ) -> SurfaceMesh:
     """The hull of what the views see, with the photo-consistency of its vertices."""
     pictures = [shot.picture for shot in shots]
     field = hull_field(views, [Silhouette(shot.inside) for shot in shots], voxel_m)
-    if hull == "photo":
-        field = carve_field(field, views, pictures)
-    elif hull == "ideal":
-        field = carve_seen_through(field, views, [shot.depth for shot in shots], 1, THROUGH_M)
     mesh = hull_mesh(field, smoothing_voxels)
     return replace(mesh, consistency=consistency(mesh, views, pictures))
 
 
 def made_by(*rendering: str) -> list[Path]:
     """The files whose text decides what a scene looks like; rendering: those of this folder."""
-    surface = ("carve", "hull", "nets", "photo")
-    kernels = ("carving", "patches", "sweeping", "raster")
+    surface = ("hull", "nets", "photo")
+    kernels = ("carving", "patches", "raster")
     return [
         *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
         *(ROOT / "tracker" / "surface" / "cameras" / f"{name}.py" for name in surface),

@@ -56,11 +56,10 @@ def _looking(name: str, p: Array, p_target: Array) -> View:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What one view sees: brightness, the thing's pixels, and their depth (inf beside it)."""
+    """What one view sees: brightness, and the thing's pixels."""
 
     picture: Grey
     inside: NDArray[np.bool_]
-    depth: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +145,7 @@ def photograph(
     )  # fmt: skip
     noise = NOISE * np.random.default_rng(noise_seed).standard_normal(covered.shape)
     grey = light[..., 0] / n**2 + BACKGROUND * (1 - covered / n**2) + noise
-    return Shot(
-        np.clip(np.rint(grey), 0, 255).astype(np.uint8),
-        covered >= n**2 / 2,
-        depth.reshape(camera.height, n, camera.width, n).min(axis=(1, 3)),
-    )
+    return Shot(np.clip(np.rint(grey), 0, 255).astype(np.uint8), covered >= n**2 / 2)
 
 
 def _normal_maps(p_view: Array, faces: NDArray[np.int64]) -> Array:

@@ -42,7 +42,7 @@ def clouds(kind: Kind, pose: Pose, count: int = 20_000) -> list[Array]:
 def seen(kind: Kind, step: int) -> tuple[SurfaceMesh, Array]:
     """The hull of a step from 8 views, and how far (V,) its vertices are from the true surface."""
     pose, views = arm_poses(kind)[step], ring_of(8, P_CENTRE)
-    mesh = observed(views, shots_of(kind, pose, views, [0, step]), "visual", VOXEL_M)
+    mesh = observed(views, shots_of(kind, pose, views, [0, step]), VOXEL_M)
     return mesh, cKDTree(np.concatenate(clouds(kind, pose))).query(mesh.vertices)[0]
 
 

@@ -19,7 +19,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import digest, place_for
-from tests.rendering.arms import HullKind, made_by, observed
+from tests.rendering.arms import made_by, observed
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Skin, ring_of
 from tests.rendering.walker_body import Human, body_and_poses
@@ -55,9 +55,7 @@ class Walk:
         return Skeleton.of(self.body)
 
 
-def walker(
-    kind: WalkKind = "plain", cameras: int | None = None, seed: int = 0, hull: HullKind = "visual"
-) -> Walk:
+def walker(kind: WalkKind = "plain", cameras: int | None = None, seed: int = 0) -> Walk:
     """cameras: of so many the hull, with photo-consistency; None: the surface itself.
 
     Absent where the shared data is not here.
@@ -67,35 +65,33 @@ def walker(
         human = brought_together(human)
     body, poses = body_and_poses(human, human.Ts_joint)
     joints = human.Ts_joint[..., :3, 3]
-    return Walk(_steps(human, kind, cameras, seed, hull), joints, body, poses)
+    return Walk(_steps(human, kind, cameras, seed), joints, body, poses)
 
 
-def _steps(
-    human: Human, kind: WalkKind, cameras: int | None, seed: int, hull: HullKind
-) -> list[SurfaceMesh]:
+def _steps(human: Human, kind: WalkKind, cameras: int | None, seed: int) -> list[SurfaceMesh]:
     if cameras is None and kind != "contact":
         plain = [SurfaceMesh(p, human.faces) for p in human.vertices]
         return [_spoilt(mesh, kind, seed, i) for i, mesh in enumerate(plain)]
-    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed, hull)).encode())
-    place = place_for(f"walker-{kind}-{cameras}-{seed}-{hull}", key, ".npz")
+    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed)).encode())
+    place = place_for(f"walker-{kind}-{cameras}-{seed}", key, ".npz")
     if not place.is_file():
         steps = (
             [united(p, human.faces, UNION_VOXEL_M) for p in human.vertices]
             if cameras is None
-            else _hulls(human, cameras, seed, hull)
+            else _hulls(human, cameras, seed)
         )
         keep_meshes(place, steps)
     return [_spoilt(mesh, kind, seed, i) for i, mesh in enumerate(kept_meshes(place))]
 
 
-def _hulls(human: Human, cameras: int, seed: int, hull: HullKind) -> list[SurfaceMesh]:
+def _hulls(human: Human, cameras: int, seed: int) -> list[SurfaceMesh]:
     """What a ring of cameras makes of the textured surface."""
     skin = Skin(human.vertices[0], human.faces, seed)
     views = ring_of(cameras, human.vertices.mean(axis=(0, 1)), REACH_M)
     steps = []
     for step, p in enumerate(human.vertices):
         shots = [skin.seen_by(view, p, [seed, step, i]) for i, view in enumerate(views)]
-        steps.append(observed(views, shots, hull, HULL_VOXEL_M))
+        steps.append(observed(views, shots, HULL_VOXEL_M))
     return steps
 
 

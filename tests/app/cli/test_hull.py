@@ -12,7 +12,7 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.tracker import warm
-from keypose.tracker.kernels import carving, patches, sweeping
+from keypose.tracker.kernels import carving, patches
 from keypose.tracker.surface.cameras import hulls
 from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.mesh import SurfaceMesh
@@ -105,7 +105,6 @@ def test_meshes_that_are_there_are_not_written_over_unasked(
     ("drop", "more", "words"),
     [
         ("silhouettes", [], "Only 0 of the 4 cameras have silhouettes"),
-        ("images", ["--carve"], "Carving needs images"),
         ("", ["--voxel", "0"], "is not a length"),
         ("", ["--voxel", "nan"], "is not a length"),
     ],
@@ -184,9 +183,9 @@ def test_preparing_compiles_all_that_a_hull_needs(cameras: Path, tmp_path: Path)
     """What the command does after it said so compiles nothing more."""
     warm.warm_hulls()
     assert warm.are_hulls_warm()
-    loops = (carving.judge_cells, carving.measure_cells, patches.correlate, sweeping.sweep)
+    loops = (carving.judge_cells, carving.measure_cells, patches.correlate)
     before = [len(loop.signatures) for loop in loops]  # type: ignore[attr-defined]
     assert all(before)
     out = ["--out", str(tmp_path / "meshes")]
-    assert main(["hull", str(cameras), *out, *VOXEL, "--carve"]) == 0
+    assert main(["hull", str(cameras), *out, *VOXEL]) == 0
     assert [len(loop.signatures) for loop in loops] == before  # type: ignore[attr-defined]

@@ -22,13 +22,10 @@ _NOWHERE = np.zeros(3)
 class Hulls:
     """Meshes by step, in the units and the world of the cameras' file. Close it, or use `with`."""
 
-    def __init__(self, rig: Rig, voxel_m: float, *, carve: bool = False) -> None:
-        """carve: remove what the cameras see through, by the images.  SurfaceError where there
-        are too few silhouettes, or no images to carve by."""
-        self._rig, self._voxel_m, self._carve = rig, voxel_m, carve
+    def __init__(self, rig: Rig, voxel_m: float) -> None:
+        """SurfaceError where there are too few silhouettes."""
+        self._rig, self._voxel_m = rig, voxel_m
         self.has_images = any(camera.images for camera in rig.cameras)
-        if carve and not self.has_images:
-            raise SurfaceError("Carving needs images: the cameras' file names none.")
         with ExitStack() as opening:
             self._silhouettes = opening.enter_context(Footage(rig, "silhouettes", _NOWHERE))
             self._images: Footage | None = None
@@ -43,16 +40,9 @@ class Hulls:
 
     def mesh(self, step: int) -> SurfaceMesh:
         """SurfaceError where no hull can be made of this step."""
-        field = hull_field(*self._silhouettes.silhouettes(step), self._voxel_m)
-        if self._images is None:
-            return self._rig.in_file(hull_mesh(field), _NOWHERE)
-        views, pictures = self._images.pictures(step)
-        if self._carve:
-            from keypose.tracker.surface.cameras.carve import carve_field
-
-            field = carve_field(field, views, pictures)
-        mesh = hull_mesh(field)
-        mesh = replace(mesh, consistency=consistency(mesh, views, pictures))
+        mesh = hull_mesh(hull_field(*self._silhouettes.silhouettes(step), self._voxel_m))
+        if self._images is not None:
+            mesh = replace(mesh, consistency=consistency(mesh, *self._images.pictures(step)))
         return self._rig.in_file(mesh, _NOWHERE)
 
     def close(self) -> None:
