@@ -46,8 +46,7 @@ def add(commands: Subcommands) -> None:
         metavar="MESHES",
         type=file_name,
         nargs="?",
-        help="a folder of PLY, OBJ, GLB or OFF files, or an animated GLB file; default: the "
-        "session's meshes",
+        help="a folder of numbered PLY, OBJ or GLB files; default: the session's meshes",
     )
     command.add_argument(
         "--session",

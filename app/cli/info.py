@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -12,6 +13,7 @@ from keypose.app.cli.json_output import print_json
 from keypose.tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
+    from keypose.tracker.surface.files.sequence import MeshSequence
     from keypose.tracker.video import Video
 
 Description: TypeAlias = tuple[dict[str, Any], list[str]]
@@ -21,7 +23,7 @@ _EXAMPLES = """\
   keypose info jump.mp4
   keypose info jump.mp4 --json
   keypose info jump.mp4 --check
-  keypose info scan
+  keypose info scan --check
 """
 
 
@@ -29,8 +31,7 @@ def add(commands: Subcommands) -> None:
     summary = "Show size, frames, rate and fingerprint of a video file or a folder of images"
     details = (
         "For a folder of meshes, one per time step: the number of steps, their size, whether "
-        "the first one has holes, and which steps cannot be used, judged by the headers of "
-        "their files."
+        "the first one has holes, and which steps have no file."
     )
     command = add_command(commands, "info", run, summary, details, _EXAMPLES)
     command.add_argument(
@@ -42,7 +43,8 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--check",
         action="store_true",
-        help="decode every frame of a video and list the damaged ones",
+        help="decode every frame of a video and list the damaged ones; of meshes, read all and "
+        "list those that cannot be used",
     )
     add_json(command)
 
@@ -51,9 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     from keypose.tracker.surface.source import holds_meshes
 
     if holds_meshes(arguments.video):
-        if arguments.check:
-            raise SurfaceError("Meshes cannot be checked like this: leave out --check.")
-        facts, lines = _of_meshes(arguments.video)
+        facts, lines = _of_meshes(arguments.video, arguments.check)
     else:
         facts, lines = _of_video(arguments.video, arguments.check)
     if arguments.json:
@@ -84,19 +84,19 @@ def _examine(video: Video) -> None:
             bar.update(reached + 1 - bar.n)
 
 
-def _of_meshes(path: Path) -> Description:
+def _of_meshes(path: Path, check: bool) -> Description:
     from keypose.tracker.surface.files.sequence import MeshSequence
     from keypose.tracker.surface.new_session import first_mesh
     from keypose.tracker.surface.picture import CONTAINER
 
     with MeshSequence.open(path) as meshes:
         frame, mesh = first_mesh(meshes)
-        seen = meshes.glance()
+        if check:
+            _read_all(meshes)
         facts = {
             "path": str(path),
             "container": CONTAINER,
             "frame_count": meshes.frame_count,
-            "fps": meshes.fps,
             "units": meshes.stated_units,
             "up": meshes.stated_up,
             "first_mesh": frame,
@@ -105,12 +105,23 @@ def _of_meshes(path: Path) -> Description:
             "extent": mesh.extent.tolist(),
             "rim_edges": len(mesh.rim),
             "consistency": mesh.consistency is not None,
-            "missing_frames": sorted(seen.problems),
-            "missing": {str(frame): words for frame, words in sorted(seen.problems.items())},
-            "looked_at": seen.looked_at,
+            "missing_frames": sorted(meshes.missing),
+            "missing": {str(frame): words for frame, words in sorted(meshes.missing.items())},
+            "checked": check,
             "fingerprint": meshes.fingerprint(),
         }
     return facts, _mesh_lines(facts)
+
+
+def _read_all(meshes: MeshSequence) -> None:
+    """Read every mesh: what cannot be used is among its `missing` then."""
+    from tqdm import tqdm
+
+    for frame in tqdm(
+        range(meshes.frame_count), unit="mesh", file=sys.stderr, disable=None, leave=False
+    ):
+        with suppress(SurfaceError):
+            meshes.mesh(frame)
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
@@ -121,19 +132,17 @@ def _mesh_lines(facts: dict[str, Any]) -> list[str]:
     lines = [
         facts["path"],
         f"  meshes       0 to {facts['frame_count'] - 1}",
-        *([f"  rate         {facts['fps']:.3f} meshes/s"] if facts["fps"] else []),
         f"  mesh {facts['first_mesh']:<8}{facts['vertices']} vertices, {facts['faces']} faces",
         f"  size         {size} {units}",
         f"  up           {facts['up'] or 'not stated by the files'}",
         f"  fingerprint  {facts['fingerprint']}",
     ]
-    rims, looked_at = facts["rim_edges"], facts["looked_at"]
+    rims = facts["rim_edges"]
     unusable = describe_unusable({int(step): words for step, words in facts["missing"].items()})
     notes = {
         f"it has holes: {rims} edges have a face on one side only": rims,
         unusable: unusable,
-        f"the files of steps {looked_at} and later were not looked at": looked_at
-        < facts["frame_count"],
+        "every mesh was read, and all can be used": facts["checked"] and not unusable,
         "every vertex says how well the cameras agree on it": facts["consistency"],
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]

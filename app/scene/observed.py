@@ -113,9 +113,8 @@ class Observed:
             return self.video(doc).steps.shape(frame).consistency is not None
 
     def unusable(self) -> str:
-        """Which steps cannot be used, as far as the beginnings of their files show; takes a while,
-        and reading goes on meanwhile."""
-        return describe_unusable(self._steps.glance().problems)
+        """Which steps cannot be used; takes a while, and reading goes on meanwhile."""
+        return describe_unusable(self._steps.unusable())
 
     def close(self) -> None:
         """Close what was opened here."""

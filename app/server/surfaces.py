@@ -81,7 +81,7 @@ class Surfaces:
         self._looked_at = 0.0
         self._busy = False
         self._known = SurfaceSeen()
-        self._has_glanced = False
+        self._has_checked = False
         self._frames: tuple[tuple[Any, ...], Frames] | None = None
 
     def follow(self, opened: OpenSession | None, edit: EditorState | None) -> None:
@@ -132,7 +132,7 @@ class Surfaces:
         has_surface = opened is not None and opened.session.evidence.has_surface
         self._opened, self._observed = opened, Observed(opened) if has_surface and opened else None
         self._wanted, self._done, self._known = None, None, SurfaceSeen()
-        self._has_glanced = False
+        self._has_checked = False
 
     def _plan(self) -> None:
         """Look once the playhead rests, or when it is long ago."""
@@ -173,11 +173,11 @@ class Surfaces:
 
     def _check_all_steps(self, observed: Observed) -> None:
         """Once, after something is to be seen: which other steps there will be nothing of."""
-        if self._has_glanced:
+        if self._has_checked:
             return
-        self._has_glanced = True
-        glancing = self._loop.run_in_executor(None, observed.unusable)
-        glancing.add_done_callback(lambda done: self._on_all_checked(observed, done))
+        self._has_checked = True
+        checking = self._loop.run_in_executor(None, observed.unusable)
+        checking.add_done_callback(lambda done: self._on_all_checked(observed, done))
 
     def _on_all_checked(self, observed: Observed, done: asyncio.Future[str]) -> None:
         if observed is not self._observed or done.cancelled():

@@ -10,7 +10,7 @@ import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { isVideoName } from '../store/library.js';
 
-const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
+const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like';
 
 let request = null;
 

@@ -20,11 +20,10 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 from keypose.tracker.errors import FormatError, one_sentence
 from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats.axes import FLIP
+from keypose.tracker.formats.gltf_nodes import places_of
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
-from keypose.tracker.surface.files.parsing.channels import channels_of
-from keypose.tracker.surface.files.parsing.glb import Glb
-from keypose.tracker.surface.files.parsing.nodes import Nodes
+from keypose.tracker.surface.files.parsing.glb import read_document
 from keypose.tracker.surface.files.parsing.raw import Refused
 
 LARGEST_BYTES: Final = 96 * 2**20
@@ -34,7 +33,6 @@ ALIKE: Final = 0.01
 """By what share the sides of pictures may differ that are taken for the same."""
 EXACT: Final = 1e-4
 CHAN_COLUMNS: Final = 8
-MOST_KEYS: Final = 100
 
 Size: TypeAlias = tuple[int, int]
 Row: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
@@ -167,7 +165,10 @@ def _about(axis: int, cosines: Array, sines: Array) -> Array:
 
 
 def _read_glb(file: str, content: bytes, size: Size) -> CameraFile:
-    return _of_document(file, Glb.read(BytesIO(content)), size)
+    stream = BytesIO(content)
+    document = read_document(stream)
+    stream.read(8)  # the head of the block of numbers
+    return _of_document(file, document, stream.read(), size)
 
 
 def _read_gltf(file: str, content: bytes, size: Size) -> CameraFile:
@@ -177,38 +178,27 @@ def _read_gltf(file: str, content: bytes, size: Size) -> CameraFile:
         raise FormatError(f"{file} is not JSON.") from None
     if not isinstance(document, dict):
         raise FormatError(f"{file} is no glTF file.")
-    return _of_document(file, Glb(document, b""), size)
+    return _of_document(file, document, b"", size)
 
 
-def _of_document(file: str, glb: Glb, size: Size) -> CameraFile:
+def _of_document(file: str, document: dict[str, Any], block: bytes, size: Size) -> CameraFile:
     try:
-        found = [i for i, node in enumerate(glb.items("nodes")) if "camera" in node]
+        nodes = document.get("nodes", [])
+        found = [i for i, node in enumerate(nodes) if "camera" in node]
         if len(found) != 1:
             many = "no camera" if not found else f"{len(found)} cameras"
             raise FormatError(f"{file} has {many}: export the scene with the one that is meant.")
-        fields = glb.items("cameras")[glb.items("nodes")[found[0]]["camera"]]
-        Ts = _placed(glb, found[0])
+        fields = document["cameras"][nodes[found[0]]["camera"]]
+        Ts = places_of(document, block, found[0])
         camera = _lens(file, fields, size)
         if not np.isfinite(Ts).all():
             raise ValueError("not finite")
-        own = glb.document.get("asset", {}).get("generator") == "Keypose"
+        own = document.get("asset", {}).get("generator") == "Keypose"
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
         raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
     Rs = nearest_rotation(Ts[:, :3, :3])
     _require_still(file, Ts[:, :3, 3], Rs)
     return CameraFile(camera, _up(file, Rs[0] * FLIP), -float(Ts[0, 1, 3]) if own else None)
-
-
-def _placed(glb: Glb, node: int) -> Array:
-    """(K, 4, 4) where a node is at every key of what moves it; one, at rest, where nothing does."""
-    nodes, above = Nodes.of(glb), [node]
-    while (parent := nodes.parents[above[-1]]) >= 0:
-        above.append(parent)
-    moving = [channel for channel in channels_of(glb) if channel.node in above]
-    times = sorted({float(t) for channel in moving for t in channel.times_s}) or [0.0]
-    if len(times) > MOST_KEYS:
-        times = times[:: len(times) // MOST_KEYS]
-    return np.stack([nodes.worlds(moving, t)[node] for t in times])
 
 
 def _lens(file: str, fields: dict[str, Any], size: Size) -> Camera:

@@ -86,7 +86,7 @@ def choose_reading(
         units=units,
         up=up,
         p_camera_surface=place,
-        fps=sequence.fps or FPS,
+        fps=FPS,
         cameras=reading.cameras,
     )
     return SurfaceSetup(surface, camera, guesses, height_m=float(first[1][1] - first[0][1]))

@@ -7,6 +7,7 @@ the next is read ahead.
 from __future__ import annotations
 
 import threading
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -17,7 +18,7 @@ import numpy as np
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.session.references import Surface
-from keypose.tracker.surface.files.sequence import Glance, MeshSequence
+from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.files.sources import SUFFIXES
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.placing import Placement
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 MOST_KEPT = 6
 """Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""
 
-GLANCE_S = 5.0
-"""So long files are glanced at; meshes can be read meanwhile."""
+CHECKED_S = 5.0
+"""So long files are read to see which cannot be used; others can be read meanwhile."""
 
 MOST_TEXTURES = 4
 """Images that may belong to a mesh in the same folder."""
@@ -49,7 +50,7 @@ class SurfaceSteps:
         self._surface, self._folder = surface, folder
         self._footage: Footage | None = None
         self._looked = False
-        self._glancing, self._closing = threading.Lock(), threading.Event()
+        self._checking, self._closing = threading.Lock(), threading.Event()
         self._shapes = _Latest("meshes", sequence.frame_count, self._read)
         self._rated = _Latest("agreement", sequence.frame_count, self._rate)
 
@@ -69,10 +70,18 @@ class SurfaceSteps:
         rated = self._surface.cameras is not None
         return self._rated.get(frame) if rated else self._shapes.get(frame)
 
-    def glance(self) -> Glance:
-        """What the beginnings of the files show; ends early where these are closed meanwhile."""
-        with self._glancing:
-            return self.sequence.glance(GLANCE_S, stop=self._closing.is_set)
+    def unusable(self) -> dict[int, str]:
+        """Of the steps that cannot be used, as far as is seen in a few seconds, why; ends early
+        where these are closed meanwhile."""
+        problems = dict(self.sequence.missing)
+        end = time.monotonic() + CHECKED_S
+        with self._checking:
+            for frame in range(self.frame_count):
+                if self._closing.is_set() or time.monotonic() > end:
+                    break
+                if words := self.sequence.problem(frame):
+                    problems[frame] = words
+        return problems
 
     def cut_by(self, frame: int) -> tuple[str, ...]:
         """Names of the session's cameras whose pictures do not hold all of a step's surface."""
@@ -89,7 +98,7 @@ class SurfaceSteps:
         self._shapes.close()
         if self._footage is not None:
             self._footage.close()
-        with self._glancing:  # a question after the end would start the process anew
+        with self._checking:  # a question after the end would start the process anew
             self.sequence.close()
 
     def __enter__(self) -> Self:

@@ -13,7 +13,6 @@ from typing import Final, Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
 from keypose.app.document.library.names import printable
-from keypose.app.document.library.uploads import SURFACES
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_head
 from keypose.tracker.surface.files.sources import SUFFIXES as MESHES
@@ -166,8 +165,6 @@ def kind_of(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return "video" if suffix not in _ALSO_CODE or _is_transport_stream(path) else None
-    if suffix == SURFACES:
-        return "meshes"
     return "session" if suffix == ".json" and is_session(path) else None
 
 

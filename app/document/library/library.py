@@ -41,7 +41,7 @@ from keypose.app.document.library.session_files import (
 )
 from keypose.app.document.library.session_paths import SESSION, session_for
 from keypose.app.document.library.thumb_cache import ThumbCache, of_session
-from keypose.app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
+from keypose.app.document.library.uploads import LARGEST_BYTES, Upload
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
@@ -95,7 +95,7 @@ class Library:
             "files": [_file_json(f) for f in listing.files],
             "more": listing.more,
             "folders": [printable(str(root)) for root in self.roots if root.is_dir()],
-            "suffixes": [*SUFFIXES, SURFACES],
+            "suffixes": [*SUFFIXES],
             "largest_upload": self._largest,
         }
 

@@ -20,7 +20,6 @@ LARGEST_BYTES: Final = 8 * 2**30
 SPARE_BYTES: Final = 256 * 2**20
 """Left free on the disk: sessions and results have to be saved too."""
 
-SURFACES = ".glb"
 """Of observed surfaces that are one file; a folder of meshes is opened where it lies."""
 STALE_SECONDS = 24 * 3600
 
@@ -100,10 +99,10 @@ class Upload:
             self._temporary.unlink()
 
     def _require_video(self) -> None:
-        if not self.name.lower().endswith((*SUFFIXES, SURFACES)):
+        if not self.name.lower().endswith(SUFFIXES):
             raise KeyposeError(
                 f"{self.name} is not a video. Keypose opens MP4, MOV, MKV, WebM, AVI, TS, MPG and "
-                "similar files, and GLB."
+                "similar files."
             )
 
     def _require_room(self, largest_bytes: int) -> None:

@@ -26,9 +26,7 @@ from keypose.tracker.storage.files import journal_path, load_session, open_video
 from keypose.tracker.storage.fingerprints import setup_hash
 from keypose.tracker.storage.journal import Journal
 from keypose.tracker.storage.results import segment_keys
-from keypose.tracker.surface.files import sequence
 from keypose.tracker.surface.files.ply import ply_bytes
-from keypose.tracker.surface.files.sequence import Glance, MeshSequence
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.new_session import Reading
 from keypose.tracker.surface.picture import SurfaceVideo
@@ -55,7 +53,7 @@ def opened(path: Path, closing: ExitStack) -> OpenSession:
 
 
 def box(
-    folder: Path, extents: tuple[float, float, float], count: int = 2, suffix: str = "off"
+    folder: Path, extents: tuple[float, float, float], count: int = 2, suffix: str = "ply"
 ) -> Path:
     """A box that moves on along its first axis."""
     folder.mkdir(parents=True)
@@ -66,31 +64,34 @@ def box(
     return folder
 
 
-def test_info_names_all_meshes_whose_files_give_that_they_cannot_be_used(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_info_names_all_meshes_that_cannot_be_used_once_it_has_read_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(sequence, "GLANCE_S", 60.0)
     folder = cases.meshes(tmp_path / "scan")
     files = sorted(folder.iterdir())
-    files[2].write_bytes(b"")
+    files[2].unlink()
     files[4].write_bytes(files[4].read_bytes()[:-40])
     assert main(["info", str(folder)]) == 0
+    assert 'note         Step 2 is missing between "' in capsys.readouterr().out
+    assert main(["info", str(folder), "--check"]) == 0
     reported = capsys.readouterr().out
     assert "note         Steps 2 and 4 cannot be used. The first of them: Step 2" in reported
-    assert "not looked at" not in reported
-    assert main(["info", str(folder), "--json"]) == 0
+    assert "all can be used" not in reported
+    assert main(["info", str(folder), "--check", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["missing_frames"] == [2, 4]
     assert "cut short" in facts["missing"]["4"]
-    assert facts["looked_at"] == cases.STEPS
+    assert facts["checked"]
 
 
-def test_info_says_where_it_stopped_looking(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_info_says_that_all_meshes_can_be_used_only_once_it_has_read_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(MeshSequence, "glance", lambda _: Glance({}, 3))
-    assert main(["info", str(cases.meshes(tmp_path / "scan"))]) == 0
-    assert "the files of steps 3 and later were not looked at" in capsys.readouterr().out
+    folder = cases.meshes(tmp_path / "scan")
+    for more, told in (([], False), (["--check"], True)):
+        assert main(["info", str(folder), *more]) == 0
+        words = "every mesh was read, and all can be used"
+        assert (words in capsys.readouterr().out) == told
 
 
 def test_a_folder_of_meshes_begins_a_session_whose_camera_sees_them(
@@ -145,7 +146,7 @@ def test_meshes_that_wander_far_off_are_seen_well_where_they_begin(
     folder = box(tmp_path / "scan", (0.5, 1.7, 0.4), count=1)
     mesh = trimesh.creation.box((0.5, 1.7, 0.4))
     mesh.apply_translation([60.0, 0, 0])
-    mesh.export(folder / "box_1.off")
+    mesh.export(folder / "box_1.ply")
     piece = opened(folder, closing)
     assert isinstance(piece.video, SurfaceVideo)
     uv = piece.session.camera.project(piece.video.steps.shape(0).vertices)

@@ -24,6 +24,7 @@ from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session.schema import Session
+from keypose.tracker.surface import source
 from keypose.tracker.surface.picture import SurfaceVideo
 from tests.app.editor.desk import after
 
@@ -340,7 +341,7 @@ def test_the_page_goes_on_while_surfaces_are_read(
 # --- where they are chosen
 
 
-def test_folders_of_meshes_and_glb_files_are_listed(tmp_path: Path) -> None:
+def test_folders_of_meshes_are_listed_and_single_ones_are_not(tmp_path: Path) -> None:
     shutil.copytree(SAMPLE / "meshes", tmp_path / "home" / "run")
     (tmp_path / "home" / "man.glb").write_bytes(b"glTF")
     textured = tmp_path / "home" / "shots"
@@ -349,15 +350,7 @@ def test_folders_of_meshes_and_glb_files_are_listed(tmp_path: Path) -> None:
         (textured / name).touch()
     listed = Library(tmp_path / "work", [tmp_path / "home"]).contents()["files"]
     kinds = {file["name"]: (file["kind"], file["count"]) for file in listed}
-    assert kinds == {"run": ("meshes", 19), "man.glb": ("meshes", 0), "shots": ("images", 5)}
-
-
-def test_an_animated_file_can_be_dropped(tmp_path: Path) -> None:
-    library = Library(tmp_path / "work")
-    with library.upload("man.glb", 4) as upload:
-        upload.write(b"glTF")
-        assert upload.finish() == "man.glb"
-    assert library.find("upload", "man.glb").read_bytes() == b"glTF"
+    assert kinds == {"run": ("meshes", 19), "shots": ("images", 5)}
 
 
 def test_steps_that_cannot_be_used_are_reported_once_before_they_are_met(
@@ -381,3 +374,14 @@ def test_of_meshes_that_are_closed_meanwhile_nothing_is_asked_any_more(folder: P
     opened.video.close()
     assert Observed(opened).unusable() == ""
     assert opened.video.steps.sequence._reader._child is None
+
+
+def test_steps_that_cannot_be_used_are_looked_for_for_a_while_only(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened = open_for_editing(folder / "session.json", lambda path: path)
+    assert isinstance(opened.video, SurfaceVideo)
+    with opened.video:
+        assert "step_0004.ply" in Observed(opened).unusable()
+        monkeypatch.setattr(source, "CHECKED_S", -1.0)
+        assert Observed(opened).unusable() == ""

@@ -94,21 +94,53 @@ def test_a_camera_for_smaller_pictures_of_the_same_shape_is_scaled(tmp_path: Pat
     np.testing.assert_allclose(found.project(point), 2 * (smaller + 0.5) - 0.5)
 
 
-def animated(tmp_path: Path, values: list[list[float]]) -> bytes:
+def animated(
+    values: list[list[float]],
+    path: str = "translation",
+    how: str = "LINEAR",
+    node: int = 0,
+    arm: dict[str, Any] | None = None,
+) -> bytes:
     """A GLB whose camera's arm is moved."""
     from keypose.tracker.formats.glb_file import Numbers
 
     numbers = Numbers()
     clock = numbers.add(np.arange(len(values), dtype=np.float32), "SCALAR", "animation")
-    output = numbers.add(np.array(values, dtype=np.float32), "VEC3", "animation")
-    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
-    sampler = {"input": clock, "output": output}
-    return numbers.file(gltf() | {"animations": [{"channels": [channel], "samplers": [sampler]}]})
+    output = numbers.add(np.array(values, dtype=np.float32), f"VEC{len(values[0])}", "animation")
+    channel = {"sampler": 0, "target": {"node": node, "path": path}}
+    sampler = {"input": clock, "output": output, "interpolation": how}
+    document = gltf() | {"animations": [{"channels": [channel], "samplers": [sampler]}]}
+    document["nodes"][0] |= arm or {}
+    return numbers.file(document)
 
 
 def test_a_camera_with_keys_that_are_all_alike_stands_still(tmp_path: Path) -> None:
-    found = read(tmp_path, "shot.glb", animated(tmp_path, [[1, 2, 3], [1, 2, 3]]))
+    found = read(tmp_path, "shot.glb", animated([[1, 2, 3], [1, 2, 3]]))
     np.testing.assert_allclose(found.up_camera, [0, -1, 0], atol=1e-9)
+
+
+def test_keys_of_a_camera_that_stands_still_count_and_not_its_rest(tmp_path: Path) -> None:
+    s = math.sqrt(0.5)  # rolled by a right angle: up is to the camera's left
+    for node in (0, 1):
+        rolled = animated([[0, 0, s, s]] * 3, "rotation", node=node)
+        found = read(tmp_path, "shot.glb", rolled)
+        np.testing.assert_allclose(found.up_camera, [1, 0, 0], atol=1e-6)
+    slopes = [[9, 9, 9, 9], [0, 0, s, s], [9, 9, 9, 9]] * 2
+    found = read(tmp_path, "shot.glb", animated(slopes, "rotation", "CUBICSPLINE"))
+    np.testing.assert_allclose(found.up_camera, [1, 0, 0], atol=1e-6)
+
+
+def test_half_a_millimetre_of_a_scene_in_millimetres_is_no_motion(tmp_path: Path) -> None:
+    trembling = animated([[0, 0, 0], [0, 0, 0.5]], node=1, arm={"scale": [0.001, 0.001, 0.001]})
+    found = read(tmp_path, "shot.glb", trembling)
+    np.testing.assert_allclose(found.up_camera, [0, -1, 0], atol=1e-9)
+
+
+def test_a_node_that_gives_a_matrix_lies_where_that_puts_it(tmp_path: Path) -> None:
+    document = gltf()
+    document["nodes"][0]["matrix"] = [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]
+    found = read(tmp_path, "shot.gltf", json.dumps(document))
+    np.testing.assert_allclose(found.up_camera, [1, 0, 0], atol=1e-9)
 
 
 def moved_chan(column: int) -> str:
@@ -136,6 +168,24 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "an orthographic one": (
         "shot.gltf", json.dumps(gltf() | {"cameras": [{"type": "orthographic"}]}), "perspective"
     ),
+    "nodes that hang in each other": (
+        "shot.gltf",
+        json.dumps(gltf() | {"nodes": [{"children": [1]}, {"children": [0], "camera": 0}]}),
+        "is a damaged glTF",
+    ),
+    "keys in other files": (
+        "shot.gltf",
+        json.dumps(gltf() | {
+            "buffers": [{"uri": "shot.bin", "byteLength": 24}],
+            "bufferViews": [{"buffer": 0, "byteLength": 24}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "VEC3"}],
+            "animations": [{
+                "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+                "samplers": [{"input": 0, "output": 0}],
+            }],
+        }),
+        "keeps its numbers in other files",
+    ),
     "a damaged one": ("shot.gltf", json.dumps(gltf() | {"cameras": []}), "is a damaged glTF"),
     "a lens of many digits": (
         "shot.gltf",
@@ -161,8 +211,14 @@ def test_what_is_no_standing_camera_is_reported_in_one_sentence(case: str, tmp_p
 
 
 def test_an_animated_camera_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"shot.glb moves: a session's camera stands still"):
-        read(tmp_path, "shot.glb", animated(tmp_path, [[0, 0, 0], [1, 0, 0]]))
+    moved = (
+        animated([[0, 0, 0], [1, 0, 0]]),
+        animated([[0, 0, 0], [0, 0, 0.002]], node=1),
+        animated([[0, 0, 0, 1], [0, 0, 0.001, 1]], "rotation"),
+    )
+    for content in moved:
+        with pytest.raises(FormatError, match=r"shot.glb moves: a session's camera stands still"):
+            read(tmp_path, "shot.glb", content)
 
 
 @pytest.mark.parametrize("name", ["camera.json", "shot.gltf"])

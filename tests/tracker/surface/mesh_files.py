@@ -64,16 +64,6 @@ def obj(
     return "\n".join(lines).encode() + b"\n"
 
 
-def off(
-    vertices: Array = CORNERS, faces: Sequence[Sequence[int]] | NDArray[np.int64] = BOX
-) -> bytes:
-    """An OFF file."""
-    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
-    lines += [" ".join(f"{value:.9g}" for value in vertex) for vertex in vertices]
-    lines += [" ".join(map(str, [len(face), *face])) for face in faces]
-    return "\n".join(lines).encode() + b"\n"
-
-
 class GlbFile:
     """A GLB file in the making: arrays go in, accessors' numbers come out."""
 
@@ -89,8 +79,6 @@ class GlbFile:
             "accessors": [],
             "meshes": [],
             "nodes": [],
-            "skins": [],
-            "animations": [],
         }
 
     def view(self, values: NDArray[Any]) -> int:
@@ -131,20 +119,10 @@ class GlbFile:
         self.document["nodes"].append(facts)
         return len(self.document["nodes"]) - 1
 
-    def animate(self, node: int, path: str, times: Any, values: Any, how: str = "LINEAR") -> None:
-        """A further channel of the animation."""
-        if not self.document["animations"]:
-            self.document["animations"].append({"channels": [], "samplers": []})
-        animation = self.document["animations"][0]
-        animation["samplers"].append(
-            {"input": self.numbers(times), "output": self.numbers(values), "interpolation": how}
-        )
-        target = {"node": node, "path": path}
-        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
-
     def content(self) -> bytes:
         """The bytes of the file."""
         self.document["buffers"][0].setdefault("byteLength", len(self.block))
+        self.document.setdefault("scenes", [{"nodes": [*range(len(self.document["nodes"]))]}])
         text = json.dumps(self.document).encode()
         text += b" " * (-len(text) % 4)
         block = bytes(self.block) + b"\0" * (-len(self.block) % 4)
@@ -162,7 +140,7 @@ def standing_box() -> bytes:
 
 def folder_of(place: Path, count: int, suffix: str = ".ply") -> Path:
     """A folder with boxes that wander along x, one unit of length a step."""
-    write = {".ply": ply, ".obj": obj, ".off": off}[suffix]
+    write = {".ply": ply, ".obj": obj}[suffix]
     place.mkdir(parents=True, exist_ok=True)
     for step in range(count):
         (place / f"mesh_{step:03d}{suffix}").write_bytes(write(CORNERS + np.array([step, 0, 0])))

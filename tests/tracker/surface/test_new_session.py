@@ -43,7 +43,6 @@ class Meshes:
     steps: Sequence[SurfaceMesh | None]
     stated_units: Any = None
     stated_up: Any = None
-    fps: float | None = None
 
     @property
     def frame_count(self) -> int:
@@ -193,8 +192,8 @@ def test_what_is_guessed_is_reported_and_nothing_else(
 
 def test_what_a_person_or_the_files_say_is_not_guessed_and_a_person_comes_first() -> None:
     assert opened(box()).guesses == ()
-    stated = opened(box(), reading=Reading(), stated_units="cm", stated_up="-z", fps=50.0)
-    assert (stated.surface.units, stated.surface.up, stated.surface.fps) == ("cm", "-z", 50.0)
+    stated = opened(box(), reading=Reading(), stated_units="cm", stated_up="-z")
+    assert (stated.surface.units, stated.surface.up, stated.surface.fps) == ("cm", "-z", FPS)
     assert stated.guesses == ()
     message = opened(box(), stated_units="cm", stated_up="-z")
     assert (message.surface.units, message.surface.up, message.surface.fps) == ("m", "-y", FPS)

@@ -6,7 +6,7 @@ import io
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,9 +19,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.files.animated import read_resting
+from keypose.tracker.surface.files.parsing.glb import read_glb
 from keypose.tracker.surface.files.parsing.obj import read_obj
-from keypose.tracker.surface.files.parsing.off import read_off
 from keypose.tracker.surface.files.parsing.ply import read_ply
 from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
 from keypose.tracker.surface.files.parsing.tidying import tidy
@@ -31,12 +30,11 @@ from tests.tracker.surface.mesh_files import (
     QUADS,
     GlbFile,
     obj,
-    off,
     ply,
     standing_box,
 )
 
-READERS = {"ply": read_ply, "obj": read_obj, "off": read_off, "glb": read_resting}
+READERS = {"ply": read_ply, "obj": read_obj, "glb": read_glb}
 
 
 def read(kind: str, content: bytes) -> RawMesh:
@@ -60,7 +58,7 @@ def refusal(read: Callable[[], Any]) -> str:
 # --- what other programs write ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["ply", "obj", "off", "glb"])
+@pytest.mark.parametrize("kind", ["ply", "obj", "glb"])
 def test_what_another_program_wrote_is_read_as_it_was(kind: str) -> None:
     written = trimesh.creation.icosphere(subdivisions=2, radius=0.9)
     exported = written.export(file_type=kind)
@@ -84,17 +82,13 @@ def test_faces_of_different_corner_counts_are_cut_into_triangles(form: str) -> N
     assert_closed(mesh.faces)
 
 
-@pytest.mark.parametrize("write", [obj, off])
-def test_faces_of_many_corners_are_cut_into_triangles_in_text_files(
-    write: Callable[[Array, Sequence[Sequence[int]]], bytes],
-) -> None:
+def test_faces_of_many_corners_are_cut_into_triangles_in_text_files() -> None:
     angle = np.linspace(0, 2 * np.pi, 7, endpoint=False)
     ring = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     tip = np.array([[0.0, 0.0, 1.0]])
     sides = [(k, (k + 1) % 7, 7) for k in range(7)]
     faces = [tuple(reversed(range(7))), *sides]
-    kind = "obj" if write is obj else "off"
-    mesh = read(kind, write(np.vstack([ring, tip]), faces))
+    mesh = read("obj", obj(np.vstack([ring, tip]), faces))
     assert len(mesh.faces) == 5 + 7
     assert_closed(mesh.faces)
 
@@ -167,13 +161,13 @@ def test_parts_and_materials_of_an_obj_change_no_order_and_repeat_no_vertex() ->
     assert mesh.faces.tolist() == BOX.tolist()
 
 
-@pytest.mark.parametrize("kind", ["ply", "ascii", "obj", "off"])
+@pytest.mark.parametrize("kind", ["ply", "ascii", "obj"])
 def test_the_triangles_of_a_polygon_stand_where_it_stood_around_its_first_corner(kind: str) -> None:
     polygons = [(0, 2, 3, 1), (4, 5, 6), (0, 1, 5, 7, 6), (2, 6, 7, 3)]
     expected = [
         [0, 2, 3], [0, 3, 1], [4, 5, 6], [0, 1, 5], [0, 5, 7], [0, 7, 6], [2, 6, 7], [2, 7, 3]
     ]  # fmt: skip
-    write = {"ply": ply, "ascii": partial(ply, form="ascii"), "obj": obj, "off": off}[kind]
+    write = {"ply": ply, "ascii": partial(ply, form="ascii"), "obj": obj}[kind]
     mesh = read("ply" if kind == "ascii" else kind, write(faces=polygons))
     assert mesh.faces.tolist() == expected
     np.testing.assert_allclose(mesh.vertices, CORNERS, atol=1e-6)
@@ -186,38 +180,110 @@ def test_a_text_ply_may_break_its_rows_anywhere() -> None:
     assert read("ply", broken).faces.tolist() == BOX.tolist()
 
 
-@pytest.mark.parametrize("kind", ["ply", "ascii", "off"])
-def test_what_follows_the_last_face_is_not_looked_at(kind: str) -> None:
-    rest = b"0 0 0\n" if kind == "ascii" else b"\n3 0 0 0\n"
-    content = {"ply": ply(), "ascii": ply(form="ascii"), "off": off()}[kind]
-    mesh = read("ply" if kind == "ascii" else kind, content + rest)
-    assert mesh.faces.tolist() == BOX.tolist()
+@pytest.mark.parametrize("form", ["binary_little_endian", "ascii"])
+def test_what_follows_the_last_face_is_not_looked_at(form: str) -> None:
+    assert read("ply", ply(form=form) + b"0 0 0\n").faces.tolist() == BOX.tolist()
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
 def test_lines_may_end_as_on_any_system(end: bytes) -> None:
-    for kind, content in (("obj", b"  " + obj()), ("off", off())):
-        mesh = read(kind, content.replace(b"\n", end))
-        np.testing.assert_array_equal(mesh.faces, BOX)
-        np.testing.assert_allclose(mesh.vertices, CORNERS, atol=1e-6)
+    mesh = read("obj", (b"  " + obj()).replace(b"\n", end))
+    np.testing.assert_array_equal(mesh.faces, BOX)
+    np.testing.assert_allclose(mesh.vertices, CORNERS, atol=1e-6)
 
 
-def test_an_off_may_hold_comments_and_colours() -> None:
-    content = (
-        b"COFF # coloured\n# counts\n3 1 0\n\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n"
-        b"0 1 0 255 0 0 255\n3 0 1 2 0.5 0.5 0.5\n"
-    )
-    assert read("off", content).faces.tolist() == [[0, 1, 2]]
-    assert read("off", b"OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").faces.tolist() == [[0, 1, 2]]
+# --- the parts of a GLB -------------------------------------------------------------------------
+
+
+def test_parts_of_a_glb_lie_where_its_nodes_put_them() -> None:
+    glb = GlbFile()
+    inner = glb.node(mesh=glb.mesh(glb.box(), glb.box()), scale=[2, 1, 1], translation=[1, 0, 0])
+    outer = glb.node(children=[inner], rotation=[0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+    matrix = np.eye(4)
+    matrix[:3, 3] = [0, 0, 9]
+    other = glb.node(mesh=0, matrix=matrix.T.ravel().tolist())
+    glb.document["scenes"] = [{"nodes": []}, {"nodes": [outer, other]}]
+    glb.document["scene"] = 1
+    turned = (CORNERS * [2, 1, 1] + [1, 0, 0]) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    mesh = tidy(read("glb", glb.content()))
+    expected = np.vstack([turned, CORNERS + np.array([0, 0, 9])])
+    np.testing.assert_allclose(sorted(mesh.vertices.tolist()), sorted(expected.tolist()), atol=1e-6)
+    assert len(mesh.faces) == 4 * len(BOX)
+
+
+def test_only_what_hangs_in_the_scene_is_shown() -> None:
+    glb = GlbFile()
+    shown = glb.node(mesh=glb.mesh(glb.box()))
+    glb.node(mesh=0, translation=[9, 0, 0])
+    glb.document["scenes"] = [{"nodes": [shown]}]
+    np.testing.assert_allclose(tidy(read("glb", glb.content())).vertices, CORNERS, atol=1e-6)
+
+
+def test_a_mirrored_part_still_shows_its_outside() -> None:
+    glb = GlbFile()
+    glb.node(mesh=glb.mesh(glb.box()), scale=[-1, 1, 1])
+    mesh = read("glb", glb.content())
+    assert trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).volume > 0
+
+
+def test_points_and_lines_of_a_glb_are_no_surface() -> None:
+    glb = GlbFile()
+    lone = {"attributes": {"POSITION": glb.numbers(CORNERS + 5)}}
+    glb.node(mesh=glb.mesh({**lone, "mode": 0}, {**lone, "mode": 1}, glb.box()))
+    np.testing.assert_allclose(tidy(read("glb", glb.content())).vertices, CORNERS, atol=1e-6)
+
+
+def odd(**facts: Any) -> bytes:
+    """A GLB with the box and more."""
+    glb = GlbFile()
+    glb.node(mesh=glb.mesh(glb.box()))
+    glb.document |= facts
+    return glb.content()
+
+
+def odd_box(**facts: Any) -> bytes:
+    """A GLB with a box that has more, or other indices."""
+    glb = GlbFile()
+    glb.node(mesh=glb.mesh({**glb.box(), **facts}))
+    return glb.content()
+
+
+def beyond() -> bytes:
+    """A GLB whose first part has a corner that only the second has a vertex for."""
+    glb = GlbFile()
+    glb.node(mesh=glb.mesh(glb.box()))
+    glb.document["meshes"][0]["primitives"][0]["indices"] = glb.numbers(BOX.ravel() + 1, "u2")
+    glb.node(mesh=glb.mesh(glb.box()))
+    return glb.content()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (odd(animations=[{"channels": [], "samplers": []}]), "numbered meshes, one per time step"),
+        (odd(skins=[{"joints": [0]}]), "numbered meshes, one per time step"),
+        (odd_box(targets=[{"POSITION": 0}]), "numbered meshes, one per time step"),
+        (odd(extensionsUsed=["KHR_draco_mesh_compression"]), "without mesh compression"),
+        (odd(extensionsRequired=["EXT_meshopt_compression"]), "without mesh compression"),
+        (odd(extensionsUsed=["KHR_mesh_quantization"]), "without mesh compression"),
+        (odd_box(mode=6), "plain triangles"),
+        (odd(accessors=[{"sparse": {}}]), "plain triangles"),
+        (odd(meshes=[]), "holds no vertices"),
+        (odd(scenes=[{"nodes": []}]), "holds no vertices"),
+        (beyond(), "not among its vertices"),
+    ],
+)
+def test_what_a_glb_holds_besides_meshes_at_rest_is_refused(content: bytes, words: str) -> None:
+    assert words in refusal(lambda: read("glb", content))
 
 
 # --- a surface of what a file states ------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["ply", "obj", "off"])
+@pytest.mark.parametrize("kind", ["ply", "obj"])
 def test_vertices_that_a_file_repeats_are_one(kind: str) -> None:
     soup = CORNERS[BOX.ravel()]  # every face has corners of its own, as at the seams of a texture
-    write = {"ply": ply, "obj": obj, "off": off}[kind]
+    write = {"ply": ply, "obj": obj}[kind]
     stated = read(kind, write(soup, np.arange(36).reshape(12, 3)))
     assert stated.faces.tolist() == np.arange(36).reshape(12, 3).tolist()
     mesh = tidy(stated)
@@ -300,17 +366,6 @@ def lists(counted: bytes, count: float) -> bytes:
         ("obj", obj() + b"f 1 2 x\n", "something else where numbers"),
         ("obj", obj() + b"f 1 2 1e300\n", "impossible corner"),
         ("obj", obj() + b"v 1 2\n", "fewer than 3 numbers"),
-        ("off", b"PLY\n", "does not begin as an OFF file"),
-        ("off", b"OFF BINARY\n", "binary OFF"),
-        ("off", b"OFF\nmany\n", "how many"),
-        ("off", off().replace(b"8 12 0", b"8 10000000 0"), "10,000,000 faces"),
-        ("off", off().replace(b"8 12 0", b"8 0 0"), "no faces"),
-        ("off", off()[:-9], "cut short"),
-        ("off", off().replace(b"3 0 2 1", b"9 0 2 1"), "cut short"),
-        ("off", off().replace(b"3 0 2 1", b"3 0 2 -1"), "negative corner"),
-        ("off", off().replace(b"8 12 0", b"8 13 0"), "cut short"),
-        ("off", off().replace(b"3 0 2 1", b"1e300 0 2 1"), "cut short"),
-        ("off", off().replace(b"3 0 2 1", b"3 0 2 nan"), "impossible corner"),
         ("ply", lists(b"uint", 0xFFFFFFFF), "impossible length"),
         ("ply", lists(b"float", np.nan), "impossible length"),
         ("ply", lists(b"double", 1e300), "impossible length"),
@@ -345,7 +400,7 @@ def test_a_surface_that_is_nonsense_is_refused_in_a_sentence(mesh: RawMesh, word
 
 
 @given(
-    kind=st.sampled_from(["ply", "text", "obj", "off", "glb"]),
+    kind=st.sampled_from(["ply", "text", "obj", "glb"]),
     changes=st.lists(st.tuples(st.floats(0, 1), st.binary(min_size=1, max_size=4)), max_size=3),
     kept=st.floats(0.3, 1),
 )
@@ -353,7 +408,7 @@ def test_damage_gives_a_mesh_or_a_failure_and_never_a_face_without_vertices(
     kind: str, changes: list[tuple[float, bytes]], kept: float
 ) -> None:
     whole = {
-        "ply": ply(), "text": ply(form="ascii"), "obj": obj(), "off": off(), "glb": standing_box()
+        "ply": ply(), "text": ply(form="ascii"), "obj": obj(), "glb": standing_box()
     }[kind]  # fmt: skip
     damaged = bytearray(whole)
     for place, content in changes:
@@ -408,19 +463,16 @@ def naming_others(kind: str) -> bytes:
     if kind == ".glb":
         glb = GlbFile()
         glb.document["images"] = [{"uri": "http://127.0.0.1:1/a.png"}, {"uri": "/etc/passwd"}]
-        glb.document["buffers"] += [{"uri": "file:///etc/passwd", "byteLength": 9}]
         glb.document["extensions"] = {"X_links": {"uri": "../../secret.glb"}}
         glb.node(mesh=glb.mesh(glb.box()))
         return glb.content()
     if kind == ".obj":
         called = b"call /etc/passwd\ncsh touch x\nmtllib http://127.0.0.1:1/a.mtl\n"
         return called + b"maplib /etc/passwd\nshadow_obj /etc/passwd\n" + obj() + b"call a.obj 1\n"
-    if kind == ".ply":
-        return ply().replace(b"by hand", b"TextureFile /etc/passwd\nobj_info file:///etc/passwd")
-    return off() + b"# file:///etc/passwd\n"
+    return ply().replace(b"by hand", b"TextureFile /etc/passwd\nobj_info file:///etc/passwd")
 
 
-@pytest.mark.parametrize("kind", [".ply", ".obj", ".off", ".glb"])
+@pytest.mark.parametrize("kind", [".ply", ".obj", ".glb"])
 def test_nothing_that_a_file_names_is_opened_fetched_or_run(kind: str) -> None:
     done = subprocess.run(
         [sys.executable, "-c", _READ_UNDER_WATCH, kind],

@@ -14,18 +14,15 @@ import pytest
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.surface.files.guessing import guess_units, guess_up
-from keypose.tracker.surface.files.reading import MeshReader
-from keypose.tracker.surface.files.sequence import Glance, MeshSequence
+from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.files.sources import FolderSource
 from keypose.tracker.surface.files.unusable import describe_unusable
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.mesh_files import (
     BOX,
     CORNERS,
-    QUADS,
     folder_of,
     obj,
-    off,
     ply,
     standing_box,
 )
@@ -63,14 +60,14 @@ def named(folder: Path, *names: str) -> Path:
 # --- steps and numbers --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
+@pytest.mark.parametrize("suffix", [".ply", ".obj"])
 def test_a_folder_gives_one_mesh_per_step(tmp_path: Path, suffix: str) -> None:
     with MeshSequence.open(folder_of(tmp_path / "scan", 12, suffix)) as meshes:
         assert meshes.frame_count == 12
         assert [place_x(meshes, frame) for frame in (11, 0, 5)] == [11, 0, 5]
         np.testing.assert_array_equal(meshes.mesh(5).faces, BOX)
         assert meshes.missing == {}
-        assert (meshes.fps, meshes.stated_units, meshes.stated_up) == (None, None, None)
+        assert (meshes.stated_units, meshes.stated_up) == (None, None)
 
 
 def test_numbers_order_the_steps_by_value(tmp_path: Path) -> None:
@@ -153,24 +150,14 @@ def test_a_single_mesh_is_a_single_step(tmp_path: Path) -> None:
         assert len(meshes.mesh(0).faces) == 12
 
 
-@pytest.mark.parametrize("inside", [True, False])
-def test_a_still_glb_is_a_single_step_and_states_its_units(tmp_path: Path, inside: bool) -> None:
-    path = tmp_path / "box.glb"
-    path.write_bytes(standing_box())
-    with MeshSequence.open(tmp_path if inside else path) as meshes:
-        assert meshes.frame_count == 1
-        assert (meshes.fps, meshes.stated_units, meshes.stated_up) == (None, "m", "+y")
-        np.testing.assert_allclose(meshes.mesh(0).extent, [0.5, 0.3, 1.7], atol=1e-6)
-
-
 def test_a_folder_of_glb_files_is_one_step_each(tmp_path: Path) -> None:
     for step in (1, 2, 4):
         (tmp_path / f"{step}.glb").write_bytes(standing_box())
     with MeshSequence.open(tmp_path) as meshes:
         assert meshes.frame_count == 4
         assert [*meshes.missing] == [2]
-        assert (meshes.fps, meshes.stated_units, meshes.stated_up) == (None, "m", "+y")
-        assert len(meshes.mesh(3).faces) == 12
+        assert (meshes.stated_units, meshes.stated_up) == ("m", "+y")
+        np.testing.assert_allclose(meshes.mesh(3).extent, [0.5, 0.3, 1.7], atol=1e-6)
 
 
 @pytest.mark.parametrize("frame", [-1, 3, 10**9])
@@ -269,18 +256,13 @@ def test_what_holds_no_meshes_is_reported_in_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "film.mp4").write_bytes(b"film")
     (tmp_path / "one.ply").write_bytes(ply())
-    (tmp_path / "damaged.glb").write_bytes(standing_box()[:100])
-    assert "holds no meshes (PLY, OBJ, GLB, OFF)" in refusal(tmp_path / "empty")
+    (tmp_path / "film.glb").write_bytes(standing_box())
+    assert "holds no meshes (PLY, OBJ, GLB)" in refusal(tmp_path / "empty")
     assert "holds no meshes over time" in refusal(tmp_path / "film.mp4")
     assert "of a single step" in refusal(tmp_path / "one.ply")
-    assert '"damaged.glb" is cut short' in refusal(tmp_path / "damaged.glb")
+    assert "export numbered meshes, one per time step" in refusal(tmp_path / "film.glb")
     assert 'There is no "nowhere"' in refusal(tmp_path / "nowhere")
     assert 'There is no "nowhere.glb"' in refusal(tmp_path / "nowhere.glb")
-
-
-def test_a_pipe_with_the_name_of_an_animation_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "film.glb")
-    assert "not a regular file" in refusal(tmp_path / "film.glb")
 
 
 # --- the same meshes ----------------------------------------------------------------------------
@@ -304,13 +286,6 @@ def test_copies_have_one_fingerprint_and_other_meshes_another(tmp_path: Path) ->
     gone = fingerprint(folder)
     (folder / "mesh_003.ply").rename(folder / "mesh_002.ply")
     assert len({first, changed, gone, fingerprint(folder)}) == 4
-
-
-def test_a_renamed_animation_is_the_same(tmp_path: Path) -> None:
-    (tmp_path / "one.glb").write_bytes(standing_box())
-    first = fingerprint(tmp_path / "one.glb")
-    (tmp_path / "one.glb").rename(tmp_path / "other.glb")
-    assert fingerprint(tmp_path / "other.glb") == first
 
 
 def test_a_pipe_among_the_meshes_does_not_hold_up_the_fingerprint(tmp_path: Path) -> None:
@@ -391,107 +366,19 @@ def test_many_missing_steps_are_reported_at_once() -> None:
     assert Counted.looks < 10 * count
 
 
-# --- what is known without reading ---------------------------------------------------------------
+# --- what is wrong with steps -------------------------------------------------------------------
 
 
-def glance_at(folder: Path) -> Glance:
-    with MeshSequence.open(folder) as meshes:
-        return meshes.glance(60.0)
-
-
-def good(suffix: str) -> bytes:
-    return {".ply": ply, ".obj": obj, ".off": off, ".glb": standing_box}[suffix]()
-
-
-def spoilt(suffix: str) -> dict[str, bytes]:
-    """Files that cannot be used, and show it at once."""
-    whole = good(suffix)
-    found = {"empty": b"", "zip": b"PK\x03\x04" + whole, "zeros": bytes(300)}
-    if suffix == ".ply":
-        found["points"] = whole.replace(b"element face 12", b"element face 0")
-        found["huge"] = whole.replace(b"element face 12", b"element face 9999999")
-        found["cut"] = whole[: len(whole) - 14]
-        found["endless"] = whole.replace(b"end_header", b"comment " + b"x" * 10**6)
-    if suffix == ".off":
-        found["points"] = b"OFF\n8 0 0\n" + whole.split(b"\n", 2)[2]
-        found["huge"] = b"OFF\n8 9999999 0\n" + whole.split(b"\n", 2)[2]
-    if suffix == ".glb":
-        found["cut"] = whole[: len(whole) - 90]
-        found["old"] = whole[:4] + b"\1" + whole[5:]
-    return found
-
-
-@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".glb"])
-def test_a_glance_shows_which_steps_cannot_be_used_in_the_words_of_reading_them(
-    tmp_path: Path, suffix: str
-) -> None:
-    bad = list(spoilt(suffix).values())
-    folder = tmp_path / "scan"
-    folder.mkdir()
-    for step in range(2 * len(bad)):
-        content = bad[step // 2] if step % 2 else good(suffix)
-        (folder / f"box_{step:02}{suffix}").write_bytes(content)
-    with MeshSequence.open(folder) as meshes:
-        seen = meshes.glance(60.0)
-        assert list(seen.problems) == list(range(1, 2 * len(bad), 2))
-        assert seen.looked_at == 2 * len(bad)
-        assert meshes.missing == {}  # so that they can still be asked for
-        for frame, words in seen.problems.items():
-            assert words == sentence_of(meshes, frame)
-
-
-@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
-def test_a_glance_finds_nothing_wrong_in_files_whose_faces_differ(
-    tmp_path: Path, form: str
-) -> None:
-    """Rows as long as the first would not find room."""
-    folder, box = tmp_path / "scan", BOX.tolist()
-    folder.mkdir()
-    kinds = ([QUADS[0], *box], [*QUADS, *box], [*box, (0, 1)], [*box[:6], (0, 1), *box[6:]])
-    for number, faces in enumerate(kinds):
-        (folder / f"box_{number}.ply").write_bytes(ply(faces=faces, form=form))
-    with MeshSequence.open(folder) as meshes:
-        assert meshes.glance(60.0).problems == {}
-        assert all(len(meshes.mesh(frame).faces) for frame in range(len(kinds)))
-
-
-def test_a_glance_knows_steps_without_a_file_and_finds_nothing_in_whole_ones(
-    tmp_path: Path,
-) -> None:
+def test_what_is_wrong_with_a_step_is_told_and_it_can_still_be_asked_for(tmp_path: Path) -> None:
     folder = named(tmp_path / "scan", "a_1.ply", "a_2.ply", "a_4.ply")
-    seen = glance_at(folder)
-    assert list(seen.problems) == [2]
-    assert "missing between" in seen.problems[2]
-    assert glance_at(folder_of(tmp_path / "whole", 4, ".obj")).problems == {}
-
-
-def test_a_glance_reads_no_more_than_the_beginnings(tmp_path: Path) -> None:
-    """Half a gigabyte that announces as much, in a child that may use 64 MB."""
-    folder = folder_of(tmp_path / "scan", 3, ".ply")
-    large = sorted(folder.iterdir())[1]
-    content = ply().replace(b"element vertex 8", b"element vertex 999999")
-    with large.open("wb") as file:
-        file.write(content)
-        file.truncate(500 * 2**20)
-    with MeshSequence.open(folder, MeshReader(memory_bytes=64 * 2**20)) as meshes:
-        assert meshes.glance(60.0).problems == {}
-        assert "memory" in sentence_of(meshes, 1)
-
-
-def test_a_glance_takes_no_longer_than_it_may_and_says_how_far_it_came(tmp_path: Path) -> None:
-    folder = folder_of(tmp_path / "scan", 6, ".ply")
-    sorted(folder.iterdir())[5].write_bytes(b"")
+    (folder / "a_2.ply").write_bytes(b"")
     with MeshSequence.open(folder) as meshes:
-        assert meshes.glance(seconds=-1.0).looked_at == 0
-        asked = iter([False, False, False, True])
-        seen = meshes.glance(60.0, stop=lambda: next(asked))
-        assert (seen.looked_at, seen.problems) == (3, {})
-
-
-def test_a_glance_at_one_animated_file_has_nothing_to_look_at(tmp_path: Path) -> None:
-    path = tmp_path / "wave.glb"
-    path.write_bytes(standing_box())
-    assert glance_at(path).problems == {}
+        told = [meshes.problem(frame) for frame in range(4)]
+        assert told[1] == 'Step 1 ("a_2.ply") is empty: export it again.'
+        assert "missing between" in told[2]
+        assert told[0] == told[3] == ""
+        (folder / "a_2.ply").write_bytes(ply())
+        assert len(meshes.mesh(1).faces) == 12
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ class SurfaceFiles:
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         from keypose.tracker.surface.files.sequence import MeshSequence
 
-        if not (path.is_dir() or path.suffix.lower() == ".glb"):
+        if not path.is_dir():
             return None
         try:
             with MeshSequence.open(path) as meshes:
@@ -43,9 +43,8 @@ class SurfaceFiles:
     def state(self, session: Session, path: Path, folder: Path) -> tuple[Any, ...]:
         surface = surface_of(session)
         cameras = None if surface.cameras is None else identity(folder / surface.cameras)
-        files = _identities(path) if path.is_dir() else ()
         read_as = (surface.units, surface.up, surface.p_camera_surface)
-        return (identity(path), *read_as, cameras, files)
+        return (identity(path), *read_as, cameras, _identities(path))
 
     def refresh_fingerprints(self, session: Session, folder: Path, video: Video) -> Session:
         surface, fingerprint = surface_of(session), video.fingerprint()

@@ -17,10 +17,8 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from keypose.tracker.limits import limit_memory, limit_time
-from keypose.tracker.surface.files.animated import AnimatedScene, read_resting
-from keypose.tracker.surface.files.parsing.beginning import require_good_beginning
+from keypose.tracker.surface.files.parsing.glb import read_glb
 from keypose.tracker.surface.files.parsing.obj import read_obj
-from keypose.tracker.surface.files.parsing.off import read_off
 from keypose.tracker.surface.files.parsing.opening import open_mesh_file
 from keypose.tracker.surface.files.parsing.ply import read_ply
 from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
@@ -30,8 +28,7 @@ from keypose.tracker.surface.files.wire import answer, question_of
 READERS: Final[dict[str, Callable[[BinaryIO], RawMesh]]] = {
     ".ply": read_ply,
     ".obj": read_obj,
-    ".off": read_off,
-    ".glb": read_resting,
+    ".glb": read_glb,
 }
 
 
@@ -41,11 +38,10 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     limit_memory(memory)
-    server = MeshServer()
     for line in sys.stdin.buffer:
         limit_time(seconds)
         try:
-            server.answer(question_of(line), answers)
+            _send(answers, _mesh(question_of(line)))
         except Refused as why:
             answer(answers, {"refused": str(why)})
         except MemoryError:
@@ -57,37 +53,9 @@ def main() -> None:
             answer(answers, {"refused": "cannot be read: export it again."})
 
 
-class MeshServer:
-    """Answers questions. The animated file that was asked for last stays open."""
-
-    def __init__(self) -> None:
-        self._film: tuple[object, AnimatedScene] | None = None
-
-    def answer(self, question: dict[str, Any], answers: BinaryIO) -> None:
-        path = str(question["path"])
-        match question["wanted"]:
-            case "mesh":
-                with open_mesh_file(Path(path)) as file:
-                    mesh = READERS[str(question["kind"])](file)
-                _send(answers, tidy(mesh))
-            case "beginning":
-                with open_mesh_file(Path(path)) as file:
-                    require_good_beginning(file, str(question["kind"]))
-                answer(answers, {})
-            case "steps":
-                scene = self._scene(path)
-                answer(answers, {"steps": scene.frame_count, "animated": scene.animated})
-            case "step":
-                _send(answers, self._scene(path).tidy_mesh(int(question["step"])))
-
-    def _scene(self, path: str) -> AnimatedScene:
-        with open_mesh_file(Path(path)) as file:
-            facts = os.fstat(file.fileno())
-            state = (path, facts.st_ino, facts.st_size, facts.st_mtime_ns)
-            if self._film is None or self._film[0] != state:
-                self._film = None  # so that never two are in memory
-                self._film = state, AnimatedScene.read(file)
-        return self._film[1]
+def _mesh(question: dict[str, Any]) -> RawMesh:
+    with open_mesh_file(Path(question["path"])) as file:
+        return tidy(READERS[question["kind"]](file))
 
 
 def _send(answers: BinaryIO, mesh: RawMesh) -> None:

@@ -29,15 +29,13 @@ MEMORY_BYTES: Final = 2 * 2**30
 """Memory of the child beyond what it starts with."""
 SECONDS: Final = 30
 """For one file, of a processor as well as of the clock."""
-MOST_STEPS: Final = 1_000_000
 _LONGEST_REFUSAL: Final = 500
 
 
 class MeshReader:
     """Asks a child process for meshes, one after the other; several threads may share it.
 
-    Every question raises Refused, with the end of a sentence about the file, where there is no
-    answer. The child is started by the first question, and ends with `close` or with this object.
+    The child is started by the first question, and ends with `close` or with this object.
     """
 
     def __init__(self, memory_bytes: int = MEMORY_BYTES, seconds: int = SECONDS) -> None:
@@ -47,25 +45,15 @@ class MeshReader:
         self._end: weakref.finalize[[subprocess.Popen[bytes]], MeshReader] | None = None
 
     def mesh(self, path: Path) -> SurfaceMesh:
-        """The mesh of a file, in the file's frame and units."""
-        question = {"wanted": "mesh", "path": str(path), "kind": path.suffix.lower()}
-        return _mesh(self._ask(question)[1])
-
-    def glance(self, path: Path) -> None:
-        """Refused where already the beginning of a file shows that it cannot be used."""
-        self._ask({"wanted": "beginning", "path": str(path), "kind": path.suffix.lower()})
-
-    def steps(self, path: Path) -> tuple[int, bool]:
-        """How many steps a GLB file has, and whether it is animated."""
-        facts, _ = self._ask({"wanted": "steps", "path": str(path)})
-        steps = facts.get("steps")
-        if type(steps) is not int or not 0 < steps <= MOST_STEPS:
-            raise Refused("cannot be read: export it again.")
-        return steps, facts.get("animated") is True
-
-    def step(self, path: Path, step: int) -> SurfaceMesh:
-        """The mesh of an animated GLB file at one step."""
-        return _mesh(self._ask({"wanted": "step", "path": str(path), "step": step})[1])
+        """The mesh of a file, in the file's frame and units. Refused, with the end of a sentence
+        about the file, where there is none."""
+        with self._lock:
+            facts, arrays = self._exchange({"path": str(path), "kind": path.suffix.lower()})
+            if facts.get("leaving"):
+                self._stop()
+        if "refused" in facts:
+            raise Refused(str(facts["refused"])[:_LONGEST_REFUSAL])
+        return _mesh(arrays)
 
     def close(self) -> None:
         """End the child. A later question starts another."""
@@ -77,15 +65,6 @@ class MeshReader:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-    def _ask(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        with self._lock:
-            facts, arrays = self._exchange(question)
-            if facts.get("leaving"):
-                self._stop()
-            if "refused" in facts:
-                raise Refused(str(facts["refused"])[:_LONGEST_REFUSAL])
-            return facts, arrays
 
     def _exchange(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         child = self._running()

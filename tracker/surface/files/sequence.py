@@ -1,4 +1,4 @@
-"""The meshes of a moving thing, one per time step: a folder of files, or one animated file.
+"""The meshes of a moving thing, one per time step: a folder of files.
 
     with MeshSequence.open("scan/") as meshes:
         mesh = meshes.mesh(12)            # SurfaceMesh in the file's own frame and units
@@ -10,10 +10,7 @@ used keeps its number, and asking for it raises one sentence.
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import median_low
 from typing import Final, Self
@@ -24,27 +21,13 @@ from keypose.tracker.errors import SurfaceError
 from keypose.tracker.session.settings import Units, UpAxis
 from keypose.tracker.surface.files.parsing.raw import Refused
 from keypose.tracker.surface.files.reading import MeshReader
-from keypose.tracker.surface.files.sources import Source, source_at
+from keypose.tracker.surface.files.sources import FolderSource, source_at
 from keypose.tracker.surface.mesh import SurfaceMesh
 
 OTHER_SIZE: Final = 5.0
 """A step so many times larger or smaller than the first ones is not the same thing."""
-GLANCE_S: Final = 0.5
-"""So long files are only glanced at."""
 _FIRST_STEPS: Final = 3
 _LOOKED_AT_MOST: Final = 10
-
-
-@dataclass(frozen=True)
-class Glance:
-    """What is known without reading all meshes.
-
-    problems:  of each step that cannot be used a sentence; others may turn out so when read.
-    looked_at: so many steps, from the first on, were looked at.
-    """
-
-    problems: Mapping[int, str]
-    looked_at: int
 
 
 class MeshSequence:
@@ -54,7 +37,7 @@ class MeshSequence:
              start, others from when they were first asked for.
     """
 
-    def __init__(self, path: Path, source: Source, reader: MeshReader) -> None:
+    def __init__(self, path: Path, source: FolderSource, reader: MeshReader) -> None:
         self.path = path
         self.missing: dict[int, str] = dict(source.missing)
         self._source = source
@@ -64,25 +47,15 @@ class MeshSequence:
 
     @classmethod
     def open(cls, path: str | Path, reader: MeshReader | None = None) -> MeshSequence:
-        """A folder of PLY, OBJ, GLB or OFF files in the order of the numbers in their names, or a
-        GLB file. SurfaceError where there is none."""
+        """A folder of PLY, OBJ or GLB files in the order of the numbers in their names.
+        SurfaceError where there is none."""
         path = Path(path)
-        reader = reader or MeshReader()
-        try:
-            return cls(path, source_at(path, reader), reader)
-        except BaseException:
-            reader.close()
-            raise
+        return cls(path, source_at(path), reader or MeshReader())
 
     @property
     def frame_count(self) -> int:
         """How many steps there are, missing ones counted."""
         return self._source.frame_count
-
-    @property
-    def fps(self) -> float | None:
-        """Steps a second, where the file knows."""
-        return self._source.fps
 
     @property
     def stated_units(self) -> Units | None:
@@ -110,25 +83,18 @@ class MeshSequence:
         self._require_usual_size(frame)
         return mesh
 
-    def glance(
-        self, seconds: float | None = None, stop: Callable[[], bool] = lambda: False
-    ) -> Glance:
-        """Look at the beginnings of the files, for so long at most; GLANCE_S when left out.
+    def problem(self, frame: int) -> str:
+        """Why a step cannot be used; empty where it can.
 
-        What is found is only reported: a step can still be asked for, should its file have been
-        exported anew meanwhile.
+        It is only reported: the step can still be asked for, should its file have been exported
+        anew meanwhile.
         """
-        problems = dict(self.missing)
-        end = time.monotonic() + (GLANCE_S if seconds is None else seconds)
-        for frame in range(self.frame_count):
-            if stop() or time.monotonic() > end:
-                return Glance(problems, frame)
+        if frame not in self.missing:
             try:
-                if frame not in problems:
-                    self._source.glance(self._reader, frame)
+                self._source.read(self._reader, frame)
             except Refused as refusal:
-                problems[frame] = self._sentence(frame, str(refusal))
-        return Glance(problems, self.frame_count)
+                return self._sentence(frame, str(refusal))
+        return self.missing.get(frame, "")
 
     def fingerprint(self) -> str:
         """ "sha256:…" of the files' names, sizes, heads and tails: quick, and equal for copies."""

@@ -1,4 +1,4 @@
-"""Where the meshes of the steps come from: the files of a folder, or one animated file."""
+"""Where the meshes of the steps come from: the files of a folder."""
 
 from __future__ import annotations
 
@@ -6,49 +6,24 @@ import hashlib
 import os
 from itertools import pairwise
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.session.settings import Units, UpAxis
-from keypose.tracker.surface.files.animated import FPS
 from keypose.tracker.surface.files.numbering import by_steps, printable
 from keypose.tracker.surface.files.parsing.opening import open_mesh_file
 from keypose.tracker.surface.files.parsing.raw import Refused
 from keypose.tracker.surface.files.reading import MeshReader
 from keypose.tracker.surface.mesh import SurfaceMesh
 
-SUFFIXES: Final = (".ply", ".obj", ".glb", ".off")
+SUFFIXES: Final = (".ply", ".obj", ".glb")
 GLB: Final = ".glb"
-_FILE_CHUNK: Final = 64 * 1024
-_STEP_CHUNK: Final = 4 * 1024
-
-
-class Source(Protocol):
-    """Meshes by number. `missing` holds, per step without a file, one sentence."""
-
-    frame_count: int
-    fps: float | None
-    stated_units: Units | None
-    stated_up: UpAxis | None
-    missing: dict[int, str]
-
-    def name(self, frame: int) -> str:
-        """The file of a step, as it can be printed."""
-
-    def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
-        """The mesh of a step that has a file. Raises Refused."""
-
-    def glance(self, reader: MeshReader, frame: int) -> None:
-        """Refused where the beginning of a step's file shows that it cannot be used."""
-
-    def fingerprint(self) -> str:
-        """ "sha256:…", equal for copies."""
+_CHUNK: Final = 4 * 1024
 
 
 class FolderSource:
-    """The mesh files of a folder, one per step."""
-
-    fps: float | None = None  # a folder keeps no time
+    """The mesh files of a folder, one per step. `missing` holds, per step without a file, one
+    sentence."""
 
     def __init__(self, files: tuple[Path | None, ...]) -> None:
         self._files = files
@@ -60,55 +35,24 @@ class FolderSource:
         self.stated_up: UpAxis | None = "+y" if all_glb else None
 
     def name(self, frame: int) -> str:
+        """The file of a step, as it can be printed."""
         file = self._files[frame]
         return "" if file is None else printable(file)
 
     def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
+        """The mesh of a step that has a file. Raises Refused."""
         file = self._files[frame]
         assert file is not None, "a missing step is refused before"
         return reader.mesh(file)
 
-    def glance(self, reader: MeshReader, frame: int) -> None:
-        file = self._files[frame]
-        assert file is not None, "a missing step is not looked at"
-        reader.glance(file)
-
     def fingerprint(self) -> str:
+        """ "sha256:…", equal for copies."""
         digest = hashlib.sha256()
         for frame, file in enumerate(self._files):
             if file is not None:
                 digest.update(f"{frame} ".encode() + os.fsencode(file.name) + b"\n")
-                digest.update(_ends(file, _STEP_CHUNK))
+                digest.update(_ends(file))
         return f"sha256:{digest.hexdigest()}"
-
-
-class GlbSource:
-    """One GLB file, animated or of a single step."""
-
-    stated_units: Units | None = "m"
-    stated_up: UpAxis | None = "+y"
-
-    def __init__(self, path: Path, reader: MeshReader) -> None:
-        self._path = path
-        try:
-            self.frame_count, animated = reader.steps(path)
-        except Refused as refusal:
-            raise SurfaceError(f'"{printable(path)}" {refusal}') from refusal
-        self.fps: float | None = FPS if animated else None
-        self.missing: dict[int, str] = {}
-
-    def name(self, frame: int) -> str:
-        return printable(self._path)
-
-    def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
-        return reader.step(self._path, frame)
-
-    def glance(self, reader: MeshReader, frame: int) -> None:
-        """All steps are in one file, which was looked at when it was opened."""
-
-    def fingerprint(self) -> str:
-        # Not of its name: a renamed file is the same.
-        return f"sha256:{hashlib.sha256(_ends(self._path, _FILE_CHUNK)).hexdigest()}"
 
 
 def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
@@ -122,24 +66,24 @@ def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
     }
 
 
-def source_at(path: Path, reader: MeshReader) -> Source:
+def source_at(path: Path) -> FolderSource:
     """What lies at a path. SurfaceError where these are no meshes."""
     if path.is_dir():
-        files = _meshes_in(path)
-        if len(files) > 1 or files[0].suffix.lower() != GLB:
-            return FolderSource(by_steps(files))
-        path = files[0]
+        return FolderSource(by_steps(_meshes_in(path)))
     if not path.exists():
         raise SurfaceError(f'There is no "{printable(path)}": choose a folder of meshes.')
     if path.suffix.lower() == GLB:
-        return GlbSource(path, reader)
+        raise SurfaceError(
+            f'"{printable(path)}" is a single file, and an animation in it is not played: export '
+            "numbered meshes, one per time step, and choose their folder."
+        )
     if path.suffix.lower() in SUFFIXES:
         raise SurfaceError(
             f'"{printable(path)}" is the mesh of a single step: choose the folder it lies in.'
         )
     raise SurfaceError(
-        f'"{printable(path)}" holds no meshes over time: choose a folder of PLY, OBJ, GLB or OFF '
-        "files, one per time step, or an animated GLB file."
+        f'"{printable(path)}" holds no meshes over time: choose a folder of PLY, OBJ or GLB '
+        "files, one per time step."
     )
 
 
@@ -160,20 +104,20 @@ def _meshes_in(folder: Path) -> list[Path]:
         ) from error
     if not found:
         raise SurfaceError(
-            f'The folder "{printable(folder)}" holds no meshes (PLY, OBJ, GLB, OFF): '
-            "choose a folder with one mesh per time step, or an animated GLB file."
+            f'The folder "{printable(folder)}" holds no meshes (PLY, OBJ, GLB): '
+            "choose a folder with one mesh per time step."
         )
     return found
 
 
-def _ends(path: Path, chunk: int) -> bytes:
+def _ends(path: Path) -> bytes:
     """Size, head and tail of a file; nothing of what cannot be read."""
     try:
         with open_mesh_file(path) as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(0)
-            head = file.read(chunk)
-            file.seek(max(size - chunk, 0))
-            return f"{size} bytes\n".encode() + head + file.read(chunk)
+            head = file.read(_CHUNK)
+            file.seek(max(size - _CHUNK, 0))
+            return f"{size} bytes\n".encode() + head + file.read(_CHUNK)
     except (Refused, OSError):
         return b"nothing\n"

@@ -37,15 +37,10 @@ def read_obj(file: BinaryIO) -> RawMesh:
     return RawMesh(vertices, fan(corners, counts, len(vertices)))
 
 
-def require_beginning_of_text(file: BinaryIO) -> None:
-    """Refused where the file does not begin as text."""
-    if b"\0" in file.read(_BEGINNING):
-        raise Refused("is no text as an OBJ file is: export it again.")
-
-
 def _require_text(file: BinaryIO) -> None:
     """Refused where the file is no text, or has too many faces: before anything is kept of it."""
-    require_beginning_of_text(file)
+    if b"\0" in file.read(_BEGINNING):
+        raise Refused("is no text as an OBJ file is: export it again.")
     file.seek(0)
     vertices = faces = 0
     last = b"\n"

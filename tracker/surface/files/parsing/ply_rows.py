@@ -39,7 +39,7 @@ class Rows:
         if self._is_text:
             element = _as_doubles(element)
         if self._at + element.least_bytes > len(self._content):
-            raise cut_short()
+            raise _cut_short()
         return self._table(element) or _join_rows(element, self._row_by_row(element))
 
     def _table(self, element: Element) -> dict[str, Values] | None:
@@ -79,14 +79,14 @@ class Rows:
         start = self._at
         self._at += count * layout.itemsize
         if self._at > len(self._content):
-            raise cut_short()
+            raise _cut_short()
         return np.frombuffer(self._content, layout, count, start)
 
 
 _layout = cache(np.dtype)  # asked for twice a row
 
 
-def cut_short() -> Refused:
+def _cut_short() -> Refused:
     """The refusal of a file that ends before what its header announces."""
     return Refused("is cut short, it ends before its last face: export it again.")
 

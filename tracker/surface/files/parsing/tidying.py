@@ -26,8 +26,8 @@ def tidy(raw: RawMesh) -> RawMesh:
     require_range(raw.faces, len(raw.vertices))
     raw = _drop_unused(raw)
     _require_sense(raw.vertices)
-    merged = _drop_unused(merge(raw, same_rows(raw.vertices)))
-    return require_surface(replace(merged, consistency=_as_zncc(merged.consistency)))
+    merged = _drop_unused(_merge(raw, _same_rows(raw.vertices)))
+    return _require_surface(replace(merged, consistency=_as_zncc(merged.consistency)))
 
 
 def require_range(faces: NDArray[np.int64], vertices: int) -> None:
@@ -36,7 +36,7 @@ def require_range(faces: NDArray[np.int64], vertices: int) -> None:
         raise Refused("has faces whose corners are not among its vertices: export it again.")
 
 
-def require_surface(mesh: RawMesh) -> RawMesh:
+def _require_surface(mesh: RawMesh) -> RawMesh:
     """The mesh. Refused where its vertices are nonsense, or its faces have no extent."""
     _require_sense(mesh.vertices)
     longest = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.faces) else 0.0
@@ -52,7 +52,7 @@ def _area(mesh: RawMesh) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def same_rows(table: Array) -> NDArray[np.int64]:
+def _same_rows(table: Array) -> NDArray[np.int64]:
     """(V,) of every row the first one that equals it."""
     table = table + 0.0  # so that −0 is 0
     order = np.lexsort(table.T)
@@ -64,7 +64,7 @@ def same_rows(table: Array) -> NDArray[np.int64]:
     return first
 
 
-def merge(raw: RawMesh, into: NDArray[np.int64]) -> RawMesh:
+def _merge(raw: RawMesh, into: NDArray[np.int64]) -> RawMesh:
     """Faces between the vertices `into`, without those that have two equal corners."""
     faces = into[raw.faces]
     a, b, c = faces.T
