@@ -273,6 +273,7 @@ def _best_start(
         return 0
     Ts = np.stack([pose_transforms(points.skeleton, posed[frame]) for frame in frames])
     ours, at_keys = points.at(Ts), times_s[frames]
+    scale = middle_ratio(bone_ratios(points, motion.ps_world_joint[:, indices]))
 
     def miss(start: int) -> tuple[int, float]:
         """How many keyframes it reaches, and its root mean square distance from these, metres."""
@@ -280,7 +281,7 @@ def _best_start(
         reached = np.isfinite(theirs).all(-1).sum(-1) >= LEAST_JOINTS
         if reached.sum() < 2:
             return 0, np.inf
-        theirs = theirs[reached] * (middle_ratio(bone_ratios(points, theirs[reached])))
+        theirs = theirs[reached] * scale
         R, p = rigid(theirs, ours[reached])
         away = np.linalg.norm(theirs @ R.T + p - ours[reached], axis=-1)
         return int(reached.sum()), float(np.sqrt(np.nanmean(away**2)))
