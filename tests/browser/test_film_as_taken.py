@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.interaction import answered, until_state
+from tests.browser.interaction import answered, until, until_state
 from tests.browser.shared import Desk, desk
 from tests.browser.test_everyone import focus, typed
 
@@ -22,7 +22,9 @@ def test_slow_motion_is_said_where_the_command_search_leads(shared: Desk) -> Non
     shared.fresh()
     page = shared.page
     page.keyboard.press("Control+k")
-    page.keyboard.type("slow motion")
+    page.locator("#search[open] input").fill("slow motion")
+    first = page.locator("#search [role=option]").first
+    until(lambda: "Recording rate" in (first.text_content() or ""), "the setting found first")
     page.keyboard.press("Enter")
     page.get_by_role("region", name="Video").wait_for()
     focus(page, "Recorded at")
