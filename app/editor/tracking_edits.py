@@ -45,9 +45,6 @@ def set_settings(state: EditorState, action: do.Settings) -> Session:
     """Settings; only the fields that were named change."""
     named = action.model_dump(include=action.model_fields_set - {"do", "stroke"})
     _require_startable(state, action)
-    if action.cue_weights is not None:
-        weights = {cue: weight for cue, weight in action.cue_weights.items() if weight != 1.0}
-        named["cue_weights"] = weights or None
     settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
     return state.doc.model_copy(update={"settings": settings})
 

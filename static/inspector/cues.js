@@ -5,12 +5,8 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
-import { dropdown, numberField, slider, switchField } from '../controls/fields.js';
+import { dropdown, switchField } from '../controls/fields.js';
 import { line, section } from './section.js';
-
-/** A cue counts by so much, in per cent. */
-const LEAST = 10;
-const MOST = 200;
 
 /** @typedef {import('../store/shapes.js').CueHere} CueHere */
 
@@ -28,26 +24,13 @@ export function cues() {
 /** @param {CueHere} cue */
 function row(cue) {
   const { id, label, title, off } = cue;
-  const weighed = isUsed(cue) && cue.weight !== null && !isLast(cue);
-  return html`<div class="cue ${weighed ? 'weighed' : ''}">
+  return html`<div class="cue">
     ${switchField({
       label, title: title || label, on: isUsed(cue), off, stays: isLast(cue) ? 'At least one cue stays on' : '',
       act: (on) => send({ do: 'settings', cues: chosen(id, on) }),
     })}
-    ${off ? html`<span class="dim cut" title=${off}>${off}</span>` : weighed ? weight(cue) : nothing}
+    ${off ? html`<span class="dim cut" title=${off}>${off}</span>` : nothing}
   </div>`;
-}
-
-/** How much it counts beside brightness. @param {CueHere} cue */
-function weight({ id, label, weight: now }) {
-  const others = Object.fromEntries(server.cues.filter((cue) => cue.weight !== null).map((cue) => [cue.id, cue.weight]));
-  const spec = {
-    key: `cue_weight:${id}`, label: `${label}, weight`, value: Math.round(100 * now), unit: '%', decimals: 0,
-    step: 1, coarse: 10, perPixel: 1, min: LEAST, max: MOST, zero: 100,
-    title: `How much ${label.toLowerCase()} count beside brightness. Double-click: 100 %`,
-    edit: (value) => ({ do: 'settings', cue_weights: { ...others, [id]: Math.round(value) / 100 } }),
-  };
-  return html`${slider(spec)}${numberField(spec)}`;
 }
 
 /** Which network finds keypoints; one that is not here says how to add it. */

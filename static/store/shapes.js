@@ -339,7 +339,6 @@
  * @property {boolean} on  Whether it is chosen.
  * @property {string} off  Why it does not count here, whatever is chosen; or ''.
  * @property {boolean} leads  Whether it leads to a motion by itself.
- * @property {number | null} weight  Beside brightness, which has none.
  */
 
 /**

@@ -17,7 +17,6 @@ Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
 NetworkName: TypeAlias = Literal["full", "heavy"]
-CueWeight: TypeAlias = Annotated[FiniteFloat, Field(ge=0.1, le=10)]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 
@@ -77,12 +76,6 @@ class TrackSettings(Plain):
         "what moves before a camera that stands still, which decides between motions that the "
         "others lead to. Left out: brightness alone, as before there were others.",
     )
-    cue_weights: dict[Cue, CueWeight] | None = Field(
-        default=None,
-        exclude_if=is_unknown,
-        description="How much a cue counts beside brightness, 1 where left out: its standard "
-        "deviation is divided by this. Brightness has none.",
-    )
     network: NetworkName | None = Field(
         default=None,
         exclude_if=is_unknown,
@@ -113,7 +106,3 @@ class TrackSettings(Plain):
     def cues_used(self) -> tuple[Cue, ...]:
         """The cues, where none are named those of before."""
         return ("brightness",) if self.cues is None else self.cues
-
-    def weight(self, cue: Cue) -> float:
-        """How much a cue counts beside brightness."""
-        return (self.cue_weights or {}).get(cue, 1.0)

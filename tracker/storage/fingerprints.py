@@ -31,9 +31,7 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {
-    "quality", "initial", "left_out", "cues", "cue_weights", "network", "smooth",
-}  # fmt: skip
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth"}
 """Settings that count where they change a motion, or never."""
 LIMITS = {"limits_deg", "twist"}
 """What of a part no segment is tracked by; see `stretches`."""
@@ -242,9 +240,7 @@ def _keypoints(session: Session) -> list[Any]:
         return []
     settings, given = session.settings, session.given_keypoints
     model = find_model(settings.network or FULL.name)
-    weight = settings.weight("keypoints")
-    weighted = [] if weight == 1.0 else [weight]
-    return ["keypoints", model.sha256 if given is None else given.file, *weighted]
+    return ["keypoints", model.sha256 if given is None else given.file]
 
 
 def _woven(session: Session) -> list[Any]:

@@ -259,10 +259,8 @@ class Tracker:
             return Evidence(scene)
         span = segment.first_frame, segment.last_frame
         free = self.scene(span, method.density, free=True)
-        camera, weight = self.loader(span).camera, settings.weight("keypoints")
-        return Evidence(
-            scene, free, camera, keypoints, weight, brightness="brightness" in settings.cues_used
-        )
+        camera, brightness = self.loader(span).camera, "brightness" in settings.cues_used
+        return Evidence(scene, free, camera, keypoints, brightness=brightness)
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
         """With keypoints where there are any; without, as if there never were."""
@@ -270,11 +268,10 @@ class Tracker:
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
-            camera, weight = self.loader(span).camera, settings.weight("keypoints")
-            brightness = "brightness" in settings.cues_used
+            camera, brightness = self.loader(span).camera, "brightness" in settings.cues_used
             begun = starts(scene, segment, replace(method, templates=False)) if brightness else None
             followed = begun.ways[0].trajectory if begun is not None else None
-            candidates = anchors_of(free, segment, camera, keypoints, weight, followed=followed)
+            candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
             if candidates:
                 silhouette = self._uses_silhouette(settings)
                 return track_anchored(

@@ -11,9 +11,7 @@ from keypose.tracker.body.body import Name
 from keypose.tracker.session.references import FramesPerSecond
 from keypose.tracker.session.settings import (
     ALL_CUES,
-    Cue,
     Cues,
-    CueWeight,
     FrameIndex,
     Initial,
     MethodName,
@@ -50,7 +48,7 @@ class DeleteMask(Edit):
 
 class Settings(Edit):
     """Fields that are left out stay; `passes` may be given as null, the method's own number,
-    `static_camera`, as it was found, and `smooth`, not. cue_weights: those left out are 1."""
+    `static_camera`, as it was found, and `smooth`, not."""
 
     do: Literal["settings"] = "settings"
     method: MethodName | None = None
@@ -61,7 +59,6 @@ class Settings(Edit):
     static_camera: bool | None = None
     smooth: bool | None = None
     cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None
-    cue_weights: dict[Cue, CueWeight] | None = None
     network: NetworkName | None = None
 
 

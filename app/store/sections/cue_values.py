@@ -20,12 +20,10 @@ _TITLES: Final[Mapping[str, str]] = {
 }
 _PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
 """Those that only a person's body can be compared with."""
-_UNWEIGHTED: Final[tuple[Cue, ...]] = ("brightness", "silhouette")
-"""Keypoints are weighed beside brightness; the silhouette decides between motions."""
 
 
 def cues(app_state: AppState) -> Json:
-    """Every cue there is: whether it is chosen, why it does not count here, and its weight."""
+    """Every cue there is: whether it is chosen, and why it does not count here."""
     doc = doc_of(app_state)
     if doc is None:
         return []
@@ -37,7 +35,6 @@ def cues(app_state: AppState) -> Json:
             "on": cue in doc.settings.cues_used,
             "off": _why_off(doc, cue),
             "leads": cue != "silhouette",
-            "weight": None if cue in _UNWEIGHTED else doc.settings.weight(cue),
         }
         for cue in ALL_CUES
     ]

@@ -40,7 +40,7 @@ def settings(app_state: AppState) -> Json:
     cues = list(given.cues_used)
     smooth = bool(given.smooth)
     known = {"cues": cues, "default_passes": usual, "imported": source, "found_still": found}
-    return {**given.model_dump(exclude={"cue_weights", "network"}), **known, "smooth": smooth}
+    return {**given.model_dump(exclude={"network"}), **known, "smooth": smooth}
 
 
 def saved(app_state: AppState) -> Json:

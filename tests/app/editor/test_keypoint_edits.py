@@ -78,10 +78,3 @@ def test_what_cannot_be_a_keypoint_is_refused(wrong: dict[str, object], words: s
 def test_surfaces_have_no_keypoints() -> None:
     with pytest.raises(Refused, match="in a video"):
         after(person().with_doc(surface_cases.session()), {**WRIST, "at": [9, 9]})
-
-
-def test_weights_that_say_nothing_are_not_kept() -> None:
-    half = after(person(), {"do": "settings", "cue_weights": {"keypoints": 0.5}})
-    assert half.doc.settings.weight("keypoints") == 0.5
-    full = after(half, {"do": "settings", "cue_weights": {"keypoints": 1}})
-    assert full.doc.settings.cue_weights is None

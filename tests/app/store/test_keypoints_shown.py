@@ -149,10 +149,9 @@ def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> Non
         def reported(name: str) -> Any:
             return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
 
-        assert reported("cues")["brightness"]["weight"] is None
-        desk.do({"do": "settings", "cue_weights": {"keypoints": 0.7}, "network": "heavy"})
+        desk.do({"do": "settings", "network": "heavy"})
         cue = reported("cues")["keypoints"]
-        assert (cue["on"], cue["off"], cue["weight"]) == (True, "", 0.7)
+        assert (cue["on"], cue["off"]) == (True, "")
         full, heavy = reported("networks").values()
         assert (full["chosen"], full["remedy"]) == (False, "")
         assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")

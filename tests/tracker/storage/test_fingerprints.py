@@ -171,20 +171,6 @@ def test_a_corrected_keypoint_outdates_the_segment_it_lies_in_where_keypoints_co
     assert keys(brightness, wrist) == keys(brightness)
 
 
-def test_a_cues_weight_outdates_only_where_the_cue_counts() -> None:
-    person = session().model_copy(update={"body": preset("adult_male"), "keyframes": ()})
-    poses = tuple(k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes)
-
-    def keys(**given: Any) -> tuple[str, ...]:
-        of = person.model_copy(update={"keyframes": poses, "settings": TrackSettings(**given)})
-        return tuple(segment_keys(of).values())
-
-    both_cues, half = ("brightness", "keypoints"), {"keypoints": 0.5}
-    assert keys(cues=both_cues, cue_weights=half) != keys(cues=both_cues)
-    assert keys(cues=both_cues, cue_weights={"keypoints": 1.0}) == keys(cues=both_cues)
-    assert keys(cue_weights=half) == keys()
-
-
 @pytest.mark.parametrize("change", OUTDATES_ALL.values(), ids=OUTDATES_ALL)
 def test_what_changes_the_motion_outdates_both_segments_and_undo_finds_them(change: Change) -> None:
     before = session()

@@ -219,8 +219,7 @@ class _Work:
         if keypoints is None:
             return ()
         camera, by_step = self.tracker.loader(whole).camera, self.line.keypoints(keypoints, count)
-        weight = self.settings.weight("keypoints")
-        return anchors_of(free, segment, camera, by_step, weight, open_end=True, followed=followed)
+        return anchors_of(free, segment, camera, by_step, open_end=True, followed=followed)
 
     def _reported(self, work: Generator[Pass, None, Followed]) -> Followed:
         """What the work comes to; every motion on the way is emitted."""

@@ -103,8 +103,6 @@ class Anchors:
 
     def weighted(self, weight: float) -> Anchors:
         """With the detector's standard deviations divided by this."""
-        if weight == 1.0:
-            return self
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
     def of_rows(self, rows: slice) -> Anchors:
@@ -146,15 +144,14 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 
 def anchors_of(
-    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
-    *, open_end: bool = False, followed: Trajectory | None = None,
+    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, *,
+    open_end: bool = False, followed: Trajectory | None = None,
 ) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right, by itself and by the motion that brightness followed. None where
     they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
-    weight: what standard deviations are divided by, but for what a person set.
     open_end: the first keyframe alone is posed.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
@@ -178,9 +175,7 @@ def anchors_of(
             candidates.append(swapped)
     found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     return tuple(
-        replace(anchors, exchanged=k > 0).weighted(weight)
-        for k, anchors in enumerate(found)
-        if anchors is not None
+        replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
     )
 
 

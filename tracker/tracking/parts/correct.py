@@ -40,14 +40,13 @@ class Evidence:
     """What a limb is tracked from: the pictures, and keypoints where there are any.
 
     scene, free: of the whole body, as it is tracked, and with free joints where keypoints count.
-    camera: of the video, with its distortion.  weight: of the keypoints.
+    camera: of the video, with its distortion.
     """
 
     scene: Scene
     free: Scene | None = None
     camera: Camera | None = None
     keypoints: Keypoints | None = None
-    weight: float = 1.0
     brightness: bool = True
 
 
@@ -133,7 +132,7 @@ def _tracked(
     begun = _starts(seen.scene, segment, method)
     if seen.keypoints is not None and seen.free is not None and seen.camera is not None:
         free = _only(seen.free, parts)
-        candidates = anchors_of(free, whole, seen.camera, seen.keypoints, seen.weight)
+        candidates = anchors_of(free, whole, seen.camera, seen.keypoints)
         if candidates:
             anchors = limb_anchors(candidates, segment, whole, free)
             by_brightness = begun if seen.brightness else None

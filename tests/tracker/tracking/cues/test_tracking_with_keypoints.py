@@ -195,15 +195,6 @@ def test_keypoints_that_a_person_ignores_count_as_if_nothing_had_been_found() ->
     assert not np.array_equal(ignored.Rs_parent_part, _corrected([]).Rs_parent_part)
 
 
-def test_a_small_weight_of_keypoints_leaves_more_to_the_rest() -> None:
-    away = [
-        joints_apart_m(_motion(FILM.keypoints, cues=ALL_CUES, cue_weights=weights), FILM.truth)
-        for weights in (None, {"keypoints": 1.0}, {"keypoints": 0.1})
-    ]
-    np.testing.assert_array_equal(away[0], away[1])
-    assert away[2].mean() > 1.5 * away[0].mean()
-
-
 def test_the_search_for_keypoints_is_left_at_once_when_cancelled() -> None:
     class Endless:
         """Looks at frame after frame."""
