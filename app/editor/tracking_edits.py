@@ -44,18 +44,8 @@ def delete_mask(state: EditorState, action: do.DeleteMask) -> Session:
 def set_settings(state: EditorState, action: do.Settings) -> Session:
     """Settings; only the fields that were named change."""
     named = action.model_dump(include=action.model_fields_set - {"do", "stroke"})
-    _require_startable(state, action)
     settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
     return state.doc.model_copy(update={"settings": settings})
-
-
-def _require_startable(state: EditorState, action: do.Settings) -> None:
-    """Refused when a start needs what this session does not have."""
-    if action.initial == "import" and state.doc.first_motion is None:
-        raise Refused("No motion has been imported. Import one with `keypose import`.")
-    unknown = sorted(set(action.left_out or ()) - set(state.doc.body.names))
-    if unknown:
-        raise Refused(f"The body has no part {unknown[0]!r} to leave out.")
 
 
 def _mask(

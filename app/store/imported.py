@@ -97,7 +97,7 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
         sentences.append("Reduce it to keyframes to see it, to edit it and to track from it.")
     elif doc.settings.initial == "linear":
         sentences.append(
-            "Track › Initial guess is Linear: set it to Auto for the motion to be used."
+            "This session starts from interpolation: `keypose track --initial auto` uses it."
         )
     else:
         sentences.append(

@@ -1,14 +1,11 @@
 // How to track.
 
-import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { html } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { actionBox } from '../actions/buttons.js';
 import { send } from '../store/link.js';
-import { checkbox, dropdown, numberField, segmented, slider } from '../controls/fields.js';
-import { start } from './start.js';
+import { checkbox, dropdown, segmented } from '../controls/fields.js';
 import { line, section } from './section.js';
-
-const MOST_PASSES = 50;
 
 const METHODS = [
   { id: 'keypose', label: 'Keypose', note: 'best' },
@@ -29,7 +26,6 @@ export function method() {
       label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
     }))}
     ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
-    ${start()}${passes()}
     ${staticCamera()}${smooth()}
     ${actionBox('live')}`,
   );
@@ -61,25 +57,4 @@ export function qualityLine(off = '') {
     label: 'Quality', value: off ? null : server.settings.quality, options: QUALITIES, off,
     act: (id) => send({ do: 'settings', quality: id }),
   }));
-}
-
-function passes() {
-  const { passes: chosen, default_passes: usual } = server.settings;
-  const spec = {
-    key: 'passes', label: 'Passes', value: chosen ?? usual, decimals: 0, step: 1, coarse: 5, perPixel: 0.2,
-    min: 1, max: MOST_PASSES, zero: 1, tick: false,
-    title: 'How many times each segment is refined. The best pass is kept',
-    edit: (value) => ({ do: 'settings', passes: Math.round(value) }),
-  };
-  const automatic = segmented({
-    label: 'Passes', value: chosen === null ? 'auto' : 'own',
-    options: [
-      { id: 'auto', label: 'Auto', title: `Default of the method: ${usual}` },
-      { id: 'own', label: 'Custom', title: 'Choose the number of passes' },
-    ],
-    act: (id) => send({ do: 'settings', passes: id === 'auto' ? null : usual }),
-  });
-  const bar = slider({ ...spec, max: Math.max(20, chosen) });
-  const own = html`<div class="f w"><label></label>${bar}${numberField(spec)}</div>`;
-  return html`${line('Passes', automatic)}${chosen === null ? nothing : own}`;
 }

@@ -320,10 +320,6 @@
  * @typedef {object} Settings  How to track.
  * @property {string} method
  * @property {string} quality
- * @property {string} initial
- * @property {string[]} left_out
- * @property {number | null} passes
- * @property {number} default_passes
  * @property {boolean | null} static_camera  Null: as it was found.
  * @property {boolean | null} found_still  Whether the camera was found to stand still.
  * @property {string | null} imported

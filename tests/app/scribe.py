@@ -34,7 +34,7 @@ def edit(random: random.Random, keys: tuple[int, ...], number: int) -> dict[str,
     if kind == 3 and len(keys) > 3:
         return {"do": "delete_key", "frame": random.choice(keys[1:-1])}
     if kind == 4:
-        return {"do": "settings", "passes": random.randint(1, 9)}
+        return {"do": "settings", "quality": random.choice(("full", "preview"))}
     if kind == 5:
         return {"do": "height", "cm": random.randint(150, 200)}
     return {"do": "angles", "part": part, "x": angle}

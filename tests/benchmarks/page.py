@@ -57,7 +57,7 @@ def page(report: Report) -> None:
         folder = Path(kept)
         with serving(sample(folder / "person")) as keypose:
             _alone(report, browser, keypose)
-        with serving(film(folder / "long", LONG, LONG_TURNS)) as keypose:
+        with serving(film(folder / "long", LONG, LONG_TURNS, passes=50)) as keypose:
             _beside_a_job(report, browser, keypose)
         with serving(film(folder / "played", PLAYED, PLAYED_TURNS)) as keypose:
             _playing(report, browser, keypose)
@@ -88,7 +88,6 @@ def _alone(report: Report, browser: Browser, keypose: Keypose) -> None:
 def _beside_a_job(report: Report, browser: Browser, keypose: Keypose) -> None:
     """The same while segments are tracked, on a longer film."""
     visitor = Visitor(keypose)
-    visitor.do(do="settings", passes=50)
     with let_in(browser, drawn=True, size=WINDOW) as context:
         tab = _opened(context, keypose)
         probe = Probe(tab)
@@ -334,9 +333,9 @@ def _tracking(report: Report, visitor: Visitor) -> Iterator[None]:
 
 
 def _put_back(visitor: Visitor) -> None:
-    """Take back all edits of poses and sizes, but not the settings."""
+    """Take back all edits of poses and sizes."""
     visitor.do(do="end_stroke", stroke="-")
-    while visitor.seen["undo"]["undo"] not in (None, "settings"):
+    while visitor.seen["undo"]["undo"] is not None:
         visitor.do(do="undo")
 
 

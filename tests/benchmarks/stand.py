@@ -39,7 +39,7 @@ def sample(folder: Path) -> Path:
     return folder / "session.json"
 
 
-def film(folder: Path, size: tuple[int, int], turns: int) -> Path:
+def film(folder: Path, size: tuple[int, int], turns: int, **settings: object) -> Path:
     """The sample's film there, back, there … so many times, in another size, with its session."""
     session = sample(folder)
     values = json.loads(session.read_text())
@@ -54,6 +54,7 @@ def film(folder: Path, size: tuple[int, int], turns: int) -> Path:
     scale = size[0] / values["camera"]["width"]
     focus = {name: scale * values["camera"][name] for name in ("fx", "fy")}
     values["camera"] |= shape | centre | focus
+    values["settings"] |= settings
     values["video"] |= shape | {"fingerprint": "", "frame_count": len(way)}
     poses = {keyframe["frame"]: keyframe for keyframe in values["keyframes"]}
     values["keyframes"] = [

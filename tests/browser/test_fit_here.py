@@ -196,28 +196,6 @@ def test_new_sizes_that_are_discarded_with_esc_change_nothing(at: Desk) -> None:
     page.get_by_role("button", name="Fit sizes").wait_for()
 
 
-def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> None:
-    page = at.page
-    page.get_by_role("tab", name="Track").click()
-    page.get_by_role("button", name="Initial guess: ").click()
-    imported = page.get_by_role("option", name="Imported")
-    assert "Import a motion first" in (imported.get_attribute("title") or "")
-    screen(page, "fit-6-start")
-    page.get_by_role("option", name="Templates").click()
-    until_state(page, "settings.initial", lambda start: start == "templates")
-    page.get_by_role("checkbox", name="Hands").click()
-    hands = ["left_hand", "right_hand"]
-    until_state(page, "settings.left_out", lambda names: sorted(names) == hands)
-    screen(page, "fit-7-left-out")
-    until_state(page, "saved.state", lambda state: state == "saved")
-    settings = load_session(at.session).settings
-    assert settings.initial == "templates"
-    assert sorted(settings.left_out) == hands
-    page.get_by_role("button", name="Initial guess: ").click()
-    page.get_by_role("option", name="Linear").click()
-    until_counted(page, "#insp .follow", 0)
-
-
 def test_tracking_waits_for_a_fit_and_goes_on_after_it(at: Desk) -> None:
     page = at.page
     disturbed(at)

@@ -7,13 +7,11 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.actions.message import Edit, Metres, Spot
-from keypose.tracker.body.body import Name
 from keypose.tracker.session.references import FramesPerSecond
 from keypose.tracker.session.settings import (
     ALL_CUES,
     Cues,
     FrameIndex,
-    Initial,
     MethodName,
     NetworkName,
     Quality,
@@ -47,15 +45,12 @@ class DeleteMask(Edit):
 
 
 class Settings(Edit):
-    """Fields that are left out stay; `passes` may be given as null, the method's own number,
-    `static_camera`, as it was found, and `smooth`, not."""
+    """Fields that are left out stay; `static_camera` may be given as null, as it was found, and
+    `smooth`, not."""
 
     do: Literal["settings"] = "settings"
     method: MethodName | None = None
     quality: Quality | None = None
-    initial: Initial | None = None
-    left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
-    passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
     smooth: bool | None = None
     cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None

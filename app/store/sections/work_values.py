@@ -13,7 +13,6 @@ from keypose.app.store.state import AppState
 from keypose.tracker.body.scaling import height
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.tracking.method import method_of
 
 
 def masks(app_state: AppState) -> Json:
@@ -34,13 +33,15 @@ def settings(app_state: AppState) -> Json:
     """How to track."""
     doc = doc_of(app_state)
     given = doc.settings if doc else TrackSettings()
-    usual = method_of(given.model_copy(update={"passes": None})).passes
     source = doc.first_motion.source if doc and doc.first_motion else None
     found = doc.video.stands_still if doc else None
-    cues = list(given.cues_used)
-    smooth = bool(given.smooth)
-    known = {"cues": cues, "default_passes": usual, "imported": source, "found_still": found}
-    return {**given.model_dump(exclude={"network"}), **known, "smooth": smooth}
+    return {
+        **given.model_dump(include={"method", "quality", "static_camera"}),
+        "found_still": found,
+        "imported": source,
+        "smooth": bool(given.smooth),
+        "cues": list(given.cues_used),
+    }
 
 
 def saved(app_state: AppState) -> Json:

@@ -27,7 +27,6 @@ NUMBERS: list[tuple[dict[str, Any], str, float, float, float]] = [
     ({"do": "size", "part": "head", "key": "length"}, "cm", -1e6, 1e6, 0.1),
     *(({"do": "joint", "part": "head"}, axis, -1e6, 1e6, 0.1) for axis in "xyz"),
     ({"do": "height"}, "cm", -1e6, 1e6, 0.1),
-    ({"do": "settings"}, "passes", 1, 50, 1),
     ({"do": "change_mask"}, "index", 0, 10_000, 1),
     ({"do": "delete_mask"}, "index", 0, 10_000, 1),
     ({"do": "observe"}, "fps", 0.001, 10_000, 0.001),
@@ -67,7 +66,6 @@ LENGTHS: list[tuple[dict[str, Any], str, Any, int, int]] = [
     ({"do": "change_mask", "index": 0}, "note", "n", 0, 200),
     ({"do": "add_mask", "first": 0, "last": 1}, "polygon", [[0, 0]], 3, 500),
     ({"do": "tracked", "part": "head"}, "dofs", ["rx"], 0, 6),
-    ({"do": "settings"}, "left_out", ["head"], 0, 1000),
     ({"do": "open", "kind": "file"}, "id", "i", 1, 4096),
     ({"do": "open", "kind": "recent", "id": "i"}, "video", "v", 1, 4096),
 ]

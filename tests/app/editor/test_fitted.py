@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,6 @@ from keypose.app.posing import with_height
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.session.references import FirstMotion
 from keypose.tracker.session.schema import Session
 from tests.app.editor.desk import after, desk
 
@@ -110,38 +107,10 @@ def test_sizes_that_put_a_joint_behind_the_camera_are_refused() -> None:
         with_sizes_fitted(state, state.doc.body, state.doc.camera, near)
 
 
-# --- where a segment starts
-
-
-@pytest.mark.parametrize("start", ["auto", "linear", "templates", "both-ways"])
-def test_a_start_is_chosen(start: str) -> None:
-    state = after(desk(), {"do": "settings", "initial": start})
-    assert state.doc.settings.initial == start
-
-
-def test_an_imported_start_wants_an_imported_motion() -> None:
-    choice = {"do": "settings", "initial": "import"}
-    with pytest.raises(Refused, match="No motion has been imported"):
-        after(desk(), choice)
-    motion = FirstMotion(file="first-0123456789ab.npz", source="walk.bvh")
-    state = desk()
-    imported = replace(state, doc=state.doc.model_copy(update={"first_motion": motion}))
-    assert after(imported, choice).doc.settings.initial == "import"
-
-
-def test_parts_are_left_out_of_templates_and_taken_in_again() -> None:
-    state = after(desk(), {"do": "settings", "left_out": ["left_hand", "right_hand"]})
-    assert state.doc.settings.left_out == ("left_hand", "right_hand")
-    assert after(state, {"do": "settings", "left_out": []}).doc.settings.left_out == ()
-
-
-def test_a_part_that_the_body_does_not_have_cannot_be_left_out() -> None:
-    with pytest.raises(Refused, match="no part 'tail'"):
-        after(desk(), {"do": "settings", "left_out": ["head", "tail"]})
-
-
 def test_another_body_forgets_parts_left_out_that_it_does_not_have() -> None:
-    state = after(desk(), {"do": "settings", "left_out": ["left_hand", "head"]})
+    state = desk()
+    settings = state.doc.settings.model_copy(update={"left_out": ("left_hand", "head")})
+    state = state.with_doc(state.doc.model_copy(update={"settings": settings}))
     reported = state.doc.body.model_dump()
     reported["parts"] = [part for part in reported["parts"] if part["name"] != "left_hand"]
     reported["mirror_pairs"] = [

@@ -57,7 +57,7 @@ EDITS: list[dict[str, Any]] = [
     {"do": "vertical", "a": [300, 300], "b": [310, 100]},
     {"do": "horizon", "a": [0, 100], "b": [600, 110]},
     {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
-    {"do": "settings", "quality": "fast", "passes": 2},
+    {"do": "settings", "quality": "preview"},
 ]
 
 
@@ -222,7 +222,7 @@ def test_what_cannot_be_done_is_refused_in_one_sentence(edit: dict[str, Any], wo
         {"do": "angles", "part": "head", "x": 1e9},
         {"do": "root", "x": float("inf")},
         {"do": "add_mask", "polygon": [[0, 0]], "first": 0, "last": 1},
-        {"do": "settings", "passes": 1000},
+        {"do": "settings", "quality": "best"},
         {"do": "settings", "cues": []},
         {"do": "settings", "cues": ["silhouette"]},
         {"do": "go", "frame": 1, "and": "more"},
