@@ -215,8 +215,6 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
-    if session.settings.initial == "linear":
-        note("settings.initial is linear: set it to auto or import for the motion to be used.")
     if len(session.keyframes) < LEAST_TRACKED:
         note(
             f"keypose reduce {arguments.session} makes keyframes of it, to edit and to track from."

@@ -44,13 +44,11 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--quality", choices=qualities, help=f"full, or less accurate and faster{of_session}"
     )
-    starts = ("auto", "linear", "templates", "both-ways", "import")
     command.add_argument(
         "--initial",
-        choices=starts,
-        help="initial guess of each segment: the best of all (auto), interpolation, template "
-        "matching of head, hands and feet, tracking from both keyframes, or an imported "
-        f"motion{of_session}",
+        choices=("auto", "templates", "import"),
+        help="initial guess of each segment: the best of all (auto), template matching of head, "
+        f"hands and feet, or an imported motion{of_session}",
     )
     command.add_argument(
         "--leave-out",

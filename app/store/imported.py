@@ -95,10 +95,6 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
         sentences.append(f"Scaled to the body: × {found.scale:.3g}.")
     if len(doc.keyframes) < LEAST_TRACKED:
         sentences.append("Reduce it to keyframes to see it, to edit it and to track from it.")
-    elif doc.settings.initial == "linear":
-        sentences.append(
-            "This session starts from interpolation: `keypose track --initial auto` uses it."
-        )
     else:
         sentences.append(
             "Tracking starts from it where it fits the video better than its own guess."

@@ -4,7 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    model_validator,
+)
+
+_OF_OLDER_FILES: Final = {"linear": "auto", "both-ways": "auto"}
+"""Choices that are no more, and what files that name them mean now."""
+
+
+def _as_now(choice: object) -> object:
+    return _OF_OLDER_FILES.get(choice, choice) if isinstance(choice, str) else choice
+
 
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
@@ -17,7 +33,7 @@ Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
 NetworkName: TypeAlias = Literal["full", "heavy"]
-Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
+Initial: TypeAlias = Annotated[Literal["auto", "templates", "import"], BeforeValidator(_as_now)]
 
 
 ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints", "silhouette")
@@ -93,9 +109,8 @@ class TrackSettings(Plain):
     )
     initial: Initial = Field(
         default="auto",
-        description="Where a segment starts from: auto, whichever of the ways below scores best; "
-        "linear, plain interpolation; templates, head, hands and feet followed by what they look "
-        "like; both-ways, the body followed from both keyframes; import, the imported motion "
+        description="Where a segment starts from: auto, whichever way scores best; templates, "
+        "head, hands and feet followed by what they look like; import, the imported motion "
         "wherever it reaches.",
     )
     left_out: tuple[Annotated[str, Field(min_length=1)], ...] = Field(

@@ -257,8 +257,6 @@ def _uses_keypoints(session: Session) -> bool:
 def _start(session: Session) -> list[Any]:
     """What segments start from, besides the method's own start; nothing where that is all."""
     initial, first_motion = session.settings.initial, session.first_motion
-    if initial in ("linear", "both-ways"):
-        return [initial]
     left_out = sorted(set(session.settings.left_out))
     if initial == "templates":
         return [initial, left_out]

@@ -99,14 +99,14 @@ def _write(body: Body, session_path: Path, motion: Trajectory) -> str:
 
 
 def of_session(session: Session, folder: Path) -> Trajectory | None:
-    """The motion a session's segments may start from; None where it has or uses none, or its own
+    """The motion a session's segments may start from; None where it has none, or its own
     from before the body got other parts.
 
     folder: of the session's file.
     SessionError in one sentence when its file is missing, damaged, or of another body.
     """
     reference = session.first_motion
-    if reference is None or session.settings.initial == "linear":
+    if reference is None:
         return None
     names, motion = _read(folder / reference.file)
     if reference.own and names != session.body.names:

@@ -191,7 +191,7 @@ def require_first_motion(session: Session, first_motion: Trajectory | None) -> N
         )
     if imported is None or imported.own:  # without its own motion a segment starts as any other
         return
-    if initial != "linear" and first_motion is None:
+    if first_motion is None:
         raise SessionError(
             f"The imported motion {imported.file} was not read; tracking starts from it."
         )

@@ -190,7 +190,7 @@ def test_an_unknown_start_is_refused_with_those_that_are_known(
     session_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sentence = refused(capsys, session_path.parent, ["track", session_path, "--initial", "magic"])
-    assert "both-ways" in sentence
+    assert "templates" in sentence
 
 
 def test_edits_made_while_tracking_are_kept(

@@ -94,7 +94,7 @@ def test_meshes_that_were_exported_again_decide_every_segment() -> None:
 
 def test_the_camera_that_looks_and_the_clock_decide_nothing() -> None:
     nearer = TWO.camera.model_copy(update={"fx": 1000.0, "fy": 1000.0})
-    settings = TWO.settings.model_copy(update={"static_camera": True, "initial": "linear"})
+    settings = TWO.settings.model_copy(update={"static_camera": True, "initial": "templates"})
     other = TWO.model_copy(update={"camera": nearer, "settings": settings})
     assert changed(TWO, surface(other, fps=50.0)) == []
     assert setup_hash(surface(other, fps=50.0)) == setup_hash(TWO)

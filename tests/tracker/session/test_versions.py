@@ -34,6 +34,18 @@ def test_an_older_session_opens_and_stays_as_it_is_until_it_is_saved(tmp_path: P
     assert [file.name for file in tmp_path.iterdir()] == ["session.json"]
 
 
+@pytest.mark.parametrize(
+    ("field", "old", "now"),
+    [("initial", "linear", "auto"), ("initial", "both-ways", "auto")],
+)
+def test_a_choice_that_is_no_more_means_one_that_there_is(
+    tmp_path: Path, field: str, old: str, now: str
+) -> None:
+    path = tmp_path / "session.json"
+    _write(path, settings={field: old})
+    assert load_session(path).settings.model_dump()[field] == now
+
+
 def test_before_an_older_session_is_saved_it_is_kept_for_good(tmp_path: Path) -> None:
     path = tmp_path / "session.json"
     content = _write(path, schema_version=1)

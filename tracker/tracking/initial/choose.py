@@ -12,7 +12,7 @@ from keypose.tracker.tracking.initial.chains import Chains, blend_chains, follow
 from keypose.tracker.tracking.initial.lifting import lift
 from keypose.tracker.tracking.initial.planar import planar_start
 from keypose.tracker.tracking.initial.templates import limb_tracks
-from keypose.tracker.tracking.method import FULL, Keypose, Paper
+from keypose.tracker.tracking.method import Keypose, Paper
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
@@ -47,9 +47,7 @@ class Starts:
 def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
     """The ways that the method's `initial` allows; auto takes the one that scores best."""
     chains = follow_both(scene, segment, method)
-    interpolated, initial = Pass("interpolation", segment.interpolated(), None), method.initial
-    if initial == "linear":
-        return Starts((interpolated,), chains)
+    interpolated = Pass("interpolation", segment.interpolated(), None)
     ways, notes = [interpolated], [CHAIN_LOST]
     if chains is not None:
         both = Pass("both ways", blend_chains(scene, *chains), None)
@@ -75,11 +73,6 @@ def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
             if is_sound(scene, segment, start.trajectory):
                 return Starts((Pass("templates", start.trajectory, None),), None, start.notes)
             return Starts((interpolated,), None, (f"{TEMPLATES_LOST}: interpolated instead",))
-        case "both-ways":
-            chains = follow_both(scene, segment, FULL)
-            if chains is None:
-                return Starts((interpolated,), None, (CHAIN_LOST,))
-            return Starts((Pass("both ways", blend_chains(scene, *chains), None),))
         case "import":
             found = _imported(scene, segment, method)
             return Starts((*found.ways, interpolated)[:1], None, found.notes)
@@ -88,7 +81,6 @@ def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
             tried = [*found.ways, interpolated]
             scores = [printed_score(scene, segment.clip, way.trajectory) for way in tried]
             return Starts((tried[int(np.argmin(scores))],))
-    return Starts((interpolated,))
 
 
 def _rank(
@@ -105,10 +97,7 @@ def _rank(
             replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
             for way in ways
         ]
-    asked = {"templates": "templates", "import": "import", "both-ways": "both ways"}.get(
-        method.initial
-    )
-    ways = sorted(ways, key=lambda way: (way.what != asked, way.score))
+    ways = sorted(ways, key=lambda way: (way.what != method.initial, way.score))
     if not method.judged:
         ways = [replace(ways[0], score=None)]
     return Starts(tuple(ways), chains, tuple(notes))
