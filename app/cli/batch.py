@@ -77,8 +77,9 @@ def add(commands: Subcommands) -> None:
     )
     of_session = "; each session's own when left out"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
-    qualities = ("full", "fast", "preview")
-    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    command.add_argument(
+        "--quality", choices=("full", "preview"), help=f"how much work{of_session}"
+    )
     command.add_argument(
         "--export",
         metavar="FORMAT[,FORMAT]",

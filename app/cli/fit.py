@@ -87,9 +87,10 @@ def add(commands: Subcommands) -> None:
         choices=UP_AXES,
         help="up axis of the meshes, such as --up=-z; must match the session's",
     )
-    qualities = ("full", "fast", "preview")
     command.add_argument(
-        "--quality", choices=qualities, help=f"full, or less accurate and faster{of_session}"
+        "--quality",
+        choices=("full", "preview"),
+        help=f"full, or less accurate and faster{of_session}",
     )
     add_work(command)
 

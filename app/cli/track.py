@@ -40,9 +40,10 @@ def add(commands: Subcommands) -> None:
     add_session(command)
     of_session = "; default: the session's setting"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
-    qualities = ("full", "fast", "preview")
     command.add_argument(
-        "--quality", choices=qualities, help=f"full, or less accurate and faster{of_session}"
+        "--quality",
+        choices=("full", "preview"),
+        help=f"full, or less accurate and faster{of_session}",
     )
     command.add_argument(
         "--initial",

@@ -4,7 +4,7 @@ They are lines of `config.toml` in the platform's own place for settings:
 
     workspace = "~/Movies/Keypose"
     body = "adult_female"
-    quality = "fast"
+    quality = "preview"
 
 A session keeps what it began with, so it means the same on every computer: the command line goes
 before the session, the session before this file, and this file before what is built in.

@@ -9,7 +9,7 @@ from keypose.app.jobs.messages import PassFinished, Report, SegmentFinished, Sta
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.results import Span
 
-COST = {"preview": 1.0, "fast": 3.0, "full": 4.0}
+COST = {"preview": 1.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""
 KNOWN_SHARE, KNOWN_SECONDS = 0.1, 1.0
 """Before so much is done, and so long has passed, the time that is left is not known."""

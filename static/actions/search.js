@@ -60,7 +60,7 @@ export const SETTINGS = [
   { title: 'Recording rate (slow motion)', tab: 'camera', section: 'Video', words: 'frame rate fps frames per second high speed recorded 240 timing' },
   { title: 'Deinterlace', tab: 'camera', section: 'Video', words: 'interlaced fields comb lines' },
   { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints silhouette evidence' },
-  { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings preview fast full smooth static camera' },
+  { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings preview full smooth static camera' },
   { title: 'Tracked motions', tab: 'track', section: 'Tracked motions', words: 'degrees of freedom dof joints locked' },
   { title: 'Results of this segment', tab: 'track', section: 'Segment', words: 'verdict score error rank' },
 ];

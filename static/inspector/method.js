@@ -14,7 +14,6 @@ const METHODS = [
 
 const QUALITIES = [
   { id: 'full', label: 'Full', title: 'Best accuracy' },
-  { id: 'fast', label: 'Fast', title: 'Slightly less accurate, much faster' },
   { id: 'preview', label: 'Preview', title: 'A quick look' },
 ];
 

@@ -12,7 +12,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from keypose.tracker.session import Keyframe, Session, VideoReference
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import open_video_of, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_key
@@ -39,7 +39,6 @@ def write_walk(folder: Path, film: str = "walk.mkv", rate: int = 30) -> tuple[Pa
         camera=camera,
         body=SKELETON.body,
         keyframes=tuple(Keyframe.of(SKELETON, motion.pose(f), f, f / 25) for f in KEYED),
-        settings=TrackSettings(quality="fast"),
     )
     path = folder / "session.json"
     save_session(session, path)

@@ -84,7 +84,7 @@ def _chains(report: Report, shown: Sequence) -> Timing:
     table = report.table("the whole chain, prepared pictures, ms a frame", "every 12", "every 24")
     trackers = [_tracker(shown, interval) for interval in (12, 24)]
     spent: dict[str, list[Timing]] = {}
-    for quality in ("full", "fast", "preview"):
+    for quality in ("full", "preview"):
         spent[quality] = [
             Timing.of(lambda t=t, q=quality: _run(t, quality=q), 7, 72) for t in trackers
         ]

@@ -18,7 +18,7 @@ from keypose.app.export.motion_formats import FORMATS
 ROOT = Path(__file__).parents[2]
 OUT = Path("out/outputs")
 FILMS, SURFACES = ("balance", "box", "person"), ("arms",)
-METHODS, QUALITIES = ("keypose", "paper"), ("preview", "fast", "full")
+METHODS, QUALITIES = ("keypose", "paper"), ("preview", "full")
 PEOPLE = ("balance", "person")
 OF_A_PERSON = ("mot", "amass")
 """Formats that refuse any other body."""

@@ -99,7 +99,6 @@ def session(video: Path | None = None, keyframes: tuple[int, ...] = KEYFRAMES) -
         keyframes=tuple(
             Keyframe.of(SKELETON, pose(frame / FRAMES), frame, frame / 25) for frame in keyframes
         ),
-        settings=TrackSettings(quality="fast"),
     )
 
 

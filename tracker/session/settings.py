@@ -14,7 +14,7 @@ from pydantic import (
     model_validator,
 )
 
-_OF_OLDER_FILES: Final = {"linear": "auto", "both-ways": "auto"}
+_OF_OLDER_FILES: Final = {"linear": "auto", "both-ways": "auto", "fast": "full"}
 """Choices that are no more, and what files that name them mean now."""
 
 
@@ -27,7 +27,7 @@ Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
-Quality: TypeAlias = Literal["full", "fast", "preview"]
+Quality: TypeAlias = Annotated[Literal["full", "preview"], BeforeValidator(_as_now)]
 Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

@@ -1,9 +1,9 @@
 """What a segment's motion was tracked for, as one digest: equal where the motion would be equal.
 
-The quality is not in it: preview, fast and full results of one key are the same motion, found with
-more and more care. Of observed surfaces other things decide than of pictures: how the meshes are
-read and weighed, and the pose in the mesh that moves with the body; never the camera, which only
-looks at them.
+The quality is not in it: preview and full results of one key are the same motion, found with less
+or more care. Of observed surfaces other things decide than of pictures: how the meshes are read and
+weighed, and the pose in the mesh that moves with the body; never the camera, which only looks at
+them.
 
 A result of an older Keypose may have no key. For it there is the digest of all that is tracked with
 besides keyframes, which its file has (`setup_hash`).

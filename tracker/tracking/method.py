@@ -61,7 +61,6 @@ class Keypose:
 Method = Paper | Keypose
 
 FULL = Keypose(3, 4, 6, Refinement(solves=6, stride=2), inner=4, templates=True)
-FAST = Keypose(2, 4, 4, Refinement(solves=2, stride=2), finest=1)
 PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, stride=3), finest=1, judged=False, density=0.5)
 
 
@@ -70,7 +69,7 @@ def method_of(settings: TrackSettings) -> Method:
     initial, left_out = settings.initial, settings.left_out
     if settings.method == "paper":
         return Paper(settings.passes or Paper.passes, initial=initial, left_out=left_out)
-    base = {"full": FULL, "fast": FAST, "preview": PREVIEW}[settings.quality]
+    base = {"full": FULL, "preview": PREVIEW}[settings.quality]
     passes = settings.passes or base.passes
     return replace(base, passes=passes, initial=initial, left_out=left_out)
 

@@ -121,11 +121,13 @@ def test_both_ways_and_as_json(
     keys = [k.frame for k in session.keyframes]
     middle = session.model_copy(update={"keyframes": session.keyframes[1:2]})
     save_session(middle, session_path)
-    assert main(["track", str(session_path), "--ahead", "both", "--quality", "fast", "--json"]) == 0
+    assert (
+        main(["track", str(session_path), "--ahead", "both", "--quality", "preview", "--json"]) == 0
+    )
     assert [(frame, way) for frame, way, _ in followed] == [
         (keys[1], "forward"), (keys[1], "backward"),
     ]  # fmt: skip
-    assert followed[0][2].quality == "fast"
+    assert followed[0][2].quality == "preview"
     assert load_session(session_path).settings == session.settings
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [e["event"] for e in events] == ["progress", "progress", "finished"]

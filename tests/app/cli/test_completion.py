@@ -48,7 +48,7 @@ def test_bash_completes_commands_options_values_and_files(
     assert after("tr") == ["track"]
     assert set(after("")) == set(grammar()[1])
     assert after("track", "--qual") == ["--quality"]
-    assert after("track", "--quality", "") == ["full", "fast", "preview"]
+    assert after("track", "--quality", "") == ["full", "preview"]
     assert after("open", "ju") == ["jump.mp4"]
 
 
@@ -61,7 +61,7 @@ def test_fish_completes_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
     assert "track" in after("tr")
     assert after("track --qual") == ["--quality"]
-    assert sorted(after("track --quality ")) == ["fast", "full", "preview"]
+    assert sorted(after("track --quality ")) == ["full", "preview"]
 
 
 def test_zsh_takes_its_completion_for_the_command(

@@ -109,7 +109,7 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
         (["fly"], "there is no command 'fly'"),
         (["trak", "session.json"], "did you mean track?"),
         (["frames"], "did you mean `keypose open frames`?"),
-        (["track", "--qualty", "fast"], "there is no option '--qualty'; did you mean --quality?"),
+        (["track", "--qualty", "full"], "there is no option '--qualty'; did you mean --quality?"),
         (["export", "--formt", "bvh"], "did you mean --format?"),
         (["track", "session.json", "twice.json"], "one argument too many, 'twice.json'"),
         (["track", "none.json"], "no session file"),

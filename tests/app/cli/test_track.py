@@ -81,7 +81,7 @@ def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     session = load_session(session_path)
     assert session.results is not None
     assert (session.results.method, session.results.quality) == ("paper", "preview")
-    assert (session.settings.method, session.settings.quality) == ("keypose", "fast")
+    assert (session.settings.method, session.settings.quality) == ("keypose", "full")
 
 
 def test_a_camera_that_was_found_to_stand_still_is_said_and_may_be_undone(

@@ -61,7 +61,7 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
     ("text", "words"),
     [
         ("port = 99999", "port: input should be less than or equal to 65535"),
-        ('quality = "best"', "quality: input should be 'full', 'fast' or 'preview'"),
+        ('quality = "best"', "quality: input should be 'full' or 'preview'"),
         ('cues = ["silhouette"]', "cues: silhouette finds no motion alone"),
         ('body = "dog"', "body: there is no body 'dog'; choose from adult_male, "),
         ('workspace = "films"', "workspace: write the whole path, or one that begins with ~"),
@@ -84,10 +84,15 @@ def test_a_file_that_says_what_cannot_be_is_refused_in_one_sentence(
     assert message.count("\n") == 1
 
 
+def test_a_quality_that_is_no_more_means_the_one_that_is_left(config: Path) -> None:
+    config.write_text('quality = "fast"\n')
+    assert read_defaults().quality == "full"
+
+
 def test_what_config_prints_is_a_file_that_says_the_same(
     config: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    config.write_text('quality = "fast"\nport = 8123\n')
+    config.write_text('quality = "preview"\nport = 8123\n')
     assert main(["config"]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith(f"# {config}\n")

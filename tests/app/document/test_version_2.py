@@ -58,6 +58,8 @@ def test_its_verdicts_stand_where_they_stood(path: Path) -> None:
     session = load_session(path)
     assert session.results is not None
     assert [segment.verdict for segment in session.results.segments] == VERDICTS
+    assert {segment.quality for segment in session.results.segments} == {session.results.quality}
+    assert session.results.quality == "full"  # fast, which was a quality between
     found = load_results(session, path).fitting(session)  # nothing of it is out of date
     assert {span: track.verdict for span, track in found.items()} == dict(
         zip(SPANS, VERDICTS, strict=True)

@@ -144,7 +144,7 @@ def test_what_outdates_it_takes_it_away_in_the_same_step(edit: dict[str, Any]) -
 @pytest.mark.parametrize(
     "edit",
     [
-        {"do": "settings", "quality": "fast"},
+        {"do": "settings", "quality": "preview"},
         {"do": "key_angle", "frame": 30, "part": "left_shin", "axis": "x", "deg": 12.0},
     ],
     ids=["settings", "draft"],

@@ -261,8 +261,6 @@ def test_a_noisy_import_is_a_better_start_than_the_methods_own(
 def test_the_choice_that_is_left_to_the_tracker_is_the_start_that_scores_better(path: Path) -> None:
     """A motion far from the pictures changes nothing."""
     session = load_session(path)
-    settings = session.settings.model_copy(update={"quality": "fast"})
-    session = session.model_copy(update={"settings": settings})
     shaken = exp_rotation(np.random.default_rng(1).normal(0, 0.5, (73, 16, 3)))
     wrong = Trajectory(0, TRUTH.Rs_parent_part @ shaken, TRUTH.ps_camera_root + 0.3)
     usual, with_wrong = _tracked(session, path), _tracked(session, path, wrong)

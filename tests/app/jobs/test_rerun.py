@@ -141,7 +141,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
         raise ZeroDivisionError
 
     path = copied(tmp_path / "box", (PIN,), quality="preview", smooth=True)
-    session = with_settings(load_session(path), None, "fast")
+    session = with_settings(load_session(path), None, "full")
     with open_video_of(session, path) as video:
         given = (session, path, video, all_segments(session))
         reports = list(rerun(*given, workers=1, stop=Event()))

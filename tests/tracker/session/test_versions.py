@@ -36,7 +36,7 @@ def test_an_older_session_opens_and_stays_as_it_is_until_it_is_saved(tmp_path: P
 
 @pytest.mark.parametrize(
     ("field", "old", "now"),
-    [("initial", "linear", "auto"), ("initial", "both-ways", "auto")],
+    [("initial", "linear", "auto"), ("initial", "both-ways", "auto"), ("quality", "fast", "full")],
 )
 def test_a_choice_that_is_no_more_means_one_that_there_is(
     tmp_path: Path, field: str, old: str, now: str

@@ -122,8 +122,6 @@ def test_joint_limits_and_the_frame_rate_make_another_key() -> None:
 
 def test_a_segment_tracked_otherwise_makes_another_key() -> None:
     of = changed()
-    whole, fast = both(of), Results().with_result(track(of, 0, 4, "fast"))
-    assert wanted(of, fast.with_result(track(of, 4, 8)))[0].key != wanted(of, whole)[0].key
     camera = of.camera.model_copy(update={"fx": 80.0})
     assert keys(changed(camera=camera)) != keys(of)
 

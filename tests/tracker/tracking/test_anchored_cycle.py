@@ -17,7 +17,7 @@ from keypose.tracker.tracking.anchored_cycle import (
     track_anchored,
 )
 from keypose.tracker.tracking.initial.choose import Starts
-from keypose.tracker.tracking.method import FAST
+from keypose.tracker.tracking.method import FULL
 from tests.tracker.tracking.cues.people import Filmed, moving
 
 FILM = Filmed(moving())
@@ -39,7 +39,7 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
 
     monkeypatch.setattr(anchored_cycle, "cycle", cycle)
     work = track_anchored(
-        FILM.free, FILM.free, FILM.segment, FAST, FILM.anchors(), begun, from_afar=not known
+        FILM.free, FILM.free, FILM.segment, FULL, FILM.anchors(), begun, from_afar=not known
     )
     while True:
         try:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.method import FULL, PREVIEW, Keypose, Method, Paper, method_of
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video.pyramid import Clip
 from tests.rendering.settings import RenderSettings
@@ -18,7 +18,7 @@ from tests.tracker.tracking_cases import Case, case, clip_of, plain, segment_of,
 
 NAMES = ("box", "person")
 every_case = pytest.mark.parametrize("name", NAMES)
-METHODS: dict[str, Method] = {"full": FULL, "fast": FAST, "preview": PREVIEW, "paper": Paper()}
+METHODS: dict[str, Method] = {"full": FULL, "preview": PREVIEW, "paper": Paper()}
 every_method = pytest.mark.parametrize("method", METHODS)
 
 
@@ -93,7 +93,7 @@ def test_the_best_score_is_taken_unless_the_refinement_is_worth_a_little_more(
 
 
 def test_more_passes_and_finer_settings_are_those_asked_for() -> None:
-    for quality, method in (("full", FULL), ("fast", FAST), ("preview", PREVIEW)):
+    for quality, method in (("full", FULL), ("preview", PREVIEW)):
         assert method_of(TrackSettings(quality=quality)) == method
     many = method_of(TrackSettings(passes=7))
     assert isinstance(many, Keypose)

@@ -85,8 +85,8 @@ def test_arrays_cannot_be_written_to() -> None:
 
 def test_a_trajectory_on_the_way_has_no_verdict_and_nothing_measured() -> None:
     path = cases.segment(4, 8).trajectory
-    found = SegmentResult.on_the_way(Pass("pass", path, 2.5), "key", "fast")
-    assert (found.span, found.key, found.quality) == ((4, 8), "key", "fast")
+    found = SegmentResult.on_the_way(Pass("pass", path, 2.5), "key", "preview")
+    assert (found.span, found.key, found.quality) == ((4, 8), "key", "preview")
     assert not found.finished
     assert found.scores == (2.5,)
     assert np.isnan(found.diagnostics.observability).all()

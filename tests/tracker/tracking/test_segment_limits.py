@@ -16,14 +16,14 @@ from keypose.tracker.tracking.drift import Motions
 from keypose.tracker.tracking.frame_pair import printed_score, robust_pass
 from keypose.tracker.tracking.initial import chains as chains_module
 from keypose.tracker.tracking.initial.chains import Chain
-from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Method, Paper
+from keypose.tracker.tracking.method import FULL, PREVIEW, Method, Paper
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip
 from tests.rendering.settings import Occluder, RenderSettings
 from tests.tracker.tracking_cases import Case, case, plain, segment_of, tracked, worked
 
-METHODS: dict[str, Method] = {"full": FULL, "fast": FAST, "preview": PREVIEW, "paper": Paper()}
+METHODS: dict[str, Method] = {"full": FULL, "preview": PREVIEW, "paper": Paper()}
 every_method = pytest.mark.parametrize("method", METHODS)
 
 

@@ -60,7 +60,7 @@ def test_the_verdict_names_the_frames_that_are_damaged(person: Case) -> None:
         assert result.verdict == Verdict.check("damaged", (2, 3))
 
 
-@pytest.mark.parametrize("quality", ["full", "fast", "preview"])
+@pytest.mark.parametrize("quality", ["full", "preview"])
 def test_neighbouring_keyframes_are_segments_too(person: Case, quality: str) -> None:
     results = tracked(person.tracker(0, 1, 2, 8), quality=quality)
     assert [len(r.trajectory) for r in results] == [2, 2, 7]

@@ -14,7 +14,7 @@ from keypose.tracker.storage.stretches import Stretch, stretches
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.space.result import SpaceResult
 
-CARE = {"preview": 0, "fast": 1, "full": 2}
+CARE = {"preview": 0, "full": 1}
 """Of two results with one key, the one found with more care stays."""
 
 MOST_SEGMENTS = 400

@@ -51,7 +51,7 @@ def test_after_the_end_a_batch_begins_anew(tmp_path: Path) -> None:
 def test_another_batch_in_the_same_folder_begins_anew(tmp_path: Path) -> None:
     with journal(tmp_path) as first:
         first.finish(ONE)
-    with journal(tmp_path, quality="fast") as second:
+    with journal(tmp_path, quality="preview") as second:
         assert not second.done
         second.begin(ONE)
     with journal(tmp_path) as third:
@@ -61,7 +61,7 @@ def test_another_batch_in_the_same_folder_begins_anew(tmp_path: Path) -> None:
 def test_a_batch_that_never_began_leaves_what_another_has_done(tmp_path: Path) -> None:
     with journal(tmp_path) as first:
         first.finish(ONE)
-    with journal(tmp_path, quality="fast"):
+    with journal(tmp_path, quality="preview"):
         pass
     with journal(tmp_path) as third:
         assert third.done == {str(ONE)}

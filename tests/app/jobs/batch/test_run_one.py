@@ -71,7 +71,7 @@ def test_only_what_a_change_made_outdated_is_tracked_and_comes_out_as_if_all_wer
 
 def test_a_lower_quality_does_not_fit_where_a_higher_one_is_asked_for(path: Path) -> None:
     done(path, quality="preview")
-    assert done(path, missing_only=True, quality="fast")[0].state == "tracked"
+    assert done(path, missing_only=True, quality="full")[0].state == "tracked"
     assert done(path, missing_only=True, quality="preview")[0].state == "kept"
 
 

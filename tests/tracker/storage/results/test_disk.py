@@ -150,11 +150,11 @@ def test_the_lowest_quality_is_reported_of_the_whole_and_each_segment_s_own_besi
     tmp_path: Path,
 ) -> None:
     of = session()
-    results = Results().with_result(track(of, 0, 4, "fast")).with_result(track(of, 4, 8))
+    results = Results().with_result(track(of, 0, 4, "preview")).with_result(track(of, 4, 8))
     again, _ = saved(results, tmp_path, of)
     assert again.results is not None
-    assert again.results.quality == "fast"
-    assert [s.quality for s in again.results.segments] == ["fast", "full"]
+    assert again.results.quality == "preview"
+    assert [s.quality for s in again.results.segments] == ["preview", "full"]
 
 
 def test_with_nothing_to_write_the_session_keeps_what_it_had(tmp_path: Path) -> None:

@@ -52,7 +52,7 @@ def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:
 
 
 @pytest.mark.parametrize("cues", [ALL_CUES, ("keypoints",)])
-@pytest.mark.parametrize("quality", ["full", "fast", "preview"])
+@pytest.mark.parametrize("quality", ["full", "preview"])
 def test_where_brightness_shows_nothing_keypoints_lead(cues: object, quality: object) -> None:
     (found,) = tracked(_tracker(FILM.keypoints), cues=cues, quality=quality)
     away = joints_apart_m(found.trajectory, FILM.truth).mean()

@@ -13,7 +13,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Initial, TrackSettings
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.tracking.initial.choose import printed_start, starts
-from keypose.tracker.tracking.method import FAST, FULL, PREVIEW, Paper, method_of
+from keypose.tracker.tracking.method import FULL, PREVIEW, Paper, method_of
 from tests.tracker.tracking_cases import Case, case, plain, segment_of, worked
 
 BOX = Path(__file__).parents[4] / "sample_videos" / "box" / "session.json"
@@ -71,12 +71,11 @@ def test_auto_begins_with_the_best_score_and_keeps_the_others_as_choices(person:
         assert kept <= 1.15 * min(scores) + 2.0  # type: ignore[type-var, operator]
 
 
-def test_the_quick_qualities_look_for_no_templates_unless_they_are_asked_to(person: Case) -> None:
+def test_a_preview_looks_for_no_templates_unless_it_is_asked_to(person: Case) -> None:
     segment, scene = segment_of(person), person.scene()
-    for method in (FAST, PREVIEW):
-        assert all(way.what != "templates" for way in starts(scene, segment, method).ways)
-        asked = starts(scene, segment, replace(method, initial="templates"))
-        assert asked.ways[0].what == "templates"
+    assert all(way.what != "templates" for way in starts(scene, segment, PREVIEW).ways)
+    asked = starts(scene, segment, replace(PREVIEW, initial="templates"))
+    assert asked.ways[0].what == "templates"
 
 
 def test_an_imported_motion_that_does_not_reach_is_reported_and_another_start_taken(

@@ -27,7 +27,6 @@ SPAN, AT = (0, 12), 5
 FILM = Filmed(moving())
 WAYS: dict[str, TrackSettings] = {
     "full": TrackSettings(),
-    "fast": TrackSettings(quality="fast"),
     "preview": TrackSettings(quality="preview"),
     "printed": TrackSettings(method="paper", passes=2),
 }
@@ -88,7 +87,7 @@ def test_the_limb_is_exact_where_it_was_set_and_the_rest_to_the_byte_as_tracked(
 def test_of_what_was_tracked_before_only_the_limb_is_tracked_anew_to_the_same_motion(
     person: Case,
 ) -> None:
-    settings, keys = TrackSettings(quality="fast"), {SPAN: "the segment without parts"}
+    settings, keys = TrackSettings(), {SPAN: "the segment without parts"}
     plain = person.tracker(*SPAN, keys=keys)
     base = run(plain, settings)
     pose = swung(base.trajectory.pose(AT), person.skeleton.body.names)
@@ -108,7 +107,7 @@ def test_a_preview_of_a_limb_leaves_the_rest_as_it_was_tracked_with_more_care(
 ) -> None:
     keys = {SPAN: "the segment without parts"}
     plain = person.tracker(*SPAN, keys=keys)
-    base = run(plain, TrackSettings(quality="fast"))
+    base = run(plain, TrackSettings())
     pose = swung(base.trajectory.pose(AT), person.skeleton.body.names)
     key = KeyedParts.of(person.skeleton, AT, ARM, pose)
     later = plain.renewed(person.skeleton, plain.keyposes, keyed_parts=(key,), keys=keys)
@@ -120,13 +119,13 @@ def test_a_preview_of_a_limb_leaves_the_rest_as_it_was_tracked_with_more_care(
 
 def test_a_limb_set_in_one_segment_changes_no_other(person: Case) -> None:
     key = KeyedParts.of(person.skeleton, 3, ARM, person.truth.pose(3))
-    settings = TrackSettings(quality="fast")
+    settings = TrackSettings()
     with_parts = run(person.tracker(0, 6, 12, keyed_parts=(key,)), settings, (6, 12))
     assert same(with_parts, run(person.tracker(0, 6, 12), settings, (6, 12)))
 
 
 def test_an_arm_set_right_changes_nothing_of_a_leg_that_was_set_right_before(person: Case) -> None:
-    skeleton, settings = person.skeleton, TrackSettings(quality="fast")
+    skeleton, settings = person.skeleton, TrackSettings()
     wrong = person.truth.pose(AT).writable()[0]
     for name, turn in ((ARM[0], [0.2, 0.0, 0.15]), (LEG[0], [0.1, 0.0, 0.1])):
         wrong[skeleton.body.index(name)] @= exp_rotation(np.array(turn))
