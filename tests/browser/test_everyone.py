@@ -377,7 +377,7 @@ def put_together(at: Desk) -> tuple[float, float]:
 def focus(page: Page, label: str, most: int = 120) -> None:
     """Press Tab until the control of this name has the focus; wait until it is drawn first."""
     name = "(at) => (at?.getAttribute('aria-label') ?? at?.innerText ?? '').trim()"
-    there = f"""(label) => [...document.querySelectorAll('a, button, input, [tabindex], [aria-label]')]
+    there = f"""(label) => [...document.querySelectorAll('button, input, [tabindex], [aria-label]')]
       .some((one) => ({name})(one).startsWith(label))"""
     until(lambda: page.evaluate(there, label), f"a control called {label}")
     for _ in range(most):
