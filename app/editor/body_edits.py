@@ -21,9 +21,9 @@ from keypose.tracker.body.clavicles import (
 )
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.session.reviewed import Reviewed
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
 

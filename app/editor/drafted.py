@@ -20,9 +20,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
-from keypose.tracker.session import drafted as record
+from keypose.tracker.session import annotations as record
+from keypose.tracker.session.annotations import LEARN_FRAMES
 from keypose.tracker.session.checks import MOST
-from keypose.tracker.session.drafted import LEARN_FRAMES
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.session.schema import Session
 

@@ -14,7 +14,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.posing import handles
 from keypose.app.posing.labels import kind_of
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.ground import floor_height, lowest_heights
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array

@@ -18,7 +18,7 @@ from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult

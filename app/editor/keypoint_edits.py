@@ -10,7 +10,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.on_body import points_on_body
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Pixel
 

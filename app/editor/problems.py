@@ -23,7 +23,7 @@ from keypose.app.editor.segment_evidence import (
     possible_drift_px,
     unseen_share,
 )
-from keypose.tracker.session.reviewed import Answer
+from keypose.tracker.session.annotations import Answer
 from keypose.tracker.session.verdict import Cause, Kind, Verdict
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult

@@ -16,9 +16,8 @@ from keypose.app.editor.segment_evidence import LEAST_PX, part_errors_px, right_
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.scaling import height
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.drafted import DraftPlace
+from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding
-from keypose.tracker.session.reviewed import Reviewed
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult

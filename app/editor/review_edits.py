@@ -7,8 +7,7 @@ from keypose.app.editor import keyframe_edits
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.review import Place, review_of
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.drafted import DraftPlace
-from keypose.tracker.session.reviewed import Answer, Reviewed
+from keypose.tracker.session.annotations import Answer, DraftPlace, Reviewed
 from keypose.tracker.session.schema import Session
 
 

@@ -10,13 +10,12 @@ from keypose.app.editor.problems import Problem
 from keypose.app.editor.review import Place, Review
 from keypose.app.posing import part_label
 from keypose.tracker.errors import readable
-from keypose.tracker.session import drafted
+from keypose.tracker.session.annotations import Reason, Reviewed
 from keypose.tracker.session.results import SpaceFinding
-from keypose.tracker.session.reviewed import Reviewed
 
 WHOLE_BODY: Final = "Whole body"
 
-_DRAFTS: Final[Mapping[drafted.Reason, Callable[[str], str]]] = {
+_DRAFTS: Final[Mapping[Reason, Callable[[str], str]]] = {
     "start": lambda _: "first frame of the draft",
     "end": lambda _: "last frame of the draft",
     "residual": lambda part: f"{part} may be off",

@@ -16,7 +16,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.session import Session
-from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.keypoints import save_keypoints

@@ -20,7 +20,7 @@ from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState, FitOutcome, KnownKeypoints
 from keypose.tracker.fitting.sizes import Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.pins import Pin
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk

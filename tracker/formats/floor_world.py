@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.ground import floor_height, lowest_heights
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.axes import FLIP
 from keypose.tracker.formats.recording import Recording

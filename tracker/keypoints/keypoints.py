@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 
 if TYPE_CHECKING:
-    from keypose.tracker.session.corrections import KeypointCorrection
+    from keypose.tracker.session.annotations import KeypointCorrection
 
 JOINTS: Final = tuple(
     f"{side}_{joint}"

@@ -14,7 +14,7 @@ from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
 from keypose.tracker.session.ahead import require_ahead
-from keypose.tracker.session.corrections import require_corrections
+from keypose.tracker.session.annotations import require_corrections
 from keypose.tracker.session.keyframe import Keyframe, quaternions_of
 from keypose.tracker.session.notes import require_notes
 from keypose.tracker.session.part_keyframes import require_part_keyframes

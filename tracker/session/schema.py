@@ -15,16 +15,15 @@ from pydantic import Field, model_validator
 from keypose.tracker.body.body import Body
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.ahead import Ahead
+from keypose.tracker.session.annotations import Drafted, KeypointCorrection, ReviewedList
 from keypose.tracker.session.checks import require_few, require_fit
-from keypose.tracker.session.corrections import KeypointCorrection
-from keypose.tracker.session.drafted import Drafted
 from keypose.tracker.session.evidence import Evidence, evidence_of
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.migrate import PRESENT
 from keypose.tracker.session.notes import NoteList
 from keypose.tracker.session.pins import PinList
 from keypose.tracker.session.references import FirstMotion, KeypointFile, Surface, VideoReference
 from keypose.tracker.session.results import Results
-from keypose.tracker.session.reviewed import ReviewedList
 from keypose.tracker.session.settings import (
     IgnoreMask,
     Metres,
@@ -33,7 +32,6 @@ from keypose.tracker.session.settings import (
     TrackSettings,
     is_unknown,
 )
-from keypose.tracker.session.versions import PRESENT
 
 LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted"]
 Title: TypeAlias = Annotated[str, Field(max_length=120)]

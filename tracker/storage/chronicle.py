@@ -22,8 +22,8 @@ from typing import Any
 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.history import History, Step
+from keypose.tracker.session.migrate import migrate
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.versions import migrate
 from keypose.tracker.storage.changes import apply_changes, changes
 from keypose.tracker.storage.journal import Record
 

@@ -14,8 +14,8 @@ from pydantic_core import from_json
 
 from keypose.tracker.errors import SessionError, one_sentence
 from keypose.tracker.files import TooLarge, read_named, read_own, read_regular
+from keypose.tracker.session.migrate import PRESENT, migrate, version_in
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.versions import PRESENT, migrate, version_in
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.chronicle import Recovered, recover
 from keypose.tracker.storage.evidence import files_of

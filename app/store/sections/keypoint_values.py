@@ -13,7 +13,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import HEAD_POINTS, points_on_body
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 
 SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 

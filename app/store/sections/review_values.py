@@ -9,7 +9,7 @@ from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.state import AppState
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.drafted import DraftPlace
+from keypose.tracker.session.annotations import DraftPlace
 from keypose.tracker.session.schema import Session
 
 CROP_SHARE, LEAST_CROP_PX = 0.25, 40

@@ -7,7 +7,7 @@ import pytest
 
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 

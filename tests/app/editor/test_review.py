@@ -17,7 +17,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys

@@ -14,7 +14,7 @@ from keypose.app.posing import part_label
 from keypose.app.store.sections import error_values, motion_values, review_values
 from keypose.app.store.state import AppState
 from keypose.tracker.body.trajectory import Pass, interpolate
-from keypose.tracker.session.reviewed import Reviewed
+from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.tracking.result import SegmentResult

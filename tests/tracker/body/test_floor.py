@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import preset
-from keypose.tracker.body.floor import floor_height, lowest_heights
+from keypose.tracker.body.ground import floor_height, lowest_heights
 from keypose.tracker.body.pose import Pose, part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 
 RNG = np.random.default_rng(3)
 FOUND = Keypoints(

@@ -8,8 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.tracker.session import Session
-from keypose.tracker.session.corrections import KeypointCorrection
-from keypose.tracker.session.drafted import Drafted
+from keypose.tracker.session.annotations import Drafted, KeypointCorrection
 from keypose.tracker.storage.files import session_json
 from tests.tracker import session_cases as cases
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from keypose.tracker.errors import SessionError
-from keypose.tracker.session.versions import PRESENT, STEPS
+from keypose.tracker.session.migrate import PRESENT, STEPS
 from keypose.tracker.storage.files import load_session, save_session
 from tests.tracker import session_cases as cases
 

@@ -13,7 +13,7 @@ import pytest
 from keypose.tracker.body.body import Twist, preset
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
 from keypose.tracker.storage.results import (

@@ -17,7 +17,7 @@ from keypose.tracker.fitting.draft.proposals import Proposal, Stretch, proposed
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.session.drafted import Reason
+from keypose.tracker.session.annotations import Reason
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.tracking.cues.anchors import height_px
 

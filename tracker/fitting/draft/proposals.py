@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.drafted import Reason
+from keypose.tracker.session.annotations import Reason
 
 EVERY: Final = 60
 """About so many frames come to one proposal."""

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from keypose.tracker.body.pose import Pose
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.geometry.camera import Camera
-    from keypose.tracker.session.corrections import KeypointCorrection
+    from keypose.tracker.session.annotations import KeypointCorrection
     from keypose.tracker.tracking.segment import Segment
     from keypose.tracker.video import Video
 

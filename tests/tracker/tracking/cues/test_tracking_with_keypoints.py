@@ -12,7 +12,7 @@ import pytest
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.session.corrections import KeypointCorrection
+from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
 from keypose.tracker.tracking.pool import Cancelled
