@@ -9,8 +9,14 @@ from pydantic import ValidationError
 from keypose.app.editor import actions as do
 from keypose.app.editor.documents import with_keyframes, without
 from keypose.app.editor.floor_edits import foot_height
-from keypose.app.editor.pin_range import LEAST_FRAMES, range_to_pin
-from keypose.app.editor.pinned import corner_near, default_landmarks, open_proposals, shares_points
+from keypose.app.editor.pinned import (
+    LEAST_FRAMES,
+    corner_near,
+    default_landmarks,
+    open_proposals,
+    range_to_pin,
+    shares_points,
+)
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState

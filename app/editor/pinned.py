@@ -1,14 +1,16 @@
-"""What is pinned: at a frame, by which points, and what is proposed."""
+"""Say what is pinned at a frame, by which points, what is proposed, and how long a pin lasts."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import handles
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.pose import part_transforms, pose_transforms
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
@@ -71,3 +73,99 @@ def pin_result(state: EditorState, pin: Pin) -> PinResult | None:
         and one.last_frame <= pin.last_frame
     ]
     return max(own, key=lambda one: (one.keyframe is not None, one.off_m), default=None)
+
+
+LEAST_FRAMES = 5
+STILL_M_S = 0.30
+"""Below this speed a point stands still; motion along the view is counted less, as it is known
+less well."""
+DEPTH_SHARE = 0.15
+AWAY_M = 0.08
+"""A point that drifts this far from where it stood is not where it stood, however slowly."""
+SMOOTHED_S = 0.05
+
+
+def range_to_pin(state: EditorState, pin: Pin, frame: int) -> tuple[int, int]:
+    """First and last frame around one at which the pin's points stand still.
+
+    Where nothing is tracked there: the interval between the keyframes around it.
+    """
+    return still_range(state, pin, frame) or _interval(state, frame)
+
+
+def still_range(
+    state: EditorState, pin: Pin, frame: int, reach: int | None = None
+) -> tuple[int, int] | None:
+    """The tracked frames around one at which the pin's points stand still; None where it is not
+    tracked. reach: how many frames away it is looked at most."""
+    count = state.frame_count
+    start = 0 if reach is None else max(frame - reach, 0)
+    stop = count if reach is None else min(frame + reach + 1, count)
+    points = _tracked_points(state, pin, start, stop)
+    if not np.isfinite(points[frame - start]).all():
+        return None
+    first, last = _still_around(points, np.diff(state.times_s[start:stop]), frame - start)
+    return start + first, start + last
+
+
+def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Array:
+    """(stop − start, points, 3) camera frame, metres; NaN where nothing is tracked."""
+    held = np.array(pin.points(state.doc.body))
+    part = state.doc.body.index(pin.part)
+    points = np.full((stop - start, len(held), 3), np.nan)
+    for (first, last), found in state.fitting.items():
+        begin, end = max(first, start), min(last + 1, stop)
+        if begin >= end:
+            continue
+        rows, path = slice(begin - first, end - first), found.trajectory
+        Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])[
+            :, part
+        ]
+        seen = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
+        seen[~found.tracked[rows]] = np.nan
+        points[begin - start : end - start] = seen
+    return points
+
+
+def _still_around(points: Array, steps_s: Array, frame: int) -> tuple[int, int]:
+    if not len(steps_s):
+        return frame, frame
+    slow, near = _is_slow(points, steps_s), _is_near(points, frame)
+    first = last = frame
+    while first > 0 and slow[first - 1] and near[first - 1]:
+        first -= 1
+    while last < len(slow) and slow[last] and near[last + 1]:
+        last += 1
+    return first, last
+
+
+def _is_slow(points: Array, steps_s: Array) -> NDArray[np.bool_]:
+    """(F − 1,) whether all points are slow from one frame to the next."""
+    steps = np.diff(points, axis=0)
+    speed = _across(steps, points[1:]).max(axis=1) / steps_s
+    half = int(SMOOTHED_S / float(np.median(steps_s)) / 2)
+    window = min(2 * half + 1, len(speed))
+    return np.asarray(np.convolve(speed, np.full(window, 1 / window), "same") < STILL_M_S)
+
+
+def _is_near(points: Array, frame: int) -> NDArray[np.bool_]:
+    """(F,) whether all points are about where they are at one frame."""
+    return np.asarray(_across(points - points[frame], points).max(axis=1) < AWAY_M)
+
+
+def _across(steps: Array, points: Array) -> Array:
+    """(N, points) lengths of steps at points; along the view they count less."""
+    rays = points / np.linalg.norm(points, axis=-1, keepdims=True)
+    along = (steps * rays).sum(axis=-1)
+    across = np.linalg.norm(steps - along[..., None] * rays, axis=-1)
+    return np.asarray(across + DEPTH_SHARE * np.abs(along))
+
+
+def _interval(state: EditorState, frame: int) -> tuple[int, int]:
+    """From the keyframe at a frame or before it to the next; the frame alone outside of them."""
+    keys = state.keys
+    before = [key for key in keys if key <= frame]
+    after = [key for key in keys if key > frame]
+    if before and not after and before[-1] == frame and len(before) > 1:
+        return before[-2], frame
+    return (before[-1], after[0]) if before and after else (frame, frame)

@@ -18,8 +18,8 @@ from keypose.tracker.errors import KeyposeError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.detections import found_before
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.found_before import found_before
 from keypose.tracker.storage.keypoints import of_session
 
 MOST_REMEMBERED = 8

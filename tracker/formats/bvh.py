@@ -22,10 +22,10 @@ import numpy as np
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.decimals import fixed_decimals
-from keypose.tracker.formats.euler_curves import smooth_euler
 from keypose.tracker.formats.names import single_words
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig
+from keypose.tracker.formats.rotation_curves import smooth_euler
 from keypose.tracker.formats.units import PER_METRE, FileUnit
 from keypose.tracker.geometry.rotations import Array
 

@@ -29,11 +29,11 @@ from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_worl
 from keypose.tracker.formats.glb_file import Numbers
 from keypose.tracker.formats.glb_skin import bind_matrices, primitives
 from keypose.tracker.formats.looks import ROUGHNESS, linear
-from keypose.tracker.formats.quaternion_curves import smooth_quaternions_xyzw
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
 from keypose.tracker.formats.rigs.table import table_of
+from keypose.tracker.formats.rotation_curves import smooth_quaternions_xyzw
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
 

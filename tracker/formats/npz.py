@@ -47,9 +47,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.formats.euler_curves import smooth_euler
 from keypose.tracker.formats.names import column_names
 from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rotation_curves import smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

@@ -1,4 +1,4 @@
-"""Keypoints that were found once, by film, network and region, in this user's cache folder.
+"""Keep keypoints that were found, by film, network and region, in this user's cache folder.
 
 They can be found again, so whatever is wrong with a file, or with the folder, it is as if there was
 none. Files used longest ago go first when there are too many bytes.
@@ -13,13 +13,18 @@ from typing import Final
 
 import numpy as np
 
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_own
-from keypose.tracker.keypoints.model_files import cache_folder
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.model_files import FULL, cache_folder, find_model
 from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.stretch import Stretch
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.cues import sources
 
 MOST_BYTES: Final = 256 * 2**20
 """Some 250,000 frames."""
@@ -89,3 +94,13 @@ def _stretch(content: bytes) -> Stretch:
     if count < 1 or not np.isfinite(arrays["regions"]).all() or (lost_for[seen] != 0).any():
         raise ValueError("it holds no stretch")
     return Stretch(*(arrays[name] for name in (*_ROWS, *_STATE)))
+
+
+def found_before(session: Session, span: Span) -> Keypoints | None:
+    """Those that a network found in one segment, without a look at the film; None where there are
+    none."""
+    skeleton = Skeleton.of(session.body)
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
+    model = find_model(session.settings.network or FULL.name)
+    film = session.video.pictures
+    return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)

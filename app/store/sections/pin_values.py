@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from keypose.app.editor.pin_range import still_range
-from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result
+from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.euler_curves import smooth_euler
+from keypose.tracker.formats.rotation_curves import smooth_euler
 from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler
 from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of

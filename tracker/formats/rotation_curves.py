@@ -1,8 +1,9 @@
-"""Euler angles that run smoothly over time, for programs that draw and edit them as curves.
+"""Make rotations run smoothly over time, for programs that interpolate or draw their numbers.
 
 A rotation has many triples [z, y, x] with R = Qz·Qy·Qx: any angle may gain a full turn, and
 (z + π, π − y, x + π) is the same rotation as (z, y, x). Where y is a quarter turn, only the sum or
-the difference of z and x counts. Of all these the one nearest to the frame before is taken.
+the difference of z and x counts. Of all these, as of both signs of a quaternion, the one nearest to
+the frame before is taken.
 """
 
 from __future__ import annotations
@@ -10,8 +11,19 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from keypose.tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.geometry.rotations import Array, euler_from_rotation, quaternion_wxyz
+
+
+def smooth_quaternions_xyzw(rotations: Array) -> NDArray[np.float32]:
+    """(N, B, 4) of rotations (N, B, 3, 3) of consecutive frames: of the two that are one rotation,
+    the one nearer to the frame before; the first frame's w is not negative."""
+    q = quaternion_wxyz(rotations)
+    turned = np.where((q[1:] * q[:-1]).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
+    q[1:] *= np.cumprod(turned, axis=0)
+    return np.roll(q, -1, axis=-1).astype(np.float32)
+
 
 LOCKED = 1e-8
 """cos y below which z and x turn about one axis, to the precision of any file."""
