@@ -16,7 +16,7 @@ from keypose.app.export.plausibility import (
     bone_ratios,
     implausible,
     lying,
-    middle_ratio,
+    median_ratio,
     require_limbs,
     world_at_rest,
 )
@@ -125,7 +125,7 @@ def fit_to_session(
         notes += (Note("starts at", (start,)),) if start else ()
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
     bones = bone_ratios(points, ps)
-    size = middle_ratio(bones)
+    size = median_ratio(bones)
     scale = size if motion.unit is None else 1.0
     _require_a_size(size / scale, file)
     near = _pose_per_frame(posed, first, len(ps))
@@ -273,7 +273,7 @@ def _best_start(
         return 0
     Ts = np.stack([pose_transforms(points.skeleton, posed[frame]) for frame in frames])
     ours, at_keys = points.at(Ts), times_s[frames]
-    scale = middle_ratio(bone_ratios(points, motion.ps_world_joint[:, indices]))
+    scale = median_ratio(bone_ratios(points, motion.ps_world_joint[:, indices]))
 
     def miss(start: int) -> tuple[int, float]:
         """How many keyframes it reaches, and its root mean square distance from these, metres."""

@@ -30,7 +30,7 @@ def _beyond(count: int, last: int) -> str:
     return f"Left out {some} outside the video, whose last frame is {last}."
 
 
-def _untold(*parts: str) -> str:
+def _undetermined(*parts: str) -> str:
     shown = [readable(part) for part in parts[:SHOWN]]
     more = [f"{len(parts) - SHOWN} more"] if len(parts) > SHOWN else []
     return (
@@ -74,7 +74,7 @@ _WORDS: Final[dict[Oddity, Callable[..., str]]] = {
         "The file has no times: each row is taken for a frame of the video. Give its rate if not."
     ),
     "z up at rest": lambda: "Read with z up, as its rest pose shows.",
-    "untold parts": _untold,
+    "undetermined parts": _undetermined,
     "unplaced joints": _unplaced,
     "proportions": _proportions,
     "poor fit": _poor,

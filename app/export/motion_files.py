@@ -6,7 +6,7 @@ import io
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -111,18 +111,13 @@ def sampling_words(
         verb = "has" if len(even) == 1 else "have"
         sentences.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
     first = recording.frames[0] if sampling.frames is None else sampling.frames[0]
-    timeless = [name for name in formats if name in TIMELESS]
-    if first and timeless:
-        names, verb = (
-            listed([name.upper() for name in timeless]),
-            "begins" if len(timeless) == 1 else "begin",
+    untimed = [name.upper() for name in formats if not FORMATS[name].timed]
+    if first and untimed:
+        verb = "begins" if len(untimed) == 1 else "begin"
+        sentences.append(
+            f"{listed(untimed)} {verb} at frame {first} of the film, which the file cannot say."
         )
-        sentences.append(f"{names} {verb} at frame {first} of the film, which the file cannot say.")
     return " ".join(sentences) or None
-
-
-TIMELESS: Final = ("bvh", "amass")
-"""Formats that cannot say when they begin."""
 
 
 def motion_files(

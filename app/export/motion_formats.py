@@ -46,6 +46,7 @@ class Format:
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
     read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
     rigged: whether it has bones, which may be another rig's.
+    timed: whether its file says when in the film it begins.
     """
 
     words: str
@@ -55,6 +56,7 @@ class Format:
     own_times: bool = False
     gaps: bool = True
     rigged: bool = False
+    timed: bool = True
 
 
 def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
@@ -146,7 +148,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
         "the floor at zero",
-        _bvh, ("motion.bvh",), "text/plain", gaps=False, rigged=True,
+        _bvh, ("motion.bvh",), "text/plain", gaps=False, rigged=True, timed=False,
     ),
     "glb": Format(
         "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
@@ -185,7 +187,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "amass": Format(
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
         "z up, on the floor",
-        _amass, ("motion_poses.npz",), gaps=False,
+        _amass, ("motion_poses.npz",), gaps=False, timed=False,
     ),
     "camera": Format(
         "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",

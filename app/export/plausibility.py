@@ -21,12 +21,12 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.fit_joints import Fit, rigid
 
-LEAST_TOLD = 0.5
-"""Share of the parts with a joint at either end that the file's joints have to turn."""
+LEAST_DETERMINED = 0.5
+"""Share of the parts that carry another one whose rotation the file's joints have to determine."""
 POOR = 0.04
 """Joint error, as a share of the body's extent, above what other people's proportions give."""
 UNLIKE = 1.6
-"""By how much a bone may be longer or shorter than the body's, beside all others."""
+"""Ratio of a bone's length to the body's, over the median of all bones, that is plausible."""
 FLAT = 0.005
 """Thickness of a motion, as a share of its extent, below which it has no depth."""
 LYING_DEG = 60.0
@@ -39,8 +39,8 @@ _UP_AT_REST = np.array([0.0, -1.0, 0.0])
 
 def require_limbs(skeleton: Skeleton, places: Sequence[BodyPoint], file: str) -> None:
     """FormatError where the places say too little of how the body's parts turn."""
-    inner, untold = _inner(skeleton), _untold(skeleton, places)
-    if len(inner) - len(untold) < LEAST_TOLD * len(inner):
+    inner, undetermined = _inner(skeleton), _undetermined(skeleton, places)
+    if len(inner) - len(undetermined) < LEAST_DETERMINED * len(inner):
         raise FormatError(
             f"{file}: of its joints {len(places)} are known, too few to say how the body's "
             f"{len(skeleton.body.parts)} parts move: name the places of more."
@@ -53,15 +53,15 @@ def _inner(skeleton: Skeleton) -> list[int]:
     return [part for part in carrying if skeleton.body.names[part] != "neck"]
 
 
-def _untold(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
+def _undetermined(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
     """Inner parts whose turning moves none of the places."""
-    told: set[int] = set()
+    moving: set[int] = set()
     for place in places:
         for part, p in place:
-            told |= {part} if any(p) else set()
+            moving |= {part} if any(p) else set()
             while (part := int(skeleton.parents[part])) >= 0:
-                told.add(part)
-    return [part for part in _inner(skeleton) if part not in told]
+                moving.add(part)
+    return [part for part in _inner(skeleton) if part not in moving]
 
 
 def _middles(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
@@ -98,7 +98,7 @@ def bone_ratios(points: BodyPoints, ps: Array) -> Bones:
     return found or (tips if len(tips) > 1 else {})
 
 
-def middle_ratio(bones: Bones) -> float:
+def median_ratio(bones: Bones) -> float:
     """The median of the ratios, each counted by its bone's length; 1 without any."""
     if not bones:
         return 1.0
@@ -144,10 +144,10 @@ def implausible(
     """Notes on what the joints do not tell, on proportions, on error and on depth."""
     notes: list[Note] = []
     names = skeleton.body.names
-    untold = _untold(skeleton, places)
-    if untold:
-        notes.append(Note("untold parts", tuple(names[part] for part in untold)))
-    unplaced = [part for part in _middles(skeleton, places) if part not in untold]
+    undetermined = _undetermined(skeleton, places)
+    if undetermined:
+        notes.append(Note("undetermined parts", tuple(names[part] for part in undetermined)))
+    unplaced = [part for part in _middles(skeleton, places) if part not in undetermined]
     if unplaced:
         notes.append(Note("unplaced joints", tuple(names[part] for part in unplaced)))
     if len(places) > 3 and _is_flat(ps):

@@ -21,8 +21,8 @@ MOST_NUMBERS: Final = 15_000_000
 
 LEAST_SHARED: Final = 3
 """Joints that several subjects of a file share by name."""
-MIDDLES: Final = (("LWRA", "LWRB"), ("RWRA", "RWRB"))
-"""Pairs of markers of Plug-in Gait in whose middle a joint is."""
+MARKER_PAIRS: Final = (("LWRA", "LWRB"), ("RWRA", "RWRB"))
+"""Markers of Plug-in Gait on either side of a joint."""
 
 Unit: TypeAlias = Literal["m", "cm", "mm"]
 World: TypeAlias = Literal["camera", "y up", "z up"]
@@ -114,10 +114,10 @@ class JointMotion:
             rest_m=None if self.rest_m is None else self.rest_m[mine],
         )
 
-    def with_middles(self) -> JointMotion:
-        """With a joint between two markers on either side of it, such as LWRA+LWRB."""
+    def with_joint_centres(self) -> JointMotion:
+        """Add the joint centre between each pair of markers, such as LWRA+LWRB."""
         names, ps = list(self.names), [self.ps_world_joint]
-        for first, second in MIDDLES:
+        for first, second in MARKER_PAIRS:
             for i, name in enumerate(self.names):
                 other = f"{name.removesuffix(first)}{second}"
                 if name.rpartition(":")[2] == first and other in self.names:

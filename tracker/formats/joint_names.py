@@ -46,7 +46,7 @@ MOST_LISTED = 24
 
 _LETTERS = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _GLUED = {"left": "left", "right": "right", "左": "left", "右": "right"}
-_SAME = {"l": "left", "r": "right", "fore": "front", "back": "hind", "rear": "hind"}
+_SYNONYMS = {"l": "left", "r": "right", "fore": "front", "back": "hind", "rear": "hind"}
 END = "end"
 """`part.end` is where a part ends: at the joint of its one child, or at the end of its shape."""
 COMMON = 0.6
@@ -192,7 +192,7 @@ def _match(convention: _Convention, names: Sequence[str], words: Sequence[list[s
 
 def _spellings(words: Sequence[str]) -> tuple[str, ...]:
     """Under which a name may stand in a convention, the surest first."""
-    joined, ordered = "".join(words), " " + " ".join(sorted(_SAME.get(w, w) for w in words))
+    joined, ordered = "".join(words), " " + " ".join(sorted(_SYNONYMS.get(w, w) for w in words))
     for at, rest in ((0, words[1:]), (-1, words[:-1])):
         if rest and words[at] in _LETTERS:
             return joined, f"{_LETTERS[words[at]]} {''.join(rest)}", ordered

@@ -11,7 +11,7 @@ Oddity: TypeAlias = Literal[
     "frames beyond",
     "row per frame",
     "z up at rest",
-    "untold parts",
+    "undetermined parts",
     "unplaced joints",
     "poor fit",
     "proportions",

@@ -34,8 +34,7 @@ def load_motion(path: Path) -> JointMotion:
         )
     try:
         with np.errstate(all="ignore"):  # numbers too large become none, and are refused as such
-            motion = read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
-        return motion.with_middles() if motion.rest_m is None else motion
+            return read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
     except TooLarge:
         limit = LARGEST_MOTION_BYTES // 2**20
         raise FormatError(f"{path.name} is larger than the {limit} MB a motion may have.") from None

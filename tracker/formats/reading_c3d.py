@@ -48,7 +48,8 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
     labelled = sorted(first_of.values())
     names, positions = [names[i] for i in labelled], positions[labelled]
     times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
-    return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
+    motion = JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
+    return motion.with_joint_centres()
 
 
 def _labels(point: Any) -> list[str]:

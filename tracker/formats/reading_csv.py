@@ -54,7 +54,7 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     world: World = "camera" if ours else "y up"
     times = np.arange(len(table), dtype=np.float64) if clock is None else table[:, clock]
     times = times * (1.0 if time is None else _TIMES[letters[time]])
-    motion = JointMotion.of(file, list(columns), positions, times, world, unit)
+    motion = JointMotion.of(file, list(columns), positions, times, world, unit).with_joint_centres()
     return motion if time is not None else motion.per_frame(file)
 
 

@@ -35,7 +35,8 @@ def read_trc(file: str, content: bytes) -> JointMotion:
     table = np.array([_numbers(file, line, width) for line in rows])
     positions = table[:, np.add.outer(columns, range(3))]
     notes = _notes(header, len(rows), len(names))
-    return JointMotion.of(file, names, positions, table[:, 1], "y up", unit, notes=notes)
+    motion = JointMotion.of(file, names, positions, table[:, 1], "y up", unit, notes=notes)
+    return motion.with_joint_centres()
 
 
 def _markers(line: str) -> tuple[list[str], list[int]]:

@@ -96,7 +96,7 @@ def test_a_few_joints_do_not_say_how_a_body_moves(known: list[str]) -> None:
 def test_limbs_that_nothing_tells_are_named() -> None:
     without = [n for n in JOINTS if not n.startswith("left") or n in ("left_thigh",)]
     found = _fitted(_motion(without))
-    assert _oddities(found) == ["untold parts"]
+    assert _oddities(found) == ["undetermined parts"]
     (words,) = note_words(found.notes)
     assert "left upper arm, left forearm, left thigh and left shin" in words
     assert _oddities(_fitted(_motion(JOINTS))) == []

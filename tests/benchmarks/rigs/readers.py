@@ -14,21 +14,21 @@ from tests.benchmarks.rigs.material import SECONDS, Written, installed
 from tests.benchmarks.table import Expected, Report
 
 SCRIPT: Final = Path(__file__).with_name("in_readers.py")
-READERS: Final[tuple[tuple[str, str, MotionFormat, bool], ...]] = (
-    ("bvh", "bvh==0.3", "bvh", False),
-    ("bvhio", "bvhio==1.5.4", "bvh", False),
-    ("c3d", "c3d==0.6.0", "c3d", True),
-    ("ezc3d", "ezc3d==1.7.2", "c3d", True),
-    ("kineticstoolkit", "kineticstoolkit==0.17.0 ezc3d==1.7.2", "c3d", True),
-    ("opensim", "opensim==4.6", "trc", True),
-    ("opensim", "opensim==4.6", "mot", True),
-    ("pandas", "pandas==2.3.3", "trc", True),
-    ("pygltflib", "pygltflib==1.16.5", "glb", True),
-    ("pxr", "usd-core==26.11", "usd", True),
-    ("numpy", "numpy==2.4.6", "npz", True),
-    ("numpy", "numpy==2.4.6", "amass", False),
+READERS: Final[tuple[tuple[str, str, MotionFormat], ...]] = (
+    ("bvh", "bvh==0.3", "bvh"),
+    ("bvhio", "bvhio==1.5.4", "bvh"),
+    ("c3d", "c3d==0.6.0", "c3d"),
+    ("ezc3d", "ezc3d==1.7.2", "c3d"),
+    ("kineticstoolkit", "kineticstoolkit==0.17.0 ezc3d==1.7.2", "c3d"),
+    ("opensim", "opensim==4.6", "trc"),
+    ("opensim", "opensim==4.6", "mot"),
+    ("pandas", "pandas==2.3.3", "trc"),
+    ("pygltflib", "pygltflib==1.16.5", "glb"),
+    ("pxr", "usd-core==26.11", "usd"),
+    ("numpy", "numpy==2.4.6", "npz"),
+    ("numpy", "numpy==2.4.6", "amass"),
 )
-"""The module, what installs it, the format, and whether that says when in the film it begins."""
+"""The module, what installs it, and the format."""
 FIRST: Final = 12
 """Frame at which the exported motion begins."""
 
@@ -39,12 +39,12 @@ def readers(report: Report) -> None:
     made = Written("keypose").recording
     recording = made.between(FIRST, made.frames[-1])
     with tempfile.TemporaryDirectory() as folder:
-        for module, packages, name, is_timed in READERS:
+        for module, packages, name in READERS:
             path = Path(folder) / FORMATS[name].names[0]
             content = FORMATS[name].write(recording, Bones())[0]
             path.write_bytes(content.encode() if isinstance(content, str) else content)
             frames, first_s = _opened(module, packages, path)
-            off_s = first_s - (recording.times_s[0] if is_timed else 0.0)
+            off_s = first_s - (recording.times_s[0] if FORMATS[name].timed else 0.0)
             table.row(
                 packages.split()[0], name, frames, first_s,
                 expected=(
