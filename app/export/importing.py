@@ -20,14 +20,8 @@ from keypose.app.export.import_choices import (
     KeypointChoices,
     MotionChoices,
 )
-from keypose.app.export.import_motion import (
-    Draft,
-    ImportedMotion,
-    drafts_of,
-    fit_to_session,
-    match_keypoints,
-    pose_draft,
-)
+from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
+from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pose_draft
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import Matched

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import SessionLock
 from keypose.app.document.open import copy_session
-from keypose.app.export.import_motion import Draft, drafts_of, fit_to_session, match_keypoints
+from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
+from keypose.app.export.import_motion import fit_to_session
 from keypose.tracker.body.pose import joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
