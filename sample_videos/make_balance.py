@@ -17,7 +17,7 @@ import numpy as np
 from av.video.reformatter import Interpolation
 
 from keypose.tracker.body.body import Body, Point, preset
-from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.modify import resized
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session import Keyframe, Session, VideoReference
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 
@@ -37,6 +38,25 @@ def test_every_file_it_names_is_in_the_project(readme: Path) -> None:
         and not any(path.as_posix().endswith(f"/{name}") for path in sources)
     ]
     assert absent == []
+
+
+@pytest.mark.parametrize("top", ["app", "tracker"])
+def test_its_map_names_every_package_with_the_first_sentence_of_what_it_is(top: str) -> None:
+    rooms = dict(
+        re.findall(r"^- `([\w./]+)`: (.+)$", (ROOT / top / "README.md").read_text("utf-8"), re.M)
+    )
+    packages = {
+        f"{path.parent.relative_to(ROOT / top)}/": path
+        for path in (ROOT / top).rglob("__init__.py")
+        if path.parent != ROOT / top
+    }
+    modules = {name: ROOT / top / name for name in rooms if name.endswith(".py")}
+    assert rooms == {name: _first_sentence(path) for name, path in (packages | modules).items()}
+
+
+def _first_sentence(path: Path) -> str:
+    words = " ".join((ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "").split())
+    return words.split(". ")[0].removesuffix(".") + "."
 
 
 def test_its_gallery_is_what_the_script_makes_and_small() -> None:

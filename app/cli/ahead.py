@@ -14,7 +14,7 @@ from keypose.app.cli.json_output import print_json
 from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
 from keypose.app.cli.warm_up import warm_tracker
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 
 if TYPE_CHECKING:
     from keypose.tracker.session import Session
@@ -88,11 +88,11 @@ def _followed(
     stop: threading.Event,
     arguments: argparse.Namespace,
 ) -> FoundAhead:
-    from keypose.tracker.storage.keypoints import of_session
+    from keypose.tracker.storage.sidecars import keypoints_of_session
     from keypose.tracker.storage.tracking import track_ahead
     from keypose.tracker.tracking.pool import Cancelled
 
-    keypoints = of_session(session, arguments.session.parent)
+    keypoints = keypoints_of_session(session, arguments.session.parent)
     with _reporter(arguments.json) as report:
 
         def emit(motion: Trajectory) -> None:

@@ -182,7 +182,7 @@ def _save(
     from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session
     from keypose.tracker.storage.atomic import write_file
     from keypose.tracker.storage.files import session_json
-    from keypose.tracker.storage.keypoints import save_keypoints
+    from keypose.tracker.storage.sidecars import save_keypoints
 
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)

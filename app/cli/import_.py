@@ -201,7 +201,7 @@ def _motion_choices(arguments: argparse.Namespace) -> MotionChoices:
 
 def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
     from keypose.tracker.storage.files import save_session
-    from keypose.tracker.storage.first_motion import save_first_motion
+    from keypose.tracker.storage.sidecars import save_first_motion
 
     found, file = made.found, arguments.file.name
     motion = found.fit.trajectory

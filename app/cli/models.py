@@ -59,7 +59,7 @@ def _list(as_json: bool) -> int:
 
 def _add(arguments: argparse.Namespace) -> int:
     from keypose.tracker.keypoints.model_files import find_model
-    from keypose.tracker.storage.models import add_content, add_from_file
+    from keypose.tracker.storage.cache import add_content, add_from_file
 
     if arguments.name is None:
         raise KeypointError("Name the network to add, as in `keypose models add heavy`.")
@@ -90,7 +90,7 @@ def _downloaded(model: Model) -> bytes:
     from http.client import HTTPException
     from urllib.request import urlopen
 
-    from keypose.tracker.storage.models import LARGEST_PACKAGE_BYTES
+    from keypose.tracker.storage.cache import LARGEST_PACKAGE_BYTES
 
     try:
         with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:

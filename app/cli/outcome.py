@@ -27,8 +27,7 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
     """
     from keypose.app.cli.follow import follow
-    from keypose.tracker.storage.files import open_video_of
-    from keypose.tracker.storage.finding import with_present_fingerprints
+    from keypose.tracker.storage.files import open_video_of, with_present_fingerprints
 
     require_place(arguments)
     with open_video_of(asked, arguments.session) as video, locked_place(arguments):
@@ -144,8 +143,8 @@ def write_copy(session: Session, arguments: argparse.Namespace) -> None:
     """The session in the folder --out, with all that belongs to it but its motion."""
     from keypose.app.document.open import with_paths_from
     from keypose.tracker.storage.atomic import make_folder, write_file
-    from keypose.tracker.storage.beside import carry_beside
     from keypose.tracker.storage.files import session_json
+    from keypose.tracker.storage.sidecars import carry_beside
 
     make_folder(arguments.out, error=SessionError)
     carry_beside(session, arguments.session.parent, arguments.out)

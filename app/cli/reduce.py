@@ -120,8 +120,8 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     from keypose.app.editor.reduced import reducible
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.reduction.reduce import reduce_motion
-    from keypose.tracker.storage.first_motion import kept_beside
     from keypose.tracker.storage.results import load_results
+    from keypose.tracker.storage.sidecars import kept_beside
 
     found = reducible(
         session,
@@ -146,7 +146,7 @@ def _save(
 ) -> None:
     from keypose.app.editor.reduced import reduced_session
     from keypose.tracker.storage.files import open_video_of, save_session
-    from keypose.tracker.storage.first_motion import save_own_motion
+    from keypose.tracker.storage.sidecars import save_own_motion
 
     path = arguments.session
     with open_video_of(session, path) as video:

@@ -1,1 +1,1 @@
-"""Documents: sessions created, opened, saved and listed."""
+"""Create, open, save and list sessions."""

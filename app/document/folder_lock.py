@@ -12,7 +12,7 @@ from filelock import lock_descriptor
 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.files import NotRegular, open_own
-from keypose.tracker.storage.leftovers import sweep
+from keypose.tracker.storage.atomic import sweep
 
 NAME = ".keypose.lock"
 

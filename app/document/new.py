@@ -15,8 +15,8 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.editor.documents import NEAREST_M
 from keypose.app.editor.film_edits import as_taken
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.modify import with_height
 from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.scaling import with_height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError, SurfaceError
 from keypose.tracker.geometry.camera import Camera

@@ -29,7 +29,6 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.history import History
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.beside import carry_beside
 from keypose.tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.files import (
@@ -42,10 +41,10 @@ from keypose.tracker.storage.files import (
     open_video_of,
     save_session,
     video_path,
+    with_present_fingerprints,
 )
-from keypose.tracker.storage.finding import with_present_fingerprints
-from keypose.tracker.storage.first_motion import load_first_motion
 from keypose.tracker.storage.results import Results, load_results
+from keypose.tracker.storage.sidecars import carry_beside, load_first_motion
 from keypose.tracker.surface.new_session import Reading
 from keypose.tracker.surface.source import holds_meshes
 from keypose.tracker.video import Video

@@ -1,1 +1,4 @@
-"""What a person edits, and the one function that changes it. Knows no page and no viser."""
+"""Edit the document: one pure function from a state and an action to the next state.
+
+Knows no page and no viser.
+"""

@@ -15,7 +15,7 @@ from keypose.app.editor.refusal import Refused
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.ahead import Ahead, Direction, Stop
+from keypose.tracker.session.annotations import Ahead, Direction, Stop
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.fingerprints import ahead_key

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from keypose.tracker.errors import readable
-from keypose.tracker.session.ahead import Ahead, Stop, StopCause
+from keypose.tracker.session.annotations import Ahead, Stop, StopCause
 
 if TYPE_CHECKING:
     from keypose.tracker.tracking.ahead.follow import FoundAhead

@@ -11,7 +11,6 @@ from keypose.app.editor.documents import Posed, require_before_camera
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
-from keypose.tracker.body.assembling import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.body import PRESETS, Body, Part, preset
 from keypose.tracker.body.clavicles import (
     can_have_clavicles,
@@ -19,6 +18,7 @@ from keypose.tracker.body.clavicles import (
     with_clavicles,
     without_clavicles,
 )
+from keypose.tracker.body.modify import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session.annotations import Reviewed

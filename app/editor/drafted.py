@@ -22,9 +22,8 @@ from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import annotations as record
 from keypose.tracker.session.annotations import LEARN_FRAMES
-from keypose.tracker.session.checks import MOST
 from keypose.tracker.session.references import KeypointFile
-from keypose.tracker.session.schema import Session
+from keypose.tracker.session.schema import MOST, Session
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal

@@ -13,8 +13,8 @@ import numpy as np
 from keypose.app.editor.segment_evidence import gain
 from keypose.app.posing import PointerView, lanes, parts_at
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import part_transforms, pose_transforms
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

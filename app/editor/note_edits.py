@@ -5,7 +5,7 @@ from __future__ import annotations
 from keypose.app.editor import actions as do
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.notes import Note
+from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.schema import Session
 
 

@@ -30,10 +30,9 @@ from keypose.tracker.body.trajectory import Trajectory, displaced
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.reduction.result import require_range
-from keypose.tracker.session.checks import MOST
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.references import FirstMotion
-from keypose.tracker.session.schema import Session
+from keypose.tracker.session.schema import MOST, Session
 from keypose.tracker.storage.results import Fitting
 
 Source: TypeAlias = Literal["tracked", "drafts", "imported"]

@@ -13,8 +13,8 @@ import numpy as np
 from keypose.app.editor.judged import ById, Judged, far_end
 from keypose.app.editor.problems import Problem, problems_of
 from keypose.app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.scaling import height
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding

@@ -19,7 +19,7 @@ from keypose.app.editor.problems import (
 )
 from keypose.app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
 from keypose.app.editor.verdict_text import add_keyframe, frame_range
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.verdict import WORST_FIRST
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult

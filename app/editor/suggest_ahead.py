@@ -9,7 +9,7 @@ from keypose.app.editor.ahead import stands
 from keypose.app.editor.ahead_text import tracked_to, why_stopped
 from keypose.app.editor.problems import SHORT_FRAMES
 from keypose.app.editor.suggest import Suggestion
-from keypose.tracker.session.ahead import Ahead, Direction
+from keypose.tracker.session.annotations import Ahead, Direction
 from keypose.tracker.session.schema import Session
 
 

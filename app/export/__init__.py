@@ -1,1 +1,1 @@
-"""What is taken home: motion as files and a report; and what is brought along."""
+"""Export motion, pictures and a report; import what other programs made."""

@@ -15,7 +15,7 @@ from keypose.app.render.studio import Paint, Size
 from keypose.app.render.tints import Tint
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.leftovers import sweep
+from keypose.tracker.storage.atomic import sweep
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Span
 from keypose.tracker.video import Video

@@ -13,7 +13,7 @@ import numpy as np
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_formats import FORMATS, Bones, MotionFormat
 from keypose.tracker.errors import FormatError, listed
-from keypose.tracker.formats.floor_world import with_floor
+from keypose.tracker.formats.conventions import with_floor
 from keypose.tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes

@@ -61,7 +61,7 @@ class Format:
 
 def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
     from keypose.tracker.formats.bvh import bvh
-    from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+    from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
     from keypose.tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")

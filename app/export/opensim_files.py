@@ -13,10 +13,8 @@ from pathlib import Path
 from keypose.app.export.motion_files import Sampling, sampled
 from keypose.tracker.formats.apart import read_apart
 from keypose.tracker.formats.marker_sets import markers_of
-from keypose.tracker.formats.opensim.coordinates import trunk_flexion
-from keypose.tracker.formats.opensim.model import read_model
-from keypose.tracker.formats.opensim.mot import mot
-from keypose.tracker.formats.opensim.scaling import scaled
+from keypose.tracker.formats.opensim.model import read_model, scaled
+from keypose.tracker.formats.opensim.mot import mot, trunk_flexion
 from keypose.tracker.formats.opensim.setups import (
     IK_FILE,
     MARKERS_FILE,

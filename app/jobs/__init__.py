@@ -1,4 +1,4 @@
-"""Tracking and fitting: a worker process of their own, so that the page stays quick."""
+"""Track and fit in a worker process, so that the page stays quick."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def drafted(
     from keypose.tracker.fitting.draft import draft_clip  # loads what only this needs
     from keypose.tracker.keypoints.augmented import Augmented
     from keypose.tracker.keypoints.model_files import FULL, find_model
-    from keypose.tracker.storage.detections import Detections
+    from keypose.tracker.storage.cache import Detections
 
     def picture(number: int) -> NDArray[np.uint8] | None:
         try:
@@ -76,9 +76,9 @@ def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[
     """The drafts near some keyframes with what all keyframes there give of the keypoints; none
     where the keypoints are not beside the session any more. folder: of the session's file."""
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
-    from keypose.tracker.storage.keypoints import of_session
+    from keypose.tracker.storage.sidecars import keypoints_of_session
 
-    skeleton, keypoints = Skeleton.of(session.body), of_session(session, folder)
+    skeleton, keypoints = Skeleton.of(session.body), keypoints_of_session(session, folder)
     if keypoints is None:
         return {}
     keypoints = keypoints.corrected(session.keypoint_corrections)

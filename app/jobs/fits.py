@@ -41,7 +41,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SurfaceError, one_sentence
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from keypose.tracker.storage import keypoints
+from keypose.tracker.storage import sidecars
 from keypose.tracker.video import Video
 
 if TYPE_CHECKING:
@@ -127,7 +127,9 @@ class Fit:
 
         skeleton = Skeleton.of(session.body)
         others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != order.frame}
-        source = keypoint_source(session, video, keypoints.of_session(session, Path(order.folder)))
+        source = keypoint_source(
+            session, video, sidecars.keypoints_of_session(session, Path(order.folder))
+        )
         found = fit_pose_to_picture(
             video, session.camera, skeleton, order.frame, order.pose, others, order.tracked,
             masks=session.ignore_masks, cancelled=self._cancelled.is_set, source=source,

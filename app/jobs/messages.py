@@ -12,7 +12,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Box
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.stretches import Stretch
 from keypose.tracker.tracking.result import SegmentResult

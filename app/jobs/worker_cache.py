@@ -7,7 +7,7 @@ from typing import Any
 
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from keypose.tracker.storage import first_motion, keypoints
+from keypose.tracker.storage import sidecars
 from keypose.tracker.storage.evidence import files_of
 from keypose.tracker.storage.files import open_for_work
 from keypose.tracker.storage.tracking import fitter_of, steps_of, tracker_of
@@ -71,9 +71,9 @@ class WorkerCache:
         self._tracker = tracker_of(
             session,
             video,
-            first_motion=first_motion.of_session(session, folder),
+            first_motion=sidecars.first_motion_of_session(session, folder),
             like=self._tracker,
-            keypoints=keypoints.of_session(session, folder),
+            keypoints=sidecars.keypoints_of_session(session, folder),
             fewest=fewest,
         )
         return self._tracker

@@ -1,4 +1,4 @@
-"""Posing a jointed body with the mouse: pure functions from a pose and a drag to a pose.
+"""Pose a jointed body with the mouse: pure functions from a pose and a drag to a pose.
 
 `drag` is the entry point for everything a pointer does to the body. Points are in the camera frame,
 metres; view coordinates are those of `PointerView`. Nothing here keeps anything: a gesture is

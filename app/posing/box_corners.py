@@ -27,9 +27,8 @@ from keypose.tracker.errors import BodyError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.one_pose import OnePose
-from keypose.tracker.solver.point_terms import PointsInPicture, RootPosition
-from keypose.tracker.solver.pose_terms import PosePrior
+from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.terms import Term
 
 CORNER_SIGMA_PX = 1.0

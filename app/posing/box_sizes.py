@@ -22,7 +22,7 @@ from keypose.tracker.solver.least_squares import (
     damped_step,
     least_squares,
 )
-from keypose.tracker.solver.point_terms import PointsInPicture
+from keypose.tracker.solver.pose_terms import PointsInPicture
 from keypose.tracker.solver.posed import Posed, image_jacobian
 from keypose.tracker.solver.terms import Equations, Rows, Term, total_cost, total_equations
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from keypose.app.posing.labels import joint_label, kind_of, part_label
 from keypose.tracker.body.body import Body, Part
-from keypose.tracker.body.by_body import once_per_body
-from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.skeleton import Skeleton, once_per_body
 from keypose.tracker.errors import BodyError
 
 

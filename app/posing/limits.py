@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Part
-from keypose.tracker.body.twist import TwistLimits
+from keypose.tracker.body.joint_limits import TwistLimits
 from keypose.tracker.geometry.rotations import (
     Array,
     euler_from_rotation,

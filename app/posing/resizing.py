@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from keypose.app.posing.labels import kind_of
-from keypose.tracker.body import scaling
+from keypose.tracker.body import modify
 from keypose.tracker.body.body import Body, Part, Point
-from keypose.tracker.body.scaling import with_parts
+from keypose.tracker.body.modify import with_parts
 from keypose.tracker.body.shapes import KINDS, Shape
 from keypose.tracker.errors import BodyError
 
@@ -145,13 +145,13 @@ def with_joint(
     for value in joint_cm:
         _require_between("joint's place", value, -LARGEST_CM, LARGEST_CM)
     x, y, z = (value / 100 for value in joint_cm)
-    return scaling.joint_moved(body, part, (x, y, z), linked=linked)
+    return modify.joint_moved(body, part, (x, y, z), linked=linked)
 
 
 def with_height(body: Body, cm: float) -> Body:
     """The whole body scaled to a height in the rest pose."""
     _require_between("height", cm, LOWEST_CM, HIGHEST_CM)
-    return scaling.with_height(body, cm / 100)
+    return modify.with_height(body, cm / 100)
 
 
 def _require_between(what: str, cm: float, low: float, high: float) -> None:

@@ -26,9 +26,14 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.one_pose import OnePose
-from keypose.tracker.solver.point_terms import PointsInPicture, PointsInSpace, RootPosition
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.pose_terms import (
+    JointLimits,
+    PointsInPicture,
+    PointsInSpace,
+    PosePrior,
+    RootPosition,
+)
 from keypose.tracker.solver.terms import Term
 
 TURN_SIGMA_RAD, SHIFT_SIGMA_M, FARTHER_SIGMA_M = np.radians(12.0), 0.1, 0.03

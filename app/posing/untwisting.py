@@ -13,9 +13,9 @@ import numpy as np
 from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.limits import FREE, SLACK, JointRange, nearest_within, range_of, twist_of
 from keypose.app.posing.vectors import length, smooth_step, turn
+from keypose.tracker.body.joint_limits import TwistLimits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.twist import TwistLimits
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 EASED_M = 0.05

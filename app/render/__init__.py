@@ -1,1 +1,1 @@
-"""Pictures of a posed body, without a window."""
+"""Draw pictures of a posed body, without a window."""

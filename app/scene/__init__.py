@@ -1,1 +1,1 @@
-"""What the four views of the page show, drawn by viser."""
+"""Draw what the four views of the page show, by viser."""

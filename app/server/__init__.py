@@ -1,1 +1,1 @@
-"""The server of the page: its port, its access control, and what it serves."""
+"""Serve the page: its port, its access control, and its routes."""

@@ -1,1 +1,1 @@
-"""The one owner of the page's state, and what keeps it going."""
+"""Own the page's state: actions in, sections out, and what keeps it going."""

@@ -33,7 +33,7 @@ from keypose.tracker.errors import KeypointError, KeyposeError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.keypoints import of_session, save_keypoints
+from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
 
 if TYPE_CHECKING:
     from keypose.tracker.reduction.result import Reduction
@@ -213,5 +213,5 @@ def _keypoints_before(doc: Session, path: Path, network: str) -> Keypoints | Non
     if doc.keypoints is None or doc.keypoints.network != network:
         return None
     with suppress(KeypointError):  # they are found again when needed
-        return of_session(doc, path.parent)
+        return keypoints_of_session(doc, path.parent)
     return None

@@ -18,7 +18,7 @@ from keypose.app.store.identity import unchanged
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.first_motion import save_first_motion
+from keypose.tracker.storage.sidecars import save_first_motion
 from keypose.tracker.video import VideoInfo
 
 LABEL = "import"

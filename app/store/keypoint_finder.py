@@ -18,9 +18,9 @@ from keypose.tracker.errors import KeyposeError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.detections import found_before
+from keypose.tracker.storage.cache import found_before
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.keypoints import of_session
+from keypose.tracker.storage.sidecars import keypoints_of_session
 
 MOST_REMEMBERED = 8
 """Answers that are kept."""
@@ -106,7 +106,7 @@ def _or_none(read: _Read) -> Keypoints | None:
 
 def _of_file(doc: Session, folder: Path) -> _Question:
     name = "" if doc.keypoints is None else str(folder / doc.keypoints.file)
-    return _Question(("file", name), partial(of_session, doc, folder))
+    return _Question(("file", name), partial(keypoints_of_session, doc, folder))
 
 
 def _of_segment(doc: Session, span: Span | None) -> _Question:

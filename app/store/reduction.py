@@ -13,7 +13,7 @@ from keypose.app.editor.state import EditorState
 from keypose.tracker.errors import SessionError
 from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.first_motion import kept_beside, save_own_motion
+from keypose.tracker.storage.sidecars import kept_beside, save_own_motion
 
 WAITING = "Apply or discard the keyframes of the reduction first."
 

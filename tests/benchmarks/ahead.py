@@ -14,7 +14,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.stretch import Stretch
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.tracking.ahead.follow import LONGEST, follow_ahead, followed_ways

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.modify import resized
 from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
-from keypose.tracker.body.scaling import resized
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.sizes import Proposal

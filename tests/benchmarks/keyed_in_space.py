@@ -26,9 +26,8 @@ from keypose.tracker.solver.fit_joints import (
     fit_motion,
 )
 from keypose.tracker.solver.least_squares import least_squares
-from keypose.tracker.solver.one_pose import OnePose
-from keypose.tracker.solver.point_terms import PointsInPicture, PointsInSpace
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PointsInSpace, PosePrior
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keyed import Keyed, keyed
 from tests.benchmarks.posing import sized

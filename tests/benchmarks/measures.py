@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.scaling import height
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array

@@ -16,8 +16,8 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.modify import joint_moved, resized, scaled
 from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
-from keypose.tracker.body.scaling import joint_moved, resized, scaled
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

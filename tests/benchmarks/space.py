@@ -17,8 +17,8 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.body.modify import scaled
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.scaling import scaled
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.camera import Camera

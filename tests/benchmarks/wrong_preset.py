@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.modify import height, resized, scaled, with_height
 from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
 from keypose.tracker.body.raster import BodyMesh
-from keypose.tracker.body.scaling import height, resized, scaled, with_height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.sizes import Proposal, fit_sizes

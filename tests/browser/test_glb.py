@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page
 
 from keypose.app.render.palette import SIDE_COLOURS, part_sides
 from keypose.tracker.body.pose import part_transforms
-from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.conventions import floor_from_camera
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import apply_transform, rotation_between

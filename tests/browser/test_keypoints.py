@@ -19,7 +19,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.keypoints import save_keypoints
+from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import (
     Spot,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.modify import resized
 from keypose.tracker.body.pose import joint_positions, moved, pose_transforms
-from keypose.tracker.body.scaling import resized
 from keypose.tracker.body.shapes import KINDS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate

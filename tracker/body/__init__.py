@@ -1,1 +1,1 @@
-"""The articulated body: parts, poses, trajectories, and operations on its solids."""
+"""Describe the articulated body: parts, poses, trajectories, and operations on its solids."""

@@ -1,4 +1,12 @@
-"""A motion at other times than those of its frames.
+"""Resample a motion at other times, or low-pass filter it with zero phase.
+
+The filter is the one of movement science: a Butterworth filter of second order forward and back,
+together of fourth order and without delay, 3 dB down at the cut-off. Forward and back it is one
+symmetric kernel of weights. A position becomes the weighted mean of its neighbours, a rotation
+their weighted mean on the group of rotations: the M with Σ w log(Mᵀ R) = 0. So a steady turn stays
+itself however often it goes round, no frame of reference is preferred, and, since rotations and the
+root alone are filtered, bones keep their lengths exactly. Beyond an end a motion is continued by
+its reflection through that end, R₀ Rⱼᵀ R₀, which leaves the end where it was.
 
 Between two frames it follows the cubic through them and one neighbour on each side, by the times
 they are shown at: of positions, and of rotations as rotation vectors from the earlier of the two.
@@ -11,7 +19,127 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.geometry.rotations import (
+    Array,
+    exp_rotation,
+    log_rotation,
+    nearest_rotation,
+    quaternion_wxyz,
+    rotation_from_quaternion,
+    transpose,
+)
+
+ORDER = 2
+"""Of the filter that runs forward and back."""
+
+LEAST_WEIGHT = 1e-4
+"""Of the largest: the kernel ends where its weights stay below."""
+
+LONGEST_NEAR_HALF_RATE = 500
+"""Frames that a kernel may reach beside those of its cut-off: near half the rate it rings."""
+
+CLOSE_RAD, MOST_STEPS = 1e-9, 30
+"""When a mean of rotations counts as found, and how many steps that may take."""
+
+FRAMES_AT_ONCE = 256
+"""Of rotations, which bounds the memory."""
+
+
+def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
+    """The weights (2K + 1,), symmetric, their sum 1, for `rate` frames a second.
+
+    ValueError unless the cut-off lies between 0 and half the rate, where it would mean something.
+    """
+    from scipy.signal import butter, sosfiltfilt  # loads longer than all the page needs to start
+
+    if not 0.0 < cutoff_hz < rate / 2:
+        raise ValueError("the cut-off must lie between 0 and half the rate")
+    # Two passes are 3 dB down where one is 1.5; the tangent is the bilinear transform's warp.
+    one_pass = np.tan(np.pi * cutoff_hz / rate) / (np.sqrt(2.0) - 1.0) ** (1 / (2 * ORDER))
+    sections = butter(ORDER, 2.0 / np.pi * np.arctan(one_pass), output="sos")
+    half = int(np.ceil(4.0 * rate / cutoff_hz)) + LONGEST_NEAR_HALF_RATE
+    impulse = np.zeros(2 * half + 1)
+    impulse[half] = 1.0
+    weights = sosfiltfilt(sections, impulse, padlen=0)
+    reach = int(np.flatnonzero(np.abs(weights[half:]) > LEAST_WEIGHT * weights[half])[-1])
+    kept = weights[half - reach : half + reach + 1]
+    kept = (kept + kept[::-1]) / 2
+    return np.asarray(kept / kept.sum())
+
+
+def least_frames(cutoff_hz: float, rate: float) -> int:
+    """How many frames a motion must have to be filtered: a period of the cut-off."""
+    return max(int(np.ceil(rate / cutoff_hz)), 3) + 1
+
+
+def filtered_positions(ps: Array, kernel: Array) -> Array:
+    """Positions (N, ...) of consecutive frames, at least two."""
+    reach = len(kernel) // 2
+    edges = ((reach, reach), *((0, 0),) * (ps.ndim - 1))
+    continued = np.pad(ps, edges, mode="reflect", reflect_type="odd")
+    windows = np.lib.stride_tricks.sliding_window_view(continued, len(kernel), axis=0)
+    return np.asarray(windows @ kernel)
+
+
+def filtered_rotations(Rs: Array, kernel: Array) -> Array:
+    """Rotations (N, ..., 3, 3) of consecutive frames, at least two."""
+    q = quaternion_wxyz(_continued(Rs, len(kernel) // 2))
+    found = []
+    for start in range(0, len(Rs), FRAMES_AT_ONCE):
+        count = min(FRAMES_AT_ONCE, len(Rs) - start)
+        found.append(_means(q[start : start + count + len(kernel) - 1], kernel))
+    return nearest_rotation(np.concatenate(found))
+
+
+def _continued(Rs: Array, reach: int) -> Array:
+    """Reflected through both ends by so many frames, again and again where they are few."""
+    while reach > 0:
+        count = min(reach, len(Rs) - 1)
+        before = Rs[0] @ np.swapaxes(Rs[count:0:-1], -1, -2) @ Rs[0]
+        after = Rs[-1] @ np.swapaxes(Rs[-2 : -count - 2 : -1], -1, -2) @ Rs[-1]
+        Rs, reach = np.concatenate([before, Rs, after]), reach - count
+    return Rs
+
+
+def _means(q: Array, kernel: Array) -> Array:
+    """Weighted means (n, ..., 3, 3) of quaternions (n + 2K, ..., 4)."""
+    reach = len(kernel) // 2
+    count = len(q) - 2 * reach
+    around = np.stack([q[j : j + count] for j in range(len(kernel))])
+    mean = rotation_from_quaternion(q[reach : reach + count])
+    for _ in range(MOST_STEPS):
+        step = np.tensordot(kernel, _logs(quaternion_wxyz(mean), around), axes=1)
+        mean = mean @ exp_rotation(step)
+        if np.abs(step).max(initial=0.0) < CLOSE_RAD:
+            break
+    return mean
+
+
+def _logs(mean: Array, around: Array) -> Array:
+    """Rotation vectors (2K + 1, n, ..., 3) from the mean to each, running on past half a turn."""
+    w, v = mean[..., :1], -mean[..., 1:]
+    real = w[..., 0] * around[..., 0] - (v * around[..., 1:]).sum(axis=-1)
+    imaginary = w * around[..., 1:] + around[..., :1] * v + np.cross(v, around[..., 1:])
+    sign = np.where(real < 0, -1.0, 1.0)
+    length = np.linalg.norm(imaginary, axis=-1)
+    angle = 2 * np.arctan2(length, np.abs(real))
+    per_length = np.where(length > 1e-12, angle / np.maximum(length, 1e-12), 2.0)
+    logs = imaginary * (sign * per_length)[..., None]
+    middle = len(logs) // 2
+    for way in (1, -1):
+        for j in range(middle + way, middle + way * (middle + 1), way):
+            logs[j] = _nearest_turns(logs[j - way], logs[j])
+    return np.asarray(logs)
+
+
+def _nearest_turns(before: Array, now: Array) -> Array:
+    """The rotation vector (..., 3) with the full turns that bring it nearest to the one before."""
+    angle = np.linalg.norm(now, axis=-1, keepdims=True)
+    aside = np.linalg.norm(before, axis=-1, keepdims=True)
+    axis = np.where(angle > 1e-9, now / np.maximum(angle, 1e-9), before / np.maximum(aside, 1e-9))
+    turns = np.round(((before * axis).sum(axis=-1, keepdims=True) - angle) / (2 * np.pi))
+    return np.asarray(now + 2 * np.pi * turns * axis)
+
 
 FARTHEST_RAD = 3.0
 """Where neighbours turn by more than this, frame by frame, together, cubics do not resolve them:

@@ -1,4 +1,4 @@
-"""A body as arrays, for the numerics.
+"""Turn a body into arrays for the numerics, once per body.
 
 Degrees of freedom are the tracked motions of all parts in the order of the parts, translations
 before rotations: the columns of DRIFT's A.
@@ -6,15 +6,47 @@ before rotations: the columns of DRIFT's A.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache, wraps
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import ALL_DOFS, Body, Dof
-from keypose.tracker.body.by_body import once_per_body
 from keypose.tracker.geometry.rotations import Array, frozen
+
+T = TypeVar("T")
+
+BODIES = 8
+"""So many bodies are remembered at once: the open one, and those of a drag of sizes."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Key:
+    """A body as a key: the object itself, for the dictionaries in it have no hash."""
+
+    body: Body
+
+    def __hash__(self) -> int:
+        return id(self.body)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Key) and other.body is self.body
+
+
+def once_per_body(make: Callable[[Body], T]) -> Callable[[Body], T]:
+    """The same function, which makes a thing once for each body. What it makes is shared by all who
+    ask: it must be immutable."""
+    known = lru_cache(maxsize=BODIES)(lambda key: make(key.body))
+
+    @wraps(make)
+    def of(body: Body) -> T:
+        return known(_Key(body))
+
+    return of
+
 
 TRANSLATION_SCALE_M = 0.3
 """Column scale of translations before singular values are compared with those of rotations:

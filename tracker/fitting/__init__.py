@@ -1,1 +1,1 @@
-"""A pose, or the body's sizes, fitted to what the pictures show."""
+"""Fit a pose, or the body's sizes, to what the pictures show."""

@@ -1,1 +1,1 @@
-"""Motion in the formats of other programs, one module per format."""
+"""Write and read motion, keypoints and cameras in other programs' formats, a module each."""

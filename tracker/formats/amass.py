@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.smpl import JOINTS, SMPL_H_JOINTS, rest_joints, smpl_of
 from keypose.tracker.geometry.rotations import log_rotation, transform

@@ -1,6 +1,6 @@
 """The motion as BVH (Biovision hierarchy), which animation programs read.
 
-World of the file: that of the floor (`keypose.tracker.formats.floor_world`), y up. Bones are
+World of the file: that of the floor (`keypose.tracker.formats.conventions`), y up. Bones are
 those of a rig (`keypose.tracker.formats.rigs`), at rest parallel to the world, as BVH has no other:
 where all rotations are zero the body stands in the rig's rest pose and faces +z. Bones of landmarks
 are left out.
@@ -21,8 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.decimals import fixed_decimals
-from keypose.tracker.formats.names import single_words
+from keypose.tracker.formats.conventions import fixed_decimals, single_words
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig
 from keypose.tracker.formats.rotation_curves import smooth_euler

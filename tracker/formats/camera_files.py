@@ -1,6 +1,6 @@
 """The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
 
-Both give where it stands in the world of the GLB (`keypose.tracker.formats.floor_world`): metres,
+Both give where it stands in the world of the GLB (`keypose.tracker.formats.conventions`): metres,
 y up, the floor at zero, the origin below the camera.
 
 JSON:
@@ -38,9 +38,7 @@ from typing import Any
 import numpy as np
 
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.axes import FLIP
-from keypose.tracker.formats.decimals import fixed_decimals
-from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.conventions import FLIP, fixed_decimals, floor_from_camera
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

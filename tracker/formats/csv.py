@@ -47,8 +47,7 @@ from keypose.tracker.body.joint_angles import JointAngles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.decimals import fixed_decimals
-from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.conventions import column_names, fixed_decimals
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.rotations import Array, euler_from_rotation

@@ -1,6 +1,6 @@
-"""The motion as GLB, binary glTF 2.0: one rig with its skin, one animation, one camera.
+"""Write the motion as GLB, binary glTF 2.0: one rig with its skin, one animation, one camera.
 
-The world is the floor's (`keypose.tracker.formats.floor_world`): metres, y up, the floor at zero,
+The world is the floor's (`keypose.tracker.formats.conventions`): metres, y up, the floor at zero,
 the origin below the camera. The bones (`keypose.tracker.formats.rigs`) are nodes below the node
 "Armature", in their rest pose; the body's solids are one mesh, each vertex on one bone. One
 animation turns every bone and moves the body. Its times count from the video's first frame; between
@@ -22,20 +22,68 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from keypose.tracker.body.body import Body
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.axes import FLIP
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import (
+    FLIP,
+    ROUGHNESS,
+    floor_from_camera,
+    linear,
+    parts_in_world,
+)
 from keypose.tracker.formats.glb_file import Numbers
-from keypose.tracker.formats.glb_skin import bind_matrices, primitives
-from keypose.tracker.formats.looks import ROUGHNESS, linear
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
+from keypose.tracker.formats.rigs.skin import Skin
 from keypose.tracker.formats.rigs.table import table_of
 from keypose.tracker.formats.rotation_curves import smooth_quaternions_xyzw
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
+
+
+def bind_matrices(rig: Rig) -> NDArray[np.float32]:
+    """(B, 16) from the world at rest into every bone's frame, column by column, as glTF has it."""
+    inverse = np.linalg.inv(rig.Ts_world_bone)
+    inverse[:, 3] = (0.0, 0.0, 0.0, 1.0)
+    return inverse.swapaxes(1, 2).reshape(-1, 16).astype(np.float32)
+
+
+def primitives(
+    body: Body, rig: Rig, sides: Sequence[str], materials: Sequence[str], numbers: Numbers
+) -> list[dict[str, Any]]:
+    """One primitive for every material, of the parts of that side."""
+    return [
+        {
+            **_skinned(body, rig, [i for i, side in enumerate(sides) if side == name], numbers),
+            "material": k,
+        }
+        for k, name in enumerate(materials)
+    ]
+
+
+def _skinned(body: Body, rig: Rig, parts: Sequence[int], numbers: Numbers) -> dict[str, Any]:
+    """These parts as they lie in the rest pose."""
+    skin = Skin.of(body, rig, parts)
+    count = len(skin.vertices)
+    bones = np.zeros((count, 4), dtype=np.uint16)
+    bones[:, 0] = skin.bones
+    weights = np.zeros((count, 4), dtype=np.float32)
+    weights[:, 0] = 1.0
+    small = skin.faces.ravel().astype(np.uint16 if count < 2**16 - 1 else np.uint32)
+    vertices, normals = (v.astype(np.float32) for v in (skin.vertices, skin.normals))
+    return {
+        "attributes": {
+            "POSITION": numbers.add(vertices, "VEC3", "vertices", bounded=True),
+            "NORMAL": numbers.add(normals, "VEC3", "vertices"),
+            "JOINTS_0": numbers.add(bones, "VEC4", "vertices"),
+            "WEIGHTS_0": numbers.add(weights, "VEC4", "vertices"),
+        },
+        "indices": numbers.add(small, "SCALAR", "indices"),
+    }
+
 
 NEAR_M, FAR_M = 0.01, 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""

@@ -33,8 +33,8 @@ from keypose.tracker.body.body import Body, Point
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.files import TooLarge, read_regular
-from keypose.tracker.formats.end_sites import end_site
-from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.formats.conventions import end_site
+from keypose.tracker.formats.marker_sets import places_of
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.table import SIDES, Place, Row, table_of
 from keypose.tracker.keypoints.layouts import snake

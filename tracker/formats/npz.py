@@ -47,7 +47,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.formats.names import column_names
+from keypose.tracker.formats.conventions import column_names
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rotation_curves import smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words

@@ -47,10 +47,9 @@ def load_motion(path: Path) -> JointMotion:
 def _readers() -> dict[str, Callable[[str, bytes], JointMotion]]:
     """By the ending of a name, what makes a motion of a file's name and content."""
     from keypose.tracker.formats.reading_bvh import read_bvh
-    from keypose.tracker.formats.reading_c3d import read_c3d
     from keypose.tracker.formats.reading_csv import read_csv
+    from keypose.tracker.formats.reading_markers import read_c3d, read_trc
     from keypose.tracker.formats.reading_smpl import read_smpl, read_torch, refuse_pickle
-    from keypose.tracker.formats.reading_trc import read_trc
 
     return {
         ".bvh": read_bvh, ".trc": read_trc, ".c3d": read_c3d, ".csv": read_csv,

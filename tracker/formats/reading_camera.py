@@ -1,4 +1,4 @@
-"""A camera that stands still, as another program or this one wrote it: JSON, .chan, glTF.
+"""Read a camera that stands still, as another program or this one wrote it: JSON, .chan, glTF.
 
 JSON and .chan as `keypose.tracker.formats.camera_files` has them, glTF by its only camera. Their
 world has y up. A camera that moves is refused: this program's stands still.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -19,12 +19,83 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
 from keypose.tracker.errors import FormatError, one_sentence
 from keypose.tracker.files import TooLarge, read_regular
-from keypose.tracker.formats.axes import FLIP
-from keypose.tracker.formats.gltf_nodes import places_of
+from keypose.tracker.formats.conventions import FLIP
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
+from keypose.tracker.geometry.rotations import (
+    Array,
+    log_rotation,
+    nearest_rotation,
+    rotation_from_quaternion,
+    transform,
+    transpose,
+)
 from keypose.tracker.surface.files.parsing.glb import read_document
 from keypose.tracker.surface.files.parsing.raw import Refused
+
+_WIDTHS: Final = {"translation": 3, "rotation": 4, "scale": 3}
+_FLOAT: Final = 5126
+_MOST_KEYS: Final = 100
+
+
+def places_of(document: dict[str, Any], block: bytes, node: int) -> Array:
+    """(K, 4, 4) where a node is at every key of each channel that moves it, the others at their
+    first; one, at rest, where nothing does."""
+    nodes, above = document["nodes"], [node]
+    parents = {child: i for i, found in enumerate(nodes) for child in found.get("children", [])}
+    while (parent := parents.get(above[-1])) is not None:
+        if parent in above:
+            raise ValueError("each other's parents")
+        above.append(parent)
+    places = {i: dict(nodes[i]) for i in above}
+    keyed = list(_keys(document, block, above))
+    for i, path, values in keyed:
+        places[i][path] = values[0]
+    Ts = [_world(above, places)]
+    for i, path, values in keyed:
+        for value in values[:: max(len(values) // _MOST_KEYS, 1)]:
+            Ts.append(_world(above, {**places, i: {**places[i], path: value}}))
+    return np.stack(Ts)
+
+
+def _keys(
+    document: dict[str, Any], block: bytes, nodes: list[int]
+) -> Iterator[tuple[int, str, Array]]:
+    """Of the first animation, what it moves of these nodes, and the values (K, width) it takes."""
+    for animation in document.get("animations", [])[:1]:
+        for channel in animation["channels"]:
+            node, path = channel["target"].get("node"), channel["target"]["path"]
+            if node in nodes and path in _WIDTHS:
+                sampler = animation["samplers"][channel["sampler"]]
+                values = _floats(document, block, sampler["output"], _WIDTHS[path])
+                has_slopes = sampler.get("interpolation") == "CUBICSPLINE"
+                yield node, path, values[1::3] if has_slopes else values
+
+
+def _floats(document: dict[str, Any], block: bytes, number: int, width: int) -> Array:
+    """(count, width) numbers of an accessor."""
+    facts = document["accessors"][number]
+    view = document["bufferViews"][facts["bufferView"]]
+    if view["buffer"] != 0 or "uri" in document["buffers"][0]:
+        raise Refused("keeps its numbers in other files: export it as a single GLB file.")
+    if facts["componentType"] != _FLOAT or facts["count"] < 1:
+        raise ValueError("not floats")
+    start = view.get("byteOffset", 0) + facts.get("byteOffset", 0)
+    return np.frombuffer(block, "<f4", facts["count"] * width, start).reshape(-1, width)
+
+
+def _world(above: list[int], places: dict[int, dict[str, Any]]) -> Array:
+    """(4, 4) of a node in the world: above are the node, what it hangs in, and so on."""
+    T = np.eye(4)
+    for i in above:
+        place = places[i]
+        if "matrix" in place:
+            T = np.reshape(place["matrix"], (4, 4)).T @ T
+            continue
+        x, y, z, w = place.get("rotation", (0, 0, 0, 1))
+        R = rotation_from_quaternion([w, x, y, z])
+        T = transform(R * place.get("scale", (1, 1, 1)), place.get("translation", (0, 0, 0))) @ T
+    return T
+
 
 LARGEST_BYTES: Final = 96 * 2**20
 STILL_M, STILL_RAD = 1e-3, math.radians(0.01)

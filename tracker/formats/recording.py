@@ -17,7 +17,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
-from keypose.tracker.session.notes import Note
+from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import Verdict

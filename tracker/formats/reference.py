@@ -27,7 +27,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError, one_sentence
 from keypose.tracker.evaluate import JointReference
 from keypose.tracker.files import TooLarge, read_regular
-from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.formats.marker_sets import places_of
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays
 

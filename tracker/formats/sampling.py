@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.low_pass import (
+from keypose.tracker.body.resampling import (
     filtered_positions,
     filtered_rotations,
     least_frames,
     low_pass_kernel,
+    resampled,
 )
-from keypose.tracker.body.resampling import resampled
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array, frozen, log_rotation, transpose

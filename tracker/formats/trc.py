@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from keypose.tracker.formats.decimals import fixed_decimals
+from keypose.tracker.formats.conventions import fixed_decimals, single_words
 from keypose.tracker.formats.marker_sets import marked
-from keypose.tracker.formats.names import single_words
 from keypose.tracker.formats.recording import MarkerSetName, Recording
 
 UNITS: Final[Mapping[MarkerSetName, tuple[str, float, int]]] = {

@@ -2,7 +2,7 @@
 
 That is an extra: who imports this module has it installed.
 
-A stage in metres, y up, in the world of the floor (`keypose.tracker.formats.floor_world`). A time
+A stage in metres, y up, in the world of the floor (`keypose.tracker.formats.conventions`). A time
 code is a frame of the video, or the number of its image file, and `timeCodesPerSecond` its rate;
 between two of them programs turn each bone about one axis, the shorter way. The default prim,
 called as the body, holds
@@ -31,10 +31,14 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
-from keypose.tracker.formats.axes import FLIP
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
-from keypose.tracker.formats.looks import ROUGHNESS, linear
-from keypose.tracker.formats.names import single_words
+from keypose.tracker.formats.conventions import (
+    FLIP,
+    ROUGHNESS,
+    floor_from_camera,
+    linear,
+    parts_in_world,
+    single_words,
+)
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig, rig_of

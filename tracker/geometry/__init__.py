@@ -1,1 +1,1 @@
-"""Rotations, rigid transforms, cameras."""
+"""Compute with rotations, rigid transforms and cameras."""

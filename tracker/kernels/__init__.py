@@ -1,4 +1,6 @@
-"""The compiled inner loops. Each has a plain numpy twin in the tests that it must agree with.
+"""Compiled inner loops: arrays in, arrays out.
+
+Each has a plain numpy twin in the tests that it must agree with.
 
 `compiled` is how every loop is compiled: without the interpreter's lock, so that segments run side
 by side in threads; kept on disk between runs; IEEE comparisons intact (a NaN stays a NaN), sums

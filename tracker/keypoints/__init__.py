@@ -1,1 +1,1 @@
-"""What a detector sees of one body, frame by frame."""
+"""Detect a body's keypoints frame by frame with a network, and find outliers among them."""

@@ -1,1 +1,1 @@
-"""Keyframe reduction: a dense motion as the fewest keyframes that interpolation needs for it."""
+"""Reduce a dense motion to the fewest keyframes that interpolation needs for it."""

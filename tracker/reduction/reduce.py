@@ -1,7 +1,23 @@
-"""A dense motion reduced to keyframes: which frames, and what interpolation makes of them."""
+"""Reduce a dense motion to keyframes, by their number or by a tolerance.
+
+A frame leads to a later one where interpolation between the two is within the tolerance everywhere
+between. What is wanted is the path from the first frame to the last over the fewest frames, and of
+those the one with the least sum of squared misses: dynamic programming over layers, the frames that
+are reached in one interval, in two, and so on. A frame's layer depends on the layer before alone,
+so each pair of frames is compared once at most, most of them by one part of one pose; sums are
+computed on the shortest paths only. No bound on the length of an interval is needed, and the answer
+is exact. Lengthening an interval may bring it back within the tolerance, so no bisection would be.
+
+For a motion that is kept between its keyframes, so that these need not lead to it: they are where
+it is held when it is edited. Of all paths over so many intervals the one with the least sum of
+squared misses, by dynamic programming over the number of intervals. None is much longer than
+others, since a motion that repeats itself would be missed by as much over one of its rounds as over
+many.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from itertools import pairwise
@@ -14,9 +30,124 @@ from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.reduction.compare import Comparison, Frames
-from keypose.tracker.reduction.fewest import fewest_frames
 from keypose.tracker.reduction.result import LEAST_M, Every, Goal, Reduction, Tolerance
-from keypose.tracker.reduction.spread import spread_frames
+
+FEWEST_AT_A_TIME = 256
+"""Frames compared between two looks at whether the work was cancelled."""
+
+
+def fewest_frames(
+    comparison: Comparison,
+    frames: Frames,
+    progress: Callable[[int], None] = lambda reached: None,
+) -> list[int]:
+    """The frames of the path, of these ascending ones, from the first of them to the last.
+
+    progress: is given the number of frames that are reached; what it raises ends the work.
+    """
+    layers = [frames[:1]]
+    left = frames[1:]
+    while layers[-1][-1] != frames[-1]:
+        if comparison.reached(layers[-1], frames[-1:])[0]:
+            layers.append(frames[-1:])
+            break
+        found = _reached(comparison, layers[-1], left, progress, len(frames) - len(left))
+        layers.append(left[found])
+        left = left[~found]
+    return _cheapest(comparison, layers, int(frames[-1]))
+
+
+def _reached(
+    comparison: Comparison, froms: Frames, tos: Frames, progress: Callable[[int], None], before: int
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    found = np.zeros(len(tos), dtype=np.bool_)
+    for start in range(0, len(tos), FEWEST_AT_A_TIME):
+        rows = slice(start, start + FEWEST_AT_A_TIME)
+        found[rows] = comparison.reached(froms, tos[rows])
+        progress(before + int(found.sum()))
+    return found
+
+
+def _cheapest(comparison: Comparison, layers: list[Frames], last: int) -> list[int]:
+    """Of the shortest paths the one with the least sum, from the last layer back to the first."""
+    goals, costs = np.array([last], dtype=np.int64), np.zeros(1)
+    ways: list[dict[int, int]] = []
+    for layer in layers[-2::-1]:
+        sums: Array = comparison.costs(layer, goals) + costs
+        best = sums.argmin(axis=1)
+        least = sums[np.arange(len(layer)), best]
+        on_path = np.isfinite(least)
+        ways.append(dict(zip(layer.tolist(), goals[best].tolist(), strict=True)))
+        goals, costs = layer[on_path], least[on_path]
+    path = [int(layers[0][0])]
+    for way in reversed(ways):
+        path.append(way[path[-1]])
+    return path
+
+
+LONGEST = 1.3
+"""Of an interval, as a share of the usual one."""
+SPREAD_AT_A_TIME = 16
+"""Frames compared between two looks at whether the work was cancelled."""
+
+
+def spread_frames(
+    comparison: Comparison,
+    frames: Frames,
+    ends: Sequence[int],
+    every: int,
+    progress: Callable[[int], None] = lambda compared: None,
+) -> list[int]:
+    """The frames of the path, of these ascending ones, from the first of them to the last.
+
+    comparison: without a tolerance.  ends: frames that are on every path, the first
+    and the last among them.  every: frames of an interval, on average at least, where the ends do
+    not need more of them.
+    progress: is given the number of frames that are compared; what it raises ends the work.
+    """
+    costs = _costs(comparison, frames, ends, longest_interval(every), progress)
+    count, width = costs.shape
+    most = max(int(frames[-1] - frames[0]) // every, 1)
+    sums = np.full(count, np.inf)
+    sums[0] = 0.0
+    ways: list[np.ndarray[tuple[int], np.dtype[np.uint16]]] = []
+    while len(ways) < most or not np.isfinite(sums[-1]):
+        # reached[j, k]: in one more interval at frame k, over j frames
+        reached = np.full((width, count), np.inf)
+        for j in range(min(width, count - 1)):
+            reached[j, j + 1 :] = sums[: count - 1 - j] + costs[: count - 1 - j, j]
+        ways.append(reached.argmin(axis=0).astype(np.uint16))
+        sums = reached.min(axis=0)
+    path = [count - 1]
+    for way in reversed(ways):
+        path.append(path[-1] - 1 - int(way[path[-1]]))
+    return [int(frames[k]) for k in reversed(path)]
+
+
+def longest_interval(every: int) -> int:
+    """The most frames from one keyframe to the next, where the motion has poses."""
+    return math.ceil(LONGEST * every)
+
+
+def _costs(
+    comparison: Comparison,
+    frames: Frames,
+    ends: Sequence[int],
+    longest: int,
+    progress: Callable[[int], None],
+) -> Array:
+    """(N, w) the cost of the intervals from each frame to each of the w frames after it; infinite
+    where one is too long, or leads over an end."""
+    next_end = np.asarray(ends)[np.searchsorted(ends, frames, side="right").clip(max=len(ends) - 1)]
+    stops = np.searchsorted(frames, np.minimum(frames + longest, next_end), side="right")
+    stops = np.minimum(np.maximum(stops, np.arange(len(frames)) + 2), len(frames))
+    costs = np.full((len(frames), int((stops - np.arange(len(frames))).max()) - 1), np.inf)
+    for i, stop in enumerate(stops.tolist()):
+        if i % SPREAD_AT_A_TIME == 0:
+            progress(i)
+        if stop > i + 1:
+            costs[i, : stop - i - 1] = comparison.costs(frames[i : i + 1], frames[i + 1 : stop])[0]
+    return costs
 
 
 def reduce_motion(

@@ -1,4 +1,4 @@
-"""The session: what a person edits and saves, and the file it lives in."""
+"""Describe a session, what a person edits and saves, as plain validated data."""
 
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.references import VideoReference

@@ -1,1 +1,1 @@
-"""Nonlinear least squares over one pose or many: terms, how a body moves, and one loop."""
+"""Solve nonlinear least squares over one pose or many: terms, point Jacobians, one loop."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

@@ -22,9 +22,14 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen, nearest_rotation
 from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.one_pose import OnePose
-from keypose.tracker.solver.point_terms import PointsInPicture, PointsInSpace, RootPosition
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.pose_terms import (
+    JointLimits,
+    PointsInPicture,
+    PointsInSpace,
+    PosePrior,
+    RootPosition,
+)
 from keypose.tracker.solver.terms import Term
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""How the body is turned: joint limits, and the pose near another one, as terms of the solver."""
+"""Terms of one pose: points in space and in pictures, joint limits, and a prior pose."""
 
 from __future__ import annotations
 
@@ -8,10 +8,144 @@ import numpy as np
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Kernel
 from keypose.tracker.solver.terms import Diagonal, DiagonalTerm, Rows, RowTerm, half_squares
+
+
+@dataclass(frozen=True, eq=False)
+class PointsInSpace(RowTerm):
+    """Points of the body at positions (..., K, 3) in the camera frame, metres."""
+
+    points: BodyPoints
+    positions: Array
+    sigma_m: float
+
+    def cost(self, posed: Posed) -> float:
+        return half_squares((self.points.of(posed) - self.positions) / self.sigma_m)
+
+    def rows(self, posed: Posed) -> Rows:
+        p, J = self.points.jacobian(posed)
+        away = (p - self.positions) / self.sigma_m
+        return Rows(_flat(away), _rows_of(J / self.sigma_m), half_squares(away))
+
+
+@dataclass(frozen=True, eq=False)
+class PointsInPicture(RowTerm):
+    """Points of the body seen at pixels uv (..., K, 2) by a camera without distortion.
+
+    scale (..., K): 1/σ in 1/px, 0 where a pixel is not known. nearest_m: a pose with a point nearer
+    to the camera than that cannot be.
+    """
+
+    points: BodyPoints
+    camera: Camera
+    uv: Array
+    scale: Array
+    nearest_m: float
+    kernel: Kernel = SQUARED
+
+    def cost(self, posed: Posed) -> float:
+        p = self.points.of(posed)
+        away = np.linalg.norm(image_points(self.camera, p) - self.uv, axis=-1) * self.scale
+        return self._cost(p, away)
+
+    def rows(self, posed: Posed) -> Rows:
+        p, J = self.points.jacobian(posed)
+        away = (image_points(self.camera, p) - self.uv) * self.scale[..., None]
+        length = np.linalg.norm(away, axis=-1)
+        weight = np.sqrt(self.kernel.weight(length))
+        seen = image_jacobian(self.camera, p, J) * (weight * self.scale)[..., None, None]
+        return Rows(_flat(away * weight[..., None]), _rows_of(seen), self._cost(p, length))
+
+    def _cost(self, p: Array, away: Array) -> float:
+        """The cost of points p whose pixels are so many σ away."""
+        if not (p[..., 2] > self.nearest_m).all():
+            return np.inf
+        return 0.5 * float(self.kernel.loss(away).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class DepthFromRoot(RowTerm):
+    """Points of the body so much farther away than its root: depth (..., K), metres along z.
+
+    scale (..., K): 1/σ in 1/m, 0 where a depth is not known.
+    """
+
+    points: BodyPoints
+    depth: Array
+    scale: Array
+    kernel: Kernel = SQUARED
+
+    def cost(self, posed: Posed) -> float:
+        return self._cost(self._away(posed, self.points.of(posed)))
+
+    def rows(self, posed: Posed) -> Rows:
+        skeleton = posed.skeleton
+        p, J = self.points.jacobian(posed)
+        away = self._away(posed, p)
+        shifts = np.flatnonzero(skeleton.dof_turns == 0)
+        along = J[..., 2].copy()
+        R_root = posed.Rs_parent_part[..., 0, :, :]
+        along[..., shifts] -= R_root[..., None, 2, skeleton.dof_axis[shifts]]
+        weight = np.sqrt(self.kernel.weight(np.abs(away)))
+        return Rows(away * weight, along * (weight * self.scale)[..., None], self._cost(away))
+
+    def _away(self, posed: Posed, p: Array) -> Array:
+        """(..., K) in σ."""
+        return np.asarray((p[..., 2] - posed.p_camera_root[..., None, 2] - self.depth) * self.scale)
+
+    def _cost(self, away: Array) -> float:
+        return 0.5 * float(self.kernel.loss(np.abs(away)).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class RootPosition(RowTerm):
+    """The root near a position p (3,) in the camera frame.
+
+    directions (M, 3): what is compared, each over its σ: rows times how far the root is away.
+    """
+
+    p_camera_root: Array
+    directions: Array
+
+    @classmethod
+    def depth(cls, p_camera_root: Array, share: float) -> RootPosition:
+        """The root's depth within a share of what it was."""
+        return cls(p_camera_root, np.array([[0.0, 0.0, 1 / (share * p_camera_root[2])]]))
+
+    def cost(self, posed: Posed) -> float:
+        return half_squares(self._residuals(posed))
+
+    def rows(self, posed: Posed) -> Rows:
+        skeleton = posed.skeleton
+        shifts = np.flatnonzero(skeleton.dof_turns == 0)
+        r = self._residuals(posed)
+        J = np.zeros((*r.shape, skeleton.dof_count))
+        R = posed.Rs_parent_part[..., 0, :, :]
+        J[..., shifts] = (self.directions @ R)[..., skeleton.dof_axis[shifts]]
+        return Rows(r, J, half_squares(r))
+
+    def _residuals(self, posed: Posed) -> Array:
+        away = posed.p_camera_root - self.p_camera_root
+        return np.asarray((self.directions @ away[..., None])[..., 0])
+
+
+def _flat(r: Array) -> Array:
+    return r.reshape(*r.shape[:-2], -1)
+
+
+def _flatten_rows(J: Array) -> Array:
+    """(..., K · C, D) of (..., K, C, D)."""
+    return J.reshape(*J.shape[:-3], -1, J.shape[-1])
+
+
+def _rows_of(J: Array) -> Array:
+    """(..., K · C, D) of a Jacobian of points (..., K, D, C)."""
+    return _flatten_rows(np.swapaxes(J, -1, -2))
 
 
 @dataclass(frozen=True, eq=False)

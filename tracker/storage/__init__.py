@@ -1,1 +1,1 @@
-"""A session's files on disk: whole or not there, and never lost."""
+"""Store a session's files whole or not at all, journal its edits, and tell what is outdated."""

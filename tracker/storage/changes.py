@@ -12,9 +12,8 @@ from typing import Any, TypeAlias, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from keypose.tracker.errors import one_sentence
-from keypose.tracker.session.checks import require_few, require_fit
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
-from keypose.tracker.session.schema import Session
+from keypose.tracker.session.schema import Session, require_few, require_fit
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of those listed: {"set": [...], "drop": [frames]}."""

@@ -13,8 +13,8 @@ from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.part_keyframes import keyed_parts
 from keypose.tracker.storage.stretches import Stretch, keyframes_within
+from keypose.tracker.storage.tracking import keyed_parts
 from keypose.tracker.tracking.space.contacts import proposed_pins
 from keypose.tracker.tracking.space.findings import Judged, space_findings
 from keypose.tracker.tracking.space.result import SpaceResult

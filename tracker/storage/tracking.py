@@ -1,4 +1,4 @@
-"""Tracking a saved session with its keyframes, masks and settings."""
+"""Track a saved session with its keyframes, masks and settings."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import FULL, find_model
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.detections import Detections
+from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import segment_keys, without_part_keyframes
-from keypose.tracker.storage.part_keyframes import keyed_parts
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.source import UnratedSteps
 from keypose.tracker.surface.steps import Steps
@@ -27,10 +26,20 @@ from keypose.tracker.tracking.cues.sources import (
     GivenKeypoints,
     KeypointSource,
 )
+from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES
+
+
+def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
+    """What is exact at frames between keyframes."""
+    telephoto = session.camera.projection == "telephoto"
+    return [
+        KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton), telephoto)
+        for keyframe in session.part_keyframes
+    ]
 
 
 def tracker_of(

@@ -1,4 +1,4 @@
-"""Poses from observed surfaces: meshes of a moving thing, one per time step.
+"""Fit poses to observed surfaces: meshes of a moving thing, one per time step.
 
 The method is that of surface fitting through contact and phantom volume, SURFACE in the comments.
 """

@@ -1,1 +1,1 @@
-"""The method: from keyframes and pictures to the motion between them."""
+"""Track the motion between keyframes: passes over frame pairs, drift correction, the best kept."""

@@ -1,4 +1,4 @@
-"""Frames out of a video file or a folder of images: the only place where pictures are decoded.
+"""Decode the frames of a video or a folder of images by exact number; nothing else decodes.
 
     with Video.open("jump.mp4") as video:
         picture = video.frame(12)                       # (height, width, 3) uint8 RGB

@@ -1,4 +1,4 @@
-"""What can be opened, and where it lives: recent sessions, files, samples, uploads.
+"""List what can be opened, and where it lives: recent sessions, files, samples, uploads.
 
 library = Library(workspace, roots)
 library.contents()                     # what the start screen shows

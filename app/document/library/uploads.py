@@ -12,8 +12,7 @@ from typing import BinaryIO, Final, Self
 
 from keypose.app.document.library.names import clean_name, numbered
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.leftovers import sweep
+from keypose.tracker.storage.atomic import make_folder, sweep
 from keypose.tracker.video.container import SUFFIXES
 
 LARGEST_BYTES: Final = 8 * 2**30

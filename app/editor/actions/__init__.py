@@ -1,4 +1,4 @@
-"""What a person can do, each as a small frozen message; also what the page sends, word for word.
+"""List what a person can do, each as a small frozen message, as the page sends it.
 
 Every value is checked here, where it enters. An action with a `stroke` is part of one gesture: the
 gesture is applied to the document as it was before, so moves that are lost or merged do no harm.

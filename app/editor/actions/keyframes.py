@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from keypose.app.editor.actions.message import Degrees, Edit
 from keypose.tracker.body.body import Name
-from keypose.tracker.session.notes import LONGEST
+from keypose.tracker.session.annotations import LONGEST
 from keypose.tracker.session.settings import FrameIndex
 
 Axis: TypeAlias = Literal["x", "y", "z"]

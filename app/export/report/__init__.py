@@ -1,1 +1,1 @@
-"""What tracking found, as one page to read, print and send: no server, no outside reference."""
+"""Write what tracking found as one page to read, print and send, with no outside reference."""

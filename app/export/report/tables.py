@@ -11,7 +11,7 @@ from keypose.app.export.report.markup import Child, Html, element
 from keypose.app.export.report.subject import Subject
 from keypose.app.posing.labels import number_text
 from keypose.tracker.errors import listed
-from keypose.tracker.session.notes import Note
+from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
 

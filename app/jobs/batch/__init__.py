@@ -1,1 +1,1 @@
-"""Saved sessions tracked anew, many at a time, without a page."""
+"""Track many saved sessions anew, without a page."""

@@ -18,8 +18,7 @@ from keypose.app.jobs.rerun import all_segments, require_trackable, rerun, save_
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.session import Session
-from keypose.tracker.storage.files import load_session, open_video_of
-from keypose.tracker.storage.finding import with_present_fingerprints
+from keypose.tracker.storage.files import load_session, open_video_of, with_present_fingerprints
 from keypose.tracker.storage.results import Results, load_results
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video

@@ -1,4 +1,4 @@
-"""What the page receives: the state cut into sections, each sent anew only when it changed."""
+"""Cut the state into the sections that the page receives, each sent anew only when it changed."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from keypose.app.editor.shown import counts
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
-from keypose.tracker.body.scaling import height
+from keypose.tracker.body.modify import height
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
 

@@ -96,7 +96,7 @@ def followed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     calls: list[Any] = []
 
     def follow(tracker: Any, frame: int, way: Any, settings: Any, emit: Any, longest: int) -> Any:
-        from keypose.tracker.session.ahead import Stop
+        from keypose.tracker.session.annotations import Stop
         from keypose.tracker.tracking.pool import Cancelled
 
         calls.append((frame, way, settings))

@@ -13,7 +13,7 @@ from keypose.app.cli.main import main
 from keypose.app.jobs import drafts
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
-from keypose.tracker.storage.keypoints import of_session
+from keypose.tracker.storage.sidecars import keypoints_of_session
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 
@@ -44,7 +44,7 @@ def test_a_session_with_drafts_and_its_keypoints_are_written(
     assert session.keypoints is not None
     assert session.keypoints.seeds == (2,)
     assert session.keypoints.network
-    keypoints = of_session(session, out)
+    keypoints = keypoints_of_session(session, out)
     assert keypoints is not None
     assert (keypoints.first_frame, keypoints.last_frame) == (0, 5)
     with open_video_of(session, out / "session.json") as video:

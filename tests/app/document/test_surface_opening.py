@@ -17,8 +17,8 @@ from keypose.app.document.new import new_surface_session, open_with_reading
 from keypose.app.document.open import OpenSession, copy_session, edit_state, open_for_editing
 from keypose.app.render.video_frames import frame_or_grey
 from keypose.tracker.body.body import preset
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.shapes import Box
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError
 from keypose.tracker.storage.chronicle import Moment, base_record, edit_record

@@ -19,7 +19,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.editor.suggest import Suggestion
 from keypose.app.editor.suggest_ahead import with_way_ahead
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.session.ahead import Direction, Stop
+from keypose.tracker.session.annotations import Direction, Stop
 from keypose.tracker.session.schema import Session
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.editor.desk import after, desk

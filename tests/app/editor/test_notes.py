@@ -8,9 +8,8 @@ from pydantic import ValidationError
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
-from keypose.tracker.session.checks import MOST
-from keypose.tracker.session.notes import LONGEST
-from keypose.tracker.session.schema import Session
+from keypose.tracker.session.annotations import LONGEST
+from keypose.tracker.session.schema import MOST, Session
 from tests.app.editor.desk import after, desk
 
 

@@ -23,7 +23,7 @@ from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Reduction, Tolerance
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.fingerprints import segment_keys
-from keypose.tracker.storage.first_motion import kept_beside, of_session, save_own_motion
+from keypose.tracker.storage.sidecars import first_motion_of_session, kept_beside, save_own_motion
 from tests.app import surface_cases
 from tests.app.editor.desk import SAMPLE, after, desk
 
@@ -158,7 +158,7 @@ def test_the_motion_is_kept_and_only_segments_within_it_start_from_it(tmp_path: 
     own = save_own_motion(state.doc, path, found.motion)
     doc = reduced_session(state.doc, found, frames, state.times_s, own)
     assert [(run.first_frame, run.last_frame) for run in own.own] == [(24, 48)]
-    kept = of_session(doc, tmp_path)
+    kept = first_motion_of_session(doc, tmp_path)
     assert kept is not None
     assert kept.Rs_parent_part.tobytes() == found.motion.Rs_parent_part.tobytes()
     before, now = segment_keys(state.doc), segment_keys(doc)

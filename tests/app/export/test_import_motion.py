@@ -33,8 +33,8 @@ from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.session import Session
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
-from keypose.tracker.storage.first_motion import of_session
 from keypose.tracker.storage.results import segment_keys
+from keypose.tracker.storage.sidecars import first_motion_of_session
 from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.storage.tracks import load_trajectory
 from keypose.tracker.tracking.pool import TrackFinished
@@ -76,7 +76,7 @@ def _wide(ps: Floats, names: Sequence[str] = NAMES, scale: float = 1.0) -> str:
 
 def _imported(path: Path) -> Trajectory:
     session = load_session(path)
-    motion = of_session(session, path.parent)
+    motion = first_motion_of_session(session, path.parent)
     assert motion is not None
     return motion
 
@@ -310,10 +310,10 @@ def test_a_damaged_or_missing_motion_is_reported(path: Path) -> None:
     content = place.read_bytes()
     place.write_bytes(content[:-40])
     with pytest.raises(SessionError, match="damaged"):
-        of_session(session, path.parent)
+        first_motion_of_session(session, path.parent)
     place.unlink()
     with pytest.raises(SessionError, match="cannot be read"):
-        of_session(session, path.parent)
+        first_motion_of_session(session, path.parent)
 
 
 def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ from keypose.app.export.report.report import report_html, segments_table, subjec
 from keypose.app.export.report.tables import keyframes_table
 from keypose.app.render.palette import PAPER
 from keypose.app.render.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
-from keypose.tracker.session.notes import Note
+from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.fingerprints import setup_hash

@@ -10,7 +10,7 @@ from keypose.app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFaile
 from keypose.app.jobs.fits import Fit
 from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.session import Session
-from keypose.tracker.session.ahead import Direction
+from keypose.tracker.session.annotations import Direction
 from keypose.tracker.storage.files import load_session
 from tests.app import surface_cases
 from tests.app.serving import ROOT

@@ -17,9 +17,9 @@ from keypose.app.scene.nodes import ROOT, SELECTED
 from keypose.app.scene.scene import Scenery, Stage, Trail
 from keypose.app.scene.viser_compat import ROLES
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.modify import with_height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
-from keypose.tracker.body.scaling import with_height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import (
     Array,

@@ -27,7 +27,7 @@ from keypose.app.store.store import Store
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
-from keypose.tracker.session.ahead import Stop
+from keypose.tracker.session.annotations import Stop
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.serving import ROOT
 

@@ -23,8 +23,8 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.keypoints import load_keypoints
 from keypose.tracker.storage.results import Results, segment_keys
+from keypose.tracker.storage.sidecars import load_keypoints
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app.serving import ROOT
 from tests.app.store.store_cases import StoreDesk, at_store

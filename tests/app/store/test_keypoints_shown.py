@@ -17,7 +17,7 @@ from keypose.app.store.store import Store
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.keypoints import save_keypoints
+from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.serving import ROOT
 from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker

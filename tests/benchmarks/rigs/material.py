@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from keypose.app.render.palette import SIDE_COLOURS, part_sides
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs.rig import Rig, rig_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.body.assembling import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.body import OBJECTS, PRESETS, preset
+from keypose.tracker.body.modify import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError

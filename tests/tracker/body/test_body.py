@@ -14,9 +14,9 @@ import pytest
 import trimesh
 
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, Part, load_body, preset
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.presets.make_presets import as_json, make_body
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError

@@ -6,9 +6,8 @@ import gc
 import weakref
 
 from keypose.tracker.body.body import Body, Part
-from keypose.tracker.body.by_body import BODIES, once_per_body
 from keypose.tracker.body.shapes import Cylinder
-from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.skeleton import BODIES, Skeleton, once_per_body
 
 
 def rod(length_m: float) -> Body:

@@ -13,8 +13,8 @@ from keypose.tracker.body.clavicles import (
     without_clavicles,
 )
 from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.modify import height, resized, with_height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from keypose.tracker.body.scaling import height, resized, with_height
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import butter, sosfiltfilt
 
-from keypose.tracker.body.low_pass import (
+from keypose.tracker.body.resampling import (
     filtered_positions,
     filtered_rotations,
     least_frames,

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from keypose.tracker.body.body import PRESETS, Body, Part, Point, load_body, preset
+from keypose.tracker.body.modify import height, joint_moved, resized, scaled, with_height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
-from keypose.tracker.body.scaling import height, joint_moved, resized, scaled, with_height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.modify import height, resized, scaled, with_height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
-from keypose.tracker.body.scaling import height, resized, scaled, with_height
 from keypose.tracker.body.shapes import KINDS, Capsule, Frustum, Shape, Solid
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import sample_points
@@ -240,7 +240,7 @@ def test_nothing_asks_which_shape_it_has_before_it() -> None:
     takes its file and its name in the list."""
     makers = {
         "tracker/warm.py", "tracker/body/presets/make_presets.py", "tracker/body/clavicles.py",
-        "tracker/body/assembling.py", "tracker/body/body.py",
+        "tracker/body/modify.py", "tracker/body/body.py",
     }  # fmt: skip
     kinds = {kind.__name__ for kind in LISTED}
     quoted = re.compile("|".join(f"[\"']{kind}[\"']" for kind in KINDS.keys() - {"box"}))

@@ -7,9 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import PEOPLE, preset
-from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.joint_limits import LEAST_DETERMINED, Limits, TwistLimits
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.twist import LEAST_DETERMINED, TwistLimits
 from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from tests.rendering import mocap
 from tests.rendering.mocap import needs_mocap

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.export.motion_files import Sampling, motion_files
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS

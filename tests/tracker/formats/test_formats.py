@@ -17,8 +17,8 @@ from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.conventions import end_site
 from keypose.tracker.formats.csv import angles_csv, column_names, joints_csv
-from keypose.tracker.formats.end_sites import end_site
 from keypose.tracker.geometry.rotations import Array
 from tests.tracker import session_cases as cases
 from tests.tracker.formats.recordings import bvh_of

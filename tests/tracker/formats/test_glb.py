@@ -14,12 +14,12 @@ import trimesh
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.shapes import Box, Cylinder
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.floor_world import floor_from_camera
+from keypose.tracker.formats.conventions import floor_from_camera
 from keypose.tracker.formats.glb import glb
-from keypose.tracker.formats.glb_mesh import lit_mesh
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.rig import rig_of
+from keypose.tracker.formats.rigs.skin import lit_mesh
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import apply_transform, rotation_between
 from tests.tracker.formats import recordings

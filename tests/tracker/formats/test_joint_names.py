@@ -11,7 +11,7 @@ import pytest
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.axes import flipped
+from keypose.tracker.formats.conventions import flipped
 from keypose.tracker.formats.joint_names import load_names, matched
 from keypose.tracker.formats.rigs import RIGS
 from keypose.tracker.formats.rigs.rig import rig_of

@@ -19,10 +19,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.c3d import c3d
 from keypose.tracker.formats.marker_sets import marked, markers_of
-from keypose.tracker.formats.opensim.coordinates import coordinates
-from keypose.tracker.formats.opensim.model import model_of, read_model
-from keypose.tracker.formats.opensim.mot import mot
-from keypose.tracker.formats.opensim.scaling import scaled
+from keypose.tracker.formats.opensim.model import model_of, read_model, scaled
+from keypose.tracker.formats.opensim.mot import coordinates, mot
 from keypose.tracker.formats.opensim.setups import ik_xml, markers_xml, scale_xml
 from keypose.tracker.formats.recording import MARKER_SETS, Recording
 from keypose.tracker.formats.trc import trc

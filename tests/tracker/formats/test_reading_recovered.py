@@ -18,7 +18,7 @@ import pytest
 from keypose.app.export.import_motion import fit_to_session
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.floor_world import parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.smpl import JOINTS, smpl_of
 from keypose.tracker.geometry.rotations import Array, log_rotation

@@ -10,7 +10,7 @@ from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.floor_world import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.rig import Rig, rig_of

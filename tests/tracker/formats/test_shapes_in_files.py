@@ -8,12 +8,12 @@ import trimesh
 from keypose.tracker.body.body import Body, Part
 from keypose.tracker.body.shapes import Capsule, Frustum, Solid
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.conventions import end_site
 from keypose.tracker.formats.glb import glb
-from keypose.tracker.formats.glb_mesh import lit_mesh
 from keypose.tracker.formats.joint_names import matched
-from keypose.tracker.formats.marker_names import places_of
+from keypose.tracker.formats.marker_sets import places_of
 from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rigs.skin import lit_mesh
 from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.result import Diagnostics
 from tests.tracker.formats.glb_reading import Player

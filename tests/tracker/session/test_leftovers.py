@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from keypose.app.document.folder_lock import SessionLock
-from keypose.tracker.storage.leftovers import OLD_SECONDS, sweep
+from keypose.tracker.storage.atomic import OLD_SECONDS, sweep
 
 PART = "0123456789ab.part"
 OF_SESSION = [

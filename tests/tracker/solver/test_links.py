@@ -15,8 +15,6 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
-from keypose.tracker.solver.jerk import Jerk
-from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber
 from keypose.tracker.solver.smoothness import (
@@ -26,6 +24,7 @@ from keypose.tracker.solver.smoothness import (
     increments,
     second_differences,
 )
+from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.stretch_poses import SharedTerm, moved_poses
 from tests.tracker.solver.test_banded import dense
 

@@ -9,14 +9,12 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
-from keypose.tracker.solver.jerk import Jerk
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
-from keypose.tracker.solver.point_terms import PointsInPicture, PointsInSpace
-from keypose.tracker.solver.pose_terms import PosePrior
+from keypose.tracker.solver.pose_terms import PointsInPicture, PointsInSpace, PosePrior
 from keypose.tracker.solver.posed import Posed, image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
+from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses, moved_poses
 from tests.tracker.solver.test_links import DOFS, FOOT, SKELETON, motion
 

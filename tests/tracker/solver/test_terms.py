@@ -11,23 +11,23 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import preset
-from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.joint_limits import Limits, TwistLimits
 from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.twist import TwistLimits
 from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
 from keypose.tracker.fitting.pose.texture import texture_of
 from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
-from keypose.tracker.solver.point_terms import (
+from keypose.tracker.solver.pose_terms import (
     DepthFromRoot,
+    JointLimits,
     PointsInPicture,
     PointsInSpace,
+    PosePrior,
     RootPosition,
 )
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from keypose.tracker.solver.terms import RowTerm, Term, total_cost, total_equations

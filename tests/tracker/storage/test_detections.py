@@ -11,7 +11,7 @@ import pytest
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.storage.archive import archive_bytes
-from keypose.tracker.storage.detections import Detections
+from keypose.tracker.storage.cache import Detections
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
 
 FRAMES = (0, 80)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from keypose.tracker.errors import SessionError
-from keypose.tracker.storage import finding
+from keypose.tracker.storage import files
 from keypose.tracker.storage.files import load_session, open_video_of
 from tests.tracker import session_cases as cases
 
@@ -41,7 +41,7 @@ def test_a_path_with_a_nul_character_is_looked_for_elsewhere(path: Path) -> None
 def test_the_old_name_is_looked_at_however_many_files_there_are(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(finding, "MOST_FILES", 1)
+    monkeypatch.setattr(files, "MOST_FILES", 1)
     for number in range(5):
         path.with_name(f"a{number}.mp4").write_bytes(b"-")
     moved = path.with_name("box.mp4").rename(path.parents[1] / "box.mp4")
@@ -52,7 +52,7 @@ def test_the_old_name_is_looked_at_however_many_files_there_are(
 def test_files_that_are_no_films_take_no_place_of_those_looked_at(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(finding, "MOST_FILES", 1)
+    monkeypatch.setattr(files, "MOST_FILES", 1)
     path.with_name("a.json").write_text("{}")
     moved = path.with_name("box.mp4").rename(path.with_name("renamed.mp4"))
     assert found(path) == moved

@@ -14,7 +14,7 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.keypoints import load_keypoints, of_session, save_keypoints
+from keypose.tracker.storage.sidecars import keypoints_of_session, load_keypoints, save_keypoints
 from tests.tracker import session_cases as cases
 
 FRAMES = 6
@@ -48,7 +48,7 @@ def test_saved_keypoints_come_back(path: Path, depth: bool) -> None:
     session = saved(path, given)
     assert session.keypoints is not None
     assert (session.keypoints.source, session.keypoints.seeds) == ("full", (1, 4))
-    found = of_session(session, path.parent)
+    found = keypoints_of_session(session, path.parent)
     assert found is not None
     assert (found.first_frame, found.names) == (given.first_frame, given.names)
     np.testing.assert_allclose(found.uv, given.uv, rtol=1e-6)
@@ -66,7 +66,7 @@ def test_equal_keypoints_are_one_file(path: Path) -> None:
 
 def test_a_session_without_keypoints_is_saved_as_before_there_were_any(path: Path) -> None:
     assert "keypoints" not in json.loads(path.read_text("utf-8"))
-    assert of_session(load_session(path), path.parent) is None
+    assert keypoints_of_session(load_session(path), path.parent) is None
 
 
 def test_missing_or_damaged_keypoints_are_reported_in_one_sentence(path: Path) -> None:
@@ -75,17 +75,17 @@ def test_missing_or_damaged_keypoints_are_reported_in_one_sentence(path: Path) -
     place = path.parent / session.keypoints.file
     place.write_bytes(place.read_bytes()[:-40])
     with pytest.raises(KeypointError, match="damaged"):
-        of_session(session, path.parent)
+        keypoints_of_session(session, path.parent)
     place.unlink()
     with pytest.raises(KeypointError, match=r"cannot be read.*find them again"):
-        of_session(session, path.parent)
+        keypoints_of_session(session, path.parent)
 
 
 def test_keypoints_of_a_longer_film_are_reported(path: Path) -> None:
     count = load_session(path).video.frame_count
     session = saved(path, keypoints(first_frame=count - 2))
     with pytest.raises(KeypointError, match=f"the video ends at {count - 1}"):
-        of_session(session, path.parent)
+        keypoints_of_session(session, path.parent)
 
 
 GOOD = {
@@ -112,7 +112,9 @@ GOOD = {
 def test_an_archive_of_something_else_is_refused(
     tmp_path: Path, wrong: dict[str, np.ndarray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("keypose.tracker.storage.keypoints._name", lambda content: "given.npz")
+    monkeypatch.setattr(
+        "keypose.tracker.storage.sidecars._keypoints_name", lambda content: "given.npz"
+    )
     place = tmp_path / "given.npz"
     place.write_bytes(archive_bytes(GOOD))
     assert len(load_keypoints(place)) == 3
@@ -124,6 +126,6 @@ def test_an_archive_of_something_else_is_refused(
 def test_a_copied_session_takes_its_keypoints_along(path: Path, tmp_path: Path) -> None:
     saved(path, keypoints())
     copied = copy_session(path, tmp_path / "copy")
-    found = of_session(load_session(copied), copied.parent)
+    found = keypoints_of_session(load_session(copied), copied.parent)
     assert found is not None
     assert found.names == JOINTS

@@ -14,7 +14,7 @@ from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of
-from keypose.tracker.storage.first_motion import kept_beside, of_session, save_own_motion
+from keypose.tracker.storage.sidecars import first_motion_of_session, kept_beside, save_own_motion
 from keypose.tracker.storage.tracking import require_first_motion, track_session
 from keypose.tracker.tracking.pool import PassFinished
 
@@ -47,7 +47,7 @@ def test_only_segments_within_the_run_start_from_it_as_it_is(tmp_path: Path) -> 
     begun: dict[tuple[int, int], tuple[str, Trajectory]] = {}
     with open_video_of(session, PERSON) as video:
         events = track_session(
-            session, video, segments=[0, 1], first_motion=of_session(session, tmp_path)
+            session, video, segments=[0, 1], first_motion=first_motion_of_session(session, tmp_path)
         )
         for event in events:
             if isinstance(event, PassFinished) and event.result.span not in begun:
@@ -64,7 +64,7 @@ def test_a_body_with_other_parts_is_tracked_as_if_nothing_was_kept(tmp_path: Pat
     own = save_own_motion(session, tmp_path / "session.json", bent(session, first, last))
     body = session.body.model_copy(update={"parts": session.body.parts[:-1]})
     other = session.model_copy(update={"first_motion": own, "body": body})
-    assert of_session(other, tmp_path) is None
+    assert first_motion_of_session(other, tmp_path) is None
     require_first_motion(other, None)
 
 
@@ -78,7 +78,7 @@ def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
         kept_beside(session, tmp_path)
     (tmp_path / own.file).unlink()
     with pytest.raises(SessionError, match="cannot be read"):
-        of_session(session, tmp_path)
+        first_motion_of_session(session, tmp_path)
 
 
 def test_a_displaced_motion_meets_both_poses_and_is_what_it_was_where_it_has_them() -> None:

@@ -1,1 +1,1 @@
-"""The bodies that come with the product, one JSON file each, and the script that wrote them."""
+"""List the bodies that come with the product, a JSON file each, and the script that wrote them."""

@@ -1,4 +1,6 @@
-"""The solid shapes a part may have, in the part's own frame. Lengths in metres.
+"""Define the solid shapes a part may have, in the part's own frame.
+
+Lengths in metres.
 
 Each shape is one file with everything the program needs of it (`Solid`). A new shape is a new file,
 plus its name in `Shape`, from which session files and the page know it.
@@ -12,12 +14,10 @@ from pydantic import Field
 
 from keypose.tracker.body.shapes.box import Box
 from keypose.tracker.body.shapes.capsule import Capsule
-from keypose.tracker.body.shapes.cylinder import Cylinder
 from keypose.tracker.body.shapes.frustum import Frustum
-from keypose.tracker.body.shapes.mesh import Mesh
-from keypose.tracker.body.shapes.numbers import Length, Point, Size
+from keypose.tracker.body.shapes.geometry import SIDES, Length, Mesh, Point, Size, Wireframe
+from keypose.tracker.body.shapes.round import Cylinder
 from keypose.tracker.body.shapes.solid import ShapeSize, Solid
-from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe
 
 Shape: TypeAlias = Annotated[Cylinder | Capsule | Frustum | Box, Field(discriminator="kind")]
 

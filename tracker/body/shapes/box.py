@@ -7,10 +7,8 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from keypose.tracker.body.shapes.mesh import Mesh
-from keypose.tracker.body.shapes.numbers import Length, Point
+from keypose.tracker.body.shapes.geometry import Length, Mesh, Point, Wireframe
 from keypose.tracker.body.shapes.solid import ShapeSize, Solid, distance_from_excess
-from keypose.tracker.body.shapes.wireframe import Wireframe
 from keypose.tracker.geometry.rotations import Array
 
 _AXES = {"length": 1, "width": 0, "depth": 2}

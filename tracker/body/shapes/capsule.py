@@ -6,11 +6,9 @@ from typing import Literal, Self
 
 import numpy as np
 
-from keypose.tracker.body.shapes.mesh import Mesh
-from keypose.tracker.body.shapes.numbers import Point, Size
+from keypose.tracker.body.shapes.geometry import SIDES, Mesh, Point, Size, Wireframe, ring
 from keypose.tracker.body.shapes.round import OneRadius
 from keypose.tracker.body.shapes.solid import Solid
-from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
 from keypose.tracker.geometry.rotations import Array, frozen
 
 _RISE = np.deg2rad([89, 75, 60, 45, 30, 15, 0])

@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from keypose.tracker.body.shapes.numbers import Point, Size
+from keypose.tracker.body.shapes.geometry import Point, Size
 from keypose.tracker.body.shapes.round import Radii, RoundSolid
 from keypose.tracker.body.shapes.solid import ShapeSize, Solid
 

@@ -1,17 +1,15 @@
-"""What shapes along the y axis have in common, and those of them with flat ends."""
+"""Shapes of revolution about the y axis, and those with flat ends: the cylinder among them."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import model_validator
 
-from keypose.tracker.body.shapes.mesh import Mesh
-from keypose.tracker.body.shapes.numbers import Length, Point
+from keypose.tracker.body.shapes.geometry import SIDES, Length, Mesh, Point, Size, Wireframe, ring
 from keypose.tracker.body.shapes.solid import ShapeSize, Solid, distance_from_excess
-from keypose.tracker.body.shapes.wireframe import SIDES, Wireframe, ring
 from keypose.tracker.geometry.rotations import Array, frozen
 
 Radii: TypeAlias = tuple[float, float]
@@ -143,3 +141,19 @@ class RoundSolid(UprightSolid):
             for y, (rx, rz) in ((self.start_m, start), (self.end_m, end)):
                 marks += [(rx, y, 0.0), (-rx, y, 0.0), (0.0, y, rz), (0.0, y, -rz)]
         return frozen(marks)
+
+
+class Cylinder(OneRadius, RoundSolid):
+    """A round cylinder from y = start_m to y = end_m."""
+
+    kind: Literal["cylinder"] = "cylinder"
+    radius_m: Size
+
+    @property
+    def ends(self) -> tuple[Radii, Radii]:
+        return (self.radius_m, self.radius_m), (self.radius_m, self.radius_m)
+
+    @classmethod
+    def like(cls, other: Solid) -> Self:
+        start, end = other.span_y
+        return cls(start_m=start, end_m=end, radius_m=other.width_m / 2)

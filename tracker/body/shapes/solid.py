@@ -9,9 +9,7 @@ from typing import Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from keypose.tracker.body.shapes.mesh import Mesh
-from keypose.tracker.body.shapes.numbers import Point
-from keypose.tracker.body.shapes.wireframe import Wireframe
+from keypose.tracker.body.shapes.geometry import Mesh, Point, Wireframe
 from keypose.tracker.geometry.rotations import Array
 
 

@@ -1,4 +1,4 @@
-"""Draft poses for a whole clip from keypoints with depth: nobody has posed anything yet."""
+"""Draft the poses of a whole clip from keypoints with depth, before anything is posed."""
 
 from keypose.tracker.fitting.draft.clip import (
     ClipDraft,

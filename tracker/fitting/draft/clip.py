@@ -17,8 +17,8 @@ import numpy as np
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.clavicles import has_clavicles, with_clavicles, without_clavicles
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError

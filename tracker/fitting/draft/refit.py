@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.scaling import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.clip import FEW_POINTS, filled, middle

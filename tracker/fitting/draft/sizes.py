@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.scaling import height, joint_moved, resized, with_height
+from keypose.tracker.body.modify import height, joint_moved, resized, with_height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.fitting.draft.limbs import SIDES, Joints, place_of
 from keypose.tracker.fitting.draft.observed import Observed

@@ -1,4 +1,4 @@
-"""A roughly posed keyframe improved from the picture: a suggestion, which can be undone."""
+"""Refine a roughly posed keyframe on its picture: a suggestion, which can be undone."""
 
 from keypose.tracker.fitting.pose.keyframe import PictureFit, fit_pose_to_picture
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.scaling import resized
+from keypose.tracker.body.modify import resized
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import free_skeleton

@@ -19,8 +19,7 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
-from keypose.tracker.solver.point_terms import RootPosition
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.pose_terms import JointLimits, PosePrior, RootPosition
 from keypose.tracker.solver.posed import Posed, image_jacobian
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.terms import Term, total_cost, total_equations

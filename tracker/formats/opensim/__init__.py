@@ -1,1 +1,1 @@
-"""The motion for OpenSim: joint coordinates, and what fits a full-body model to our body."""
+"""Write the motion in the coordinates of OpenSim, and fit a full-body model to our body."""

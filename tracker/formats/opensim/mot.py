@@ -1,20 +1,151 @@
-"""Joint coordinates as .mot, OpenSim's table of motions: degrees, metres, seconds.
+"""Write a person's motion in the coordinates of OpenSim's full-body models, as .mot.
 
-What the columns mean is in `keypose.tracker.formats.opensim.coordinates`. Frames must be tracked
+Names and signs are those of Model_Pose2Sim (Pagnon et al. 2021), which is Rajagopal's model (2016)
+with a neck; of the lumbar joint a model's own names are taken where it has others. All rotations
+but those of ankle and foot are `keypose.tracker.body.joint_angles`, whose order is the models'.
+Where they differ:
+
+    pelvis_tilt, pelvis_list    backward and to the right, the reverse of tilt and obliquity
+    L5_S1_Flex_Ext, neck_flexion  backward, the reverse of flexion
+    pro_sup                     0 with the palm forward, 90 with the thumb forward, as at rest
+    ankle_angle, subtalar_angle about the model's two oblique axes, as near as they come
+    pelvis_tx, _ty, _tz         of the pelvis' origin between the spines of the hip bones, which
+                                the models have before and above the hips
+
+The ground is `keypose.tracker.body.ground`. Toes stay straight. The axes of elbow and knee,
+oblique and gliding in the models, are taken for straight ones.
+
+What the columns mean is in `keypose.tracker.formats.opensim.mot`. Frames must be tracked
 from the first to the last, for OpenSim reads no gaps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from typing import Final
 
 import numpy as np
 
-from keypose.tracker.formats.decimals import fixed_decimals
-from keypose.tracker.formats.opensim.coordinates import coordinates
-from keypose.tracker.formats.opensim.model import OpenSimModel
+from keypose.tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.conventions import fixed_decimals
+from keypose.tracker.formats.opensim.model import OpenSimModel, mid_hips, scaled
 from keypose.tracker.formats.recording import Recording
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+
+HIPS_IN_PELVIS_M: Final = (-0.0707, -0.0661, 0.0)
+HIP_DISTANCE_M: Final = 0.167
+"""The middle of the hips and their distance in Model_Pose2Sim's pelvis, where no model is given."""
+
+ANKLE_AXIS: Final = (-0.10501355, -0.17402245, 0.97912632)
+SUBTALAR_AXIS: Final = (0.78717961, 0.60474746, -0.12094949)
+"""Of the right foot: about which the models turn it up, and inward."""
+
+_OF_JOINTS: Final[Mapping[str, tuple[str, str, float, float]]] = {
+    "pelvis_tilt": ("pelvis", "anterior_tilt", -1, 0),
+    "pelvis_list": ("pelvis", "obliquity", -1, 0),
+    "pelvis_rotation": ("pelvis", "rotation", 1, 0),
+    "L5_S1_Flex_Ext": ("trunk", "flexion", -1, 0),
+    "L5_S1_Lat_Bending": ("trunk", "bending", 1, 0),
+    "L5_S1_axial_rotation": ("trunk", "rotation", 1, 0),
+    "neck_flexion": ("neck", "flexion", -1, 0),
+    "neck_bending": ("neck", "bending", 1, 0),
+    "neck_rotation": ("neck", "rotation", 1, 0),
+    "hip_flexion": ("hip", "flexion", 1, 0),
+    "hip_adduction": ("hip", "adduction", 1, 0),
+    "hip_rotation": ("hip", "internal_rotation", 1, 0),
+    "knee_angle": ("knee", "flexion", 1, 0),
+    "arm_flex": ("shoulder", "flexion", 1, 0),
+    "arm_add": ("shoulder", "adduction", 1, 0),
+    "arm_rot": ("shoulder", "internal_rotation", 1, 0),
+    "elbow_flex": ("elbow", "flexion", 1, 0),
+    "pro_sup": ("elbow", "pronation", 1, 90),
+    "wrist_flex": ("wrist", "flexion", 1, 0),
+    "wrist_dev": ("wrist", "ulnar_deviation", 1, 0),
+}
+"""By coordinate, without its side: joint, angle, sign, and what it is at rest, degrees."""
+
+_ALSO_CALLED: Final[Mapping[str, str]] = {
+    "L5_S1_Flex_Ext": "lumbar_extension",
+    "L5_S1_Lat_Bending": "lumbar_bending",
+    "L5_S1_axial_rotation": "lumbar_rotation",
+}
+_PLACES: Final = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
+_SIDES: Final = {"r": "right", "l": "left"}
+
+
+def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict[str, Array]:
+    """Every coordinate (N,) by its name, degrees and metres, NaN where not tracked.
+
+    model: only the coordinates that it has, and its pelvis. FormatError where the body is no
+    person's, or nothing is tracked.
+    """
+    angles = {found.joint.name: found for found in recording.joint_angles}
+    if len(angles) < len(JOINTS):
+        raise FormatError(
+            "OpenSim's joint angles are those of a whole person, and this body is no person's."
+        )
+    found: dict[str, Array] = dict(zip(_PLACES, _pelvis_m(recording, model).T, strict=True))
+    for name, (joint, angle, sign, at_rest) in _OF_JOINTS.items():
+        if joint in angles:
+            found[name] = sign * angles[joint][angle] + at_rest
+            continue
+        for s, side in _SIDES.items():
+            found[f"{name}_{s}"] = sign * angles[f"{side}_{joint}"][angle] + at_rest
+    for s, side in _SIDES.items():
+        ankle, subtalar = _ankle(recording, side)
+        found |= {f"ankle_angle_{s}": ankle, f"subtalar_angle_{s}": subtalar}
+        found[f"mtp_angle_{s}"] = 0.0 * ankle
+    return found if model is None else _of_model(found, model.coordinates)
+
+
+def trunk_flexion(model: OpenSimModel) -> str | None:
+    """The model's own name of how far the trunk is bent against the pelvis; None if it is rigid."""
+    name = "L5_S1_Flex_Ext"
+    names = (name, _ALSO_CALLED[name])
+    return next((each for each in names if each in model.coordinates), None)
+
+
+def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
+    """Those that a model has, under its names."""
+    called = {name: name if name in names else _ALSO_CALLED.get(name, name) for name in found}
+    return {called[name]: values for name, values in found.items() if called[name] in names}
+
+
+def _pelvis_m(recording: Recording, model: OpenSimModel | None) -> Array:
+    """(N, 3) The origin of the model's pelvis on the ground; its hips are where ours are."""
+    body = recording.skeleton.body
+    hips = np.array([body.parts[body.index(f"{side}_thigh")].joint_m for side in _SIDES.values()])
+    if model is None:
+        wide = float(np.linalg.norm(hips[0] - hips[1])) / HIP_DISTANCE_M
+        theirs = np.array(HIPS_IN_PELVIS_M) * wide
+    else:
+        theirs = mid_hips(model, scaled(model, body, ()).factors)
+    p_root = hips.mean(axis=0) - R_ANATOMICAL_PART.T @ theirs
+    T = recording.trajectory.transforms(recording.skeleton)[:, 0]
+    return recording.ground.points(T[:, :3, :3] @ p_root + T[:, :3, 3])
+
+
+def _ankle(recording: Recording, side: str) -> tuple[Array, Array]:
+    """(N,) twice: turns about the models' ankle and subtalar axes, degrees.
+
+    The ankle brings the subtalar axis to where the foot has it, as seen along its own axis; what
+    then is left of the foot's turn about the subtalar axis is the other.
+    """
+    joint = next(joint for joint in JOINTS if joint.name == f"{side}_ankle")
+    unknown = np.eye(3)  # the shin carries it, so the ground does not matter
+    R = carried(recording.skeleton.body, joint, recording.tracks.Rs_parent_part, unknown)
+    known = np.isfinite(R).all(axis=(1, 2))
+    ankle, subtalar = np.full(len(R), np.nan), np.full(len(R), np.nan)
+    up, inward = np.array(ANKLE_AXIS), np.array(SUBTALAR_AXIS)
+    turned = R[known] @ inward
+    across = np.cross(up, inward)
+    flat = inward - (inward @ up) * up
+    ankle[known] = np.arctan2(turned @ across, turned @ flat)
+    left = transpose(exp_rotation(ankle[known, None] * up)) @ R[known]
+    subtalar[known] = log_rotation(left) @ inward
+    return np.degrees(ankle), np.degrees(subtalar)
+
 
 DECIMALS = 6
 """A microdegree, a micrometre, a microsecond."""

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from keypose.tracker.formats.opensim.scaling import Scaled
+from keypose.tracker.formats.opensim.model import Scaled
 from keypose.tracker.geometry.rotations import Array
 
 VERSION = "40000"

@@ -1,4 +1,4 @@
-"""Rigs: the moving body as named bones of a skeleton that other programs know.
+"""Express the moving body as the named bones of a skeleton that other programs know.
 
 A rig's rest pose is the one that its users expect, T, A or the body's own; its bones have the
 body's lengths. Each bone turns with one part of the body: aligned with it in the rest pose, it

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, readable
-from keypose.tracker.formats.axes import flipped
-from keypose.tracker.formats.end_sites import end_site
+from keypose.tracker.formats.conventions import end_site, flipped
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.table import SIDES, Axes, Place, Row
 from keypose.tracker.geometry.rotations import Array

@@ -1,4 +1,4 @@
-"""The body's solids as the skin of a rig: at rest, every vertex wholly on its part's bone."""
+"""Make the skin of a rig from the body's solids: at rest, a vertex hangs on its part's bone."""
 
 from __future__ import annotations
 
@@ -9,10 +9,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.formats.axes import flipped
-from keypose.tracker.formats.glb_mesh import lit_mesh
+from keypose.tracker.body.shapes import Shape
+from keypose.tracker.formats.conventions import flipped
 from keypose.tracker.formats.rigs.rig import Rig
 from keypose.tracker.geometry.rotations import Array
+
+CREASE_COS = np.cos(np.deg2rad(40.0))
+"""Faces that meet at a larger angle meet in an edge; those of a round side meet at 15 degrees."""
+
+
+def lit_mesh(shape: Shape) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Vertices (V, 3) in the part's frame, metres; their unit normals (V, 3); faces (F, 3).
+
+    A corner's normal is the mean over the faces that meet there without an edge, by their angles,
+    so that it does not matter how a side is cut into triangles.
+    """
+    mesh = shape.mesh()
+    corners = mesh.vertices[mesh.faces]
+    onward = _unit(np.roll(corners, -1, axis=1) - corners)
+    back = _unit(np.roll(corners, 1, axis=1) - corners)
+    directions = _unit(np.cross(onward[:, 0], back[:, 0]))
+    angles = np.arccos(np.clip((onward * back).sum(axis=-1), -1.0, 1.0))
+    smooth = directions @ directions.T > CREASE_COS
+    same = mesh.faces[:, :, None, None] == mesh.faces
+    weights = (same * angles).sum(axis=-1) * smooth[:, None]
+    normals = _unit(weights @ directions)
+    corners = np.concatenate([corners, normals], axis=-1).reshape(-1, 6)
+    different, index = np.unique(corners.round(9) + 0.0, axis=0, return_inverse=True)
+    return different[:, :3], different[:, 3:], index.reshape(-1, 3).astype(np.int64)
+
+
+def _unit(vectors: Array) -> Array:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.maximum(lengths, 1e-300))  # a needle's end has no direction
 
 
 @dataclass(frozen=True, eq=False)

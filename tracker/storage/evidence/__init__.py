@@ -1,4 +1,4 @@
-"""The files of a session's evidence: how they are opened, found and recognised."""
+"""Open, find and recognise the files of a session's evidence."""
 
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.schema import Session

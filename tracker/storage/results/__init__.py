@@ -1,4 +1,4 @@
-"""Tracking results by segment, each with the key of what it was tracked for.
+"""Keep tracking results by segment, each with the key of what it was tracked for.
 
 A segment is up to date when there is a result of its present key. Results of other keys stay for a
 while: undoing a change finds them again.

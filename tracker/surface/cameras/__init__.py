@@ -1,1 +1,1 @@
-"""Calibrated cameras around a thing: what they saw of it, and the surfaces that follow."""
+"""Make surfaces from calibrated cameras: visual hulls, rated by photo-consistency."""

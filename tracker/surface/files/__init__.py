@@ -1,1 +1,1 @@
-"""Meshes out of foreign files: numbered steps, read in a process of its own, checked twice."""
+"""Read meshes of strangers, a file a step, in a process of its own, checked twice."""

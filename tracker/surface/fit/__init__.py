@@ -1,1 +1,1 @@
-"""The body fitted to observed surfaces: SURFACE's weights, pairs and energy, step by step."""
+"""Fit the body to observed surfaces step by step: SURFACE's weights, pairs and energy."""

@@ -1,1 +1,1 @@
-"""The body followed from one keyframe onward, as far as the evidence carries."""
+"""Track ahead from one keyframe, as far as the evidence carries."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.errors import SessionError
-from keypose.tracker.session.ahead import Direction, Stop, StopCause
+from keypose.tracker.session.annotations import Direction, Stop, StopCause
 from keypose.tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
 from keypose.tracker.tracking.ahead.line import Line
 from keypose.tracker.tracking.ahead.stops import Stopped, pictures_end, stopped

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from keypose.tracker.keypoints.keypoints import Keypoints
-    from keypose.tracker.session.ahead import Direction
+    from keypose.tracker.session.annotations import Direction
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from keypose.tracker.session.ahead import Stop, StopCause
+from keypose.tracker.session.annotations import Stop, StopCause
 from keypose.tracker.tracking.ahead.hidden import hidden_share
 from keypose.tracker.tracking.diagnostics.judge import SHORTEST_RUN
 from keypose.tracker.tracking.diagnostics.runs import runs

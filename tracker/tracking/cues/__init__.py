@@ -1,1 +1,1 @@
-"""What the picture shows besides brightness, as terms of a segment's solve."""
+"""Add what the picture shows besides brightness, as terms of a segment's solve."""

@@ -24,7 +24,7 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
 from keypose.tracker.solver.body_points import BodyPoints, with_free_parts
 from keypose.tracker.solver.least_squares import damped_step
-from keypose.tracker.solver.point_terms import DepthFromRoot, PointsInPicture
+from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
 from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
 from keypose.tracker.solver.terms import Term

@@ -1,1 +1,1 @@
-"""How far a motion can be trusted, and where a keyframe would help most."""
+"""Judge how far a motion can be trusted, and where a keyframe would help most."""

@@ -1,1 +1,1 @@
-"""Where tracking of a segment starts from."""
+"""Choose the trajectory that tracking of a segment starts from."""

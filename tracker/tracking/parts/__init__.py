@@ -1,0 +1,1 @@
+"""Correct a tracked segment where limbs alone were posed between its keyframes."""

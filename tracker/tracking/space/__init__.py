@@ -1,1 +1,1 @@
-"""The motion in space: one last solve over neighbouring segments, and what is measured of it."""
+"""Solve for the motion in space over neighbouring segments, and measure its plausibility."""

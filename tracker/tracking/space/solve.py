@@ -29,14 +29,18 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, with_free_parts
-from keypose.tracker.solver.jerk import Jerk
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.places import AtOnePlace, Near, OnFloor
-from keypose.tracker.solver.point_terms import DepthFromRoot, PointsInPicture, RootPosition
-from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
+from keypose.tracker.solver.pose_terms import (
+    DepthFromRoot,
+    JointLimits,
+    PointsInPicture,
+    PosePrior,
+    RootPosition,
+)
 from keypose.tracker.solver.posed import Posed, image_points
 from keypose.tracker.solver.robust import SQUARED, Huber
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints

@@ -9,8 +9,8 @@ import pytest
 
 from keypose.tracker.body.body import Body, Part
 from keypose.tracker.body.clavicles import has_clavicles, with_clavicles
+from keypose.tracker.body.modify import height, joint_moved, resized, with_height
 from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.body.scaling import height, joint_moved, resized, with_height
 from keypose.tracker.body.shapes.box import Box as BoxShape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError

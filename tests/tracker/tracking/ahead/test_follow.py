@@ -10,7 +10,7 @@ import pytest
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
-from keypose.tracker.session.ahead import Direction, Stop
+from keypose.tracker.session.annotations import Direction, Stop
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.ahead import follow
 from keypose.tracker.tracking.ahead.follow import FoundAhead, follow_ahead

@@ -9,7 +9,7 @@ import pytest
 
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.solver.point_terms import DepthFromRoot, PointsInPicture
+from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.tracking.cues.anchors import with_free_joints

@@ -1,4 +1,4 @@
-"""Parts of the body followed by what they look like (INITIAL §3.1), from one keyframe or both."""
+"""Follow parts of the body by templates (INITIAL §3.1), from one keyframe or both."""
 
 from keypose.tracker.tracking.initial.templates.results import LimbTracks, Start
 from keypose.tracker.tracking.initial.templates.tracks import limb_tracks

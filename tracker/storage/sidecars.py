@@ -1,4 +1,4 @@
-"""An imported motion on disk: `first-<hash>.npz` beside the session, written once, never changed.
+"""Store what lies beside a session: an imported motion and keypoints, each written once.
 
 The file is a plain NumPy archive, as a tracks file is:
 
@@ -9,12 +9,22 @@ The file is a plain NumPy archive, as a tracks file is:
 
 Of a session's own motion, reduced to keyframes, it holds the poses of the runs that the session
 names; frames between these have none, NaN.
+
+The file is a plain NumPy archive, as a tracks file is:
+
+    first_frame  ()         index of the first row's video frame
+    names        (L,)       text
+    uv           (N, L, 2)  pixels, NaN where nothing was found
+    visibility   (N, L)     from 0 to 1, 0 where uv is NaN
+    p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
+
+Its numbers have four bytes: a fraction of a thousandth of a pixel.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +33,33 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.errors import SessionError
+from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_regular
-from keypose.tracker.geometry.rotations import transpose
-from keypose.tracker.session.references import FirstMotion, OwnRun
+from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.references import FirstMotion, KeypointFile, OwnRun
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import write_file
+
+
+def carry_beside(session: Session, folder: Path, other: Path) -> None:
+    """Copy the session's imported motion and its keypoints to another folder; SessionError when
+    one cannot be written there."""
+    for reference in (session.first_motion, session.keypoints):
+        if reference is not None:
+            _carry(folder / reference.file, other / reference.file)
+
+
+def _carry(source: Path, place: Path) -> None:
+    if place.exists():  # named by its content
+        return
+    try:
+        content = read_regular(source, LARGEST_PACKED_BYTES)
+    except OSError:  # tracking will report that it is missing
+        return
+    write_file(place, content, overwrite=True, error=SessionError)
+
 
 REDUCED = "reduced motion"
 """What a session's own motion is said to be from."""
@@ -93,12 +123,12 @@ def _write(body: Body, session_path: Path, motion: Trajectory) -> str:
             "ps_camera_root": motion.ps_camera_root.astype("<f8"),
         }
     )
-    name = _name(content)
+    name = _first_motion_name(content)
     write_file(session_path.parent / name, content, overwrite=True, error=SessionError)
     return name
 
 
-def of_session(session: Session, folder: Path) -> Trajectory | None:
+def first_motion_of_session(session: Session, folder: Path) -> Trajectory | None:
     """The motion a session's segments may start from; None where it has none, or its own
     from before the body got other parts.
 
@@ -116,7 +146,7 @@ def of_session(session: Session, folder: Path) -> Trajectory | None:
 
 def kept_beside(session: Session, folder: Path) -> Trajectory | None:
     """The first motion of a session, wherever tracking starts from; None where it has none.
-    SessionError as `of_session`."""
+    SessionError as `first_motion_of_session`."""
     reference = session.first_motion
     return None if reference is None else load_first_motion(folder / reference.file, session.body)
 
@@ -144,7 +174,7 @@ def _read(path: Path) -> tuple[tuple[str, ...], Trajectory]:
             "it again, or set settings.initial to linear."
         ) from None
     try:
-        if path.name != _name(content):
+        if path.name != _first_motion_name(content):
             raise ValueError("its content does not fit its name")
         return _motion(archive_arrays(content))
     except ValueError as error:
@@ -169,5 +199,108 @@ def _motion(arrays: dict[str, NDArray[Any]]) -> tuple[tuple[str, ...], Trajector
     return names, Trajectory(first, R, t)
 
 
-def _name(content: bytes) -> str:
+def _first_motion_name(content: bytes) -> str:
     return f"first-{hashlib.sha256(content).hexdigest()[:12]}.npz"
+
+
+def save_keypoints(
+    session: Session,
+    session_path: Path,
+    keypoints: Keypoints,
+    source: str,
+    *,
+    network: str = "",
+    seeds: Sequence[int] = (),
+) -> Session:
+    """Write keypoints beside the session file; the session that refers to them, not yet saved.
+
+    source:  what found them, for people: a network's name, or the file they were imported from.
+    network: fingerprint of the network; empty for an imported file.
+    seeds:   frames where somebody said where the body is.
+    KeypointError in one sentence when the file cannot be written.
+    """
+    content = archive_bytes(_arrays(keypoints))
+    name = _keypoints_name(content)
+    write_file(session_path.parent / name, content, overwrite=True, error=KeypointError)
+    reference = KeypointFile(
+        file=name, source=source, network=network, seeds=tuple(sorted(set(seeds)))
+    )
+    return session.model_copy(update={"keypoints": reference})
+
+
+def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:
+    """The keypoints a session's segments are tracked with; None where it has none.
+
+    folder: of the session's file.
+    KeypointError in one sentence when their file is missing, damaged, or of a longer film.
+    """
+    if session.keypoints is None:
+        return None
+    found = load_keypoints(folder / session.keypoints.file)
+    if found.last_frame >= session.video.frame_count:
+        raise KeypointError(
+            f"{session.keypoints.file} holds keypoints up to frame {found.last_frame}, but the "
+            f"video ends at {session.video.frame_count - 1}: find them again."
+        )
+    return found
+
+
+def load_keypoints(path: Path) -> Keypoints:
+    """The keypoints in a file; KeypointError in one sentence when there are none."""
+    try:
+        content = read_regular(path, LARGEST_PACKED_BYTES)
+    except OSError as error:
+        raise KeypointError(
+            f"The keypoints {str(path)!r} cannot be read: {error.strerror or error}; find them "
+            "again."
+        ) from None
+    try:
+        if path.name != _keypoints_name(content):
+            raise ValueError("its content does not fit its name")
+        return _keypoints(archive_arrays(content))
+    except ValueError as error:
+        raise KeypointError(
+            f"The keypoints {str(path)!r} are damaged: {error}; find them again."
+        ) from None
+
+
+def _arrays(keypoints: Keypoints) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {
+        "first_frame": np.array(keypoints.first_frame, dtype="<i8"),
+        "names": np.array(keypoints.names, dtype=np.str_),
+        "uv": keypoints.uv.astype("<f4"),
+        "visibility": keypoints.visibility.astype("<f4"),
+    }
+    if keypoints.p_hips is not None:
+        arrays["p_hips"] = keypoints.p_hips.astype("<f4")
+    return arrays
+
+
+def _keypoints(arrays: dict[str, NDArray[Any]]) -> Keypoints:
+    try:
+        names = tuple(str(name) for name in arrays["names"])
+        first = int(arrays["first_frame"])
+        uv, visibility = _numbers(arrays["uv"]), _numbers(arrays["visibility"])
+        p_hips = _numbers(arrays["p_hips"]) if "p_hips" in arrays else None
+    except (KeyError, TypeError):
+        raise ValueError("its entries are not those of keypoints") from None
+    shape = (len(uv), len(names))
+    fits = uv.shape == (*shape, 2) and visibility.shape == shape
+    if not fits or (p_hips is not None and p_hips.shape != (*shape, 3)) or first < 0:
+        raise ValueError("its entries do not fit together")
+    if 0 in shape or len(set(names)) < len(names):
+        raise ValueError("it holds no keypoints, or two of one name")
+    known = np.isfinite(uv).all(axis=-1)
+    if not ((visibility >= 0) & (visibility <= 1)).all() or visibility[~known].any():
+        raise ValueError("it holds visibilities that are none")
+    return Keypoints(first, names, uv, visibility, p_hips)
+
+
+def _numbers(array: NDArray[Any]) -> Array:
+    if array.dtype.kind != "f":
+        raise ValueError("its entries are not those of keypoints")
+    return array.astype(np.float64)
+
+
+def _keypoints_name(content: bytes) -> str:
+    return f"keypoints-{hashlib.sha256(content).hexdigest()[:12]}.npz"
