@@ -26,7 +26,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import (
     JointLimits,
     PointsInPicture,

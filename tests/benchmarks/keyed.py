@@ -30,7 +30,7 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.fit_joints import CRITERIA, LIMIT_SIGMA_RAD, NEAREST_M, PIXEL_SIGMA
 from keypose.tracker.solver.least_squares import least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.terms import Term
 from tests.benchmarks.clips import Clip, place

@@ -26,7 +26,7 @@ from keypose.tracker.solver.fit_joints import (
     fit_motion,
 )
 from keypose.tracker.solver.least_squares import least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PointsInSpace, PosePrior
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keyed import Keyed, keyed

@@ -22,7 +22,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen, nearest_rotation
 from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import (
     JointLimits,
     PointsInPicture,

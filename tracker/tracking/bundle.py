@@ -24,7 +24,7 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Picture
 
 if TYPE_CHECKING:
-    from keypose.tracker.solver.pose_problems import SegmentPoses
+    from keypose.tracker.solver.segment_poses import SegmentPoses
     from keypose.tracker.tracking.method import Refinement
 
 SMOOTH_TURN_RAD = np.radians(1.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.pose_problems import SegmentPoses
+from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch

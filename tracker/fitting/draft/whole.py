@@ -23,9 +23,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import SegmentPoses
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
+from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.anchors import height_px

@@ -14,7 +14,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.fitting.pose.inputs import FitInputs
 from keypose.tracker.fitting.pose.refinement import PosedKeyframe
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.robust import Cauchy

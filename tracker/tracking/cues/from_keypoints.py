@@ -11,7 +11,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import OnePose
+from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PosePrior
 from keypose.tracker.solver.robust import Cauchy, Huber
 from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments

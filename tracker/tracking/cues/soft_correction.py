@@ -25,10 +25,10 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import log_rotation, transpose
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
-from keypose.tracker.solver.pose_problems import SegmentPoses
 from keypose.tracker.solver.pose_terms import JointLimits
 from keypose.tracker.solver.posed import by_dof
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
+from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions

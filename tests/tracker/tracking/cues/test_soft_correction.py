@@ -10,8 +10,8 @@ import pytest
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
 from keypose.tracker.solver.least_squares import least_squares
-from keypose.tracker.solver.pose_problems import SegmentPoses
 from keypose.tracker.solver.robust import SQUARED, Cauchy
+from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
 from keypose.tracker.tracking.cues.soft_correction import CRITERIA, Correction, measured_increments

@@ -1,4 +1,4 @@
-"""Pose problems of least squares: one pose, and all poses of a segment with links between them."""
+"""The poses of a segment as a problem of least squares: terms of every frame, and links between."""
 
 from __future__ import annotations
 
@@ -8,52 +8,16 @@ from functools import cached_property
 
 import numpy as np
 
-from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.layout import BodyArrays
 from keypose.tracker.kernels.whole import move_inner
 from keypose.tracker.solver.banded import added, banded_step, with_frames
-from keypose.tracker.solver.least_squares import Problem, damped_step
+from keypose.tracker.solver.least_squares import Problem
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.smoothness import INNER, Link
-from keypose.tracker.solver.terms import Equations, Term, total_cost, total_equations
-
-
-@dataclass(frozen=True, eq=False)
-class PosePoint:
-    """What the terms say at one pose."""
-
-    posed: Posed
-    terms: Sequence[Term]
-    floor: float
-
-    @property
-    def cost(self) -> float:
-        return self.equations.cost
-
-    @cached_property
-    def equations(self) -> Equations:
-        return total_equations(self.terms, self.posed)
-
-    def step(self, damping: float) -> Array | None:
-        return damped_step(self.equations.A, self.equations.b, damping, self.floor)
-
-
-@dataclass(frozen=True, eq=False)
-class OnePose(Problem[Pose, PosePoint]):
-    """The pose that agrees best with all terms; `floor` is damped besides the diagonal."""
-
-    skeleton: Skeleton
-    terms: Sequence[Term]
-    floor: float = 0.0
-
-    def at(self, state: Pose, count: int) -> PosePoint:
-        return PosePoint(Posed.of(self.skeleton, state), self.terms, self.floor)
-
-    def moved(self, state: Pose, step: Array) -> Pose:
-        return moved(self.skeleton, state, step)
+from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 
 @dataclass(frozen=True, eq=False)
