@@ -21,9 +21,9 @@ from keypose.app.document.defaults import read_defaults
 from keypose.tracker.body.body import load_body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.formats.c3d import c3d
 from keypose.tracker.formats.camera_files import camera_json, chan
 from keypose.tracker.formats.joint_names import load_names
+from keypose.tracker.formats.marker_files import c3d
 from keypose.tracker.formats.opensim.model import read_model
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import load_camera

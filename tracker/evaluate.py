@@ -27,7 +27,7 @@ from keypose.tracker.geometry.rotations import (
     log_rotation,
     transpose,
 )
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 
 
 @dataclass(frozen=True)

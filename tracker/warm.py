@@ -90,9 +90,9 @@ def are_hulls_warm() -> bool:
 
 def warm_hulls() -> None:
     """Compile these, or load them: on a ball that four cameras see as a disc."""
+    from keypose.tracker.surface.cameras.footage import consistency
     from keypose.tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
-    from keypose.tracker.surface.cameras.photo import consistency
-    from keypose.tracker.surface.cameras.views import View
+    from keypose.tracker.surface.cameras.rig import View
 
     camera = Camera(width=48, height=48, fx=48.0, fy=48.0, cx=23.5, cy=23.5)
     rows, columns = np.mgrid[:48, :48]
@@ -111,9 +111,8 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     """A surface compared with itself, and drawn."""
     from keypose.tracker.surface.fit.model import SurfaceModel
     from keypose.tracker.surface.fit.options import Options
-    from keypose.tracker.surface.fit.pairing import Observed
+    from keypose.tracker.surface.fit.pairing import Observed, vertex_scalars
     from keypose.tracker.surface.fit.solving import fit_pose
-    from keypose.tracker.surface.fit.vertex_scalars import vertex_scalars
     from keypose.tracker.surface.mesh import SurfaceMesh
     from keypose.tracker.surface.painting import paint
 

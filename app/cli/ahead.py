@@ -65,7 +65,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 def _ways(session: Session, asked: str) -> list[Direction]:
     """Those that lead anywhere; refused, before any work, where none of them does."""
     from keypose.app.editor.ahead import start_frame
-    from keypose.app.editor.refusal import Refused
+    from keypose.app.editor.documents import Refused
 
     possible: list[Direction] = []
     why: Refused | None = None
@@ -123,7 +123,7 @@ def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
 
 
 def _print(found: list[FoundAhead], place: str, as_json: bool) -> None:
-    from keypose.app.editor.ahead_text import found_sentence
+    from keypose.app.editor.ahead import found_sentence
 
     if as_json:
         facts = [

@@ -226,8 +226,8 @@ def _tasks(
     sessions: Sequence[Path], out: Path | None, arguments: argparse.Namespace, journal: Journal
 ) -> list[Task]:
     """What is to be done with every session; FormatError where a file is in the way."""
-    from keypose.app.jobs.batch.exporting import export_of, places
     from keypose.app.jobs.batch.finding import common_folder
+    from keypose.app.jobs.batch.run_one import export_of, places
     from keypose.app.jobs.batch.task import Task
     from keypose.tracker.storage.atomic import require_absent
 

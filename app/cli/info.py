@@ -125,7 +125,7 @@ def _read_all(meshes: MeshSequence) -> None:
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
-    from keypose.tracker.surface.files.unusable import describe_unusable
+    from keypose.tracker.surface.files.sequence import describe_unusable
 
     size = " × ".join(f"{length:.4g}" for length in facts["extent"])
     units = facts["units"] or "units, which the files do not state"

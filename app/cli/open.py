@@ -277,7 +277,7 @@ def _names(host: str) -> tuple[str, ...]:
 
 def _listener(host: str, port: int | None, first: int) -> socket.socket:
     """A bound socket: the port asked for, or the first free one from the usual one on."""
-    from keypose.app.server.listening import bind
+    from keypose.app.server.addresses import bind
 
     if port is not None:
         return bind(host, port)

@@ -42,8 +42,8 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.export.keyframe_sheet import sheet_png
-    from keypose.app.render.snapshots import Look
+    from keypose.app.export.pictures import sheet_png
+    from keypose.app.render.studio import Look
     from keypose.tracker.storage.atomic import write_file
     from keypose.tracker.storage.files import open_video_of
 

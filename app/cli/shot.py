@@ -144,8 +144,8 @@ def _content(
     session: Session, poses: KnownPoses, wanted: Still, arguments: argparse.Namespace
 ) -> bytes:
     """The PNG file's bytes."""
-    from keypose.app.render.snapshots import png
     from keypose.app.render.stills import still
+    from keypose.app.render.studio import png
 
     with _open_source(session, arguments.session, wanted) as video:
         content = png(still(session, video, arguments.frame, poses, wanted))

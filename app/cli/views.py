@@ -16,8 +16,7 @@ from keypose.tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
     from keypose.app.render.films import FilmView
-    from keypose.app.render.snapshots import View
-    from keypose.app.render.studio import Size
+    from keypose.app.render.studio import Size, View
     from keypose.app.render.viewpoints import Viewpoint
     from keypose.tracker.session import Session
 

@@ -16,9 +16,8 @@ from keypose.app.document.new import (
     require_text,
     standing_in,
 )
-from keypose.app.editor.pointer_views import up_of
-from keypose.app.editor.state import EditorState
-from keypose.app.editor.timing import with_times
+from keypose.app.editor.documents import with_times
+from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import opening_pose
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose

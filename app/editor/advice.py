@@ -1,17 +1,322 @@
-"""What to do next, by what the body is compared with; and why nothing can be done."""
+"""Advise what to do next: where a keyframe helps most and why; or why nothing can be done."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal
 
+from keypose.app.editor.ahead import stands, tracked_to, why_stopped
 from keypose.app.editor.judged import Judged
-from keypose.app.editor.suggest import Fitting, Suggestion, suggestion
-from keypose.app.editor.suggest_ahead import followed_suggestion, with_way_ahead
-from keypose.app.editor.suggest_surfaces import surface_suggestion
+from keypose.app.editor.problem_words import (
+    add_keyframe,
+    detail_of,
+    frame_range,
+    named_frames,
+    reason,
+)
+from keypose.app.editor.problems import (
+    SHORT_FRAMES,
+    Problem,
+    ProblemCause,
+    blames_keys,
+    is_past_mending,
+    is_worth_a_keyframe,
+    problem_of,
+)
+from keypose.app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
 from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.annotations import Ahead, Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.schema import Session
+from keypose.tracker.session.verdict import WORST_FIRST
+from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.result import SegmentResult
+
+NEXT_FRAMES = 24
+"""A good first distance of keyframes: about a second."""
+LONG_FRAMES = 32
+"""Past this length, fast motion is lost in half of all segments."""
+
+Fitting = Mapping[Span, SegmentResult]
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """What to do next. title: what; detail: why, may be empty. Neither has a full stop at its end.
+
+    kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
+    it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
+    would help; "good" nothing.
+    problem: the one that is spoken of.
+    ahead: tracking that way from the keyframes leads on; where this is about a frame, as well.
+    """
+
+    frame: int | None
+    title: str
+    detail: str
+    kind: Literal["pose", "key", "track", "look", "good"]
+    problem: Problem | None = None
+    ahead: Direction | None = None
+
+
+def suggestion(
+    keys: Sequence[int], frame_count: int, fitting: Fitting, parts: Sequence[str] = (),
+    known: Judged | None = None,
+) -> Suggestion:  # fmt: skip
+    """The one thing that helps most. keys: frames of the keyframes, ascending.
+
+    fitting: the results of the present segments (Results.fitting); unfinished ones count as none.
+    parts: names of the body's parts, so that what is hidden where tracking was lost can be named.
+    known: the same with all that shows what is wrong with them.
+    """
+    if len(keys) < 2:
+        return _first_poses(keys, frame_count)
+    spans = list(pairwise(keys))
+    done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
+    known = known or Judged(done, parts)
+    if len(done) == len(spans) and all(
+        track.diagnostics.expected_gain is not None for track in done.values()
+    ):
+        return _by_gain(known, list(done.values())) or ALL_GOOD
+    bad = [track for track in done.values() if track.kind != "good" and _is_open(known, track)]
+    to_mend = [track for track in bad if not is_past_mending(track)]
+    for kind in ("lost", "check"):
+        found = [track for track in to_mend if track.kind == kind]
+        if kind == "check" and len(done) < len(spans):
+            break  # first everything is tracked, then it is made better
+        if found:
+            return _about(known, max(found, key=_need))
+    if len(done) < len(spans):
+        return _to_track([span for span in spans if span not in done])
+    divided = _longest(spans)
+    if divided is None and bad:
+        return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
+    return divided or ALL_GOOD
+
+
+def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | None:
+    """The keyframe that is expected to mend most, of all segments; None where all is good.
+
+    Where tracking was lost comes before what is to be checked: nobody knows how far off it is.
+    What short intervals still show is the keyframes' own error: that much is not to be gained.
+    """
+    waiting = [track for track in tracks if _is_open(known, track)]
+    bad = [track for track in waiting if track.kind != "good"]
+    for kinds in (("lost",), WORST_FIRST):
+        wrong = [track for track in bad if track.kind in kinds and blames_keys(track)]
+        if wrong:
+            return _about(known, max(wrong, key=_need))
+        open_ones = [t for t in waiting if t.kind in kinds and not is_past_mending(t)]
+        worth = [track for track in open_ones if is_worth_a_keyframe(known, track)]
+        if worth:
+            return _about(known, max(worth, key=lambda track: _gains_by(known, track)))
+    if bad:
+        return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
+    return None
+
+
+def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]:
+    """How much a keyframe would mend: by the joint that is farthest off where joints are observed,
+    else by what may have drifted."""
+    found = problem_of(known, track)
+    has_parts = part_errors_px(track) is not None
+    px = found.px if has_parts and found is not None and found.px is not None else 0.0
+    return px, float(possible_drift_px(track).sum()), gain(track)
+
+
+def _is_open(known: Judged, track: SegmentResult) -> bool:
+    """Whether something is wrong with a segment to which nobody has said anything yet."""
+    found = problem_of(known, track)
+    return found is not None and found.answer is None
+
+
+def _about(known: Judged, track: SegmentResult) -> Suggestion:
+    """What a segment needs."""
+    found = problem_of(known, track)
+    assert found is not None
+    frame, why = found.frame, detail_of(found)
+    if found.remedy == "keyframe":
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look", found)
+    if found.remedy == "key":
+        return Suggestion(frame, add_keyframe(frame), why, "key", found)
+    return Suggestion(frame, f"Check frame {frame} and move on", why, "look", found)
+
+
+def _need(track: SegmentResult) -> int:
+    """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
+    verdict = track.verdict
+    if verdict is not None and verdict.kind == "check" and verdict.frames is not None:
+        return verdict.frames[1] - verdict.frames[0]
+    return track.last - track.first
+
+
+def _longest(spans: list[Span]) -> Suggestion | None:
+    first, last = max(spans, key=lambda span: span[1] - span[0])
+    if last - first <= LONG_FRAMES:
+        return None
+    frame, why = (first + last) // 2, f"Longest interval, {last - first} frames"
+    return Suggestion(frame, add_keyframe(frame), why, "key")
+
+
+def middle(keys: Sequence[int], frame: int) -> int | None:
+    """The middle of the interval between keyframes that a frame lies in; on a keyframe, of the next
+    one. None outside of all intervals and where the interval has no inside."""
+    after = bisect_right(keys, frame)
+    if after == len(keys) and keys and keys[-1] == frame:
+        after -= 1
+    if not 0 < after < len(keys):
+        return None
+    first, last = keys[after - 1], keys[after]
+    return (first + last) // 2 if last - first > 1 else None
+
+
+def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
+    if not keys:
+        return Suggestion(None, "Pose this frame, then press K", _TWO_KEYFRAMES, "pose")
+    key, last = keys[0], frame_count - 1
+    frame = min(key + NEXT_FRAMES, last)
+    if frame - key < NEXT_FRAMES // 2 and key > last - key:
+        frame = max(key - NEXT_FRAMES, 0)
+    if frame == key:
+        return Suggestion(None, "Nothing to track", "The video has only one frame", "pose")
+    return Suggestion(frame, f"Pose frame {frame}, then press K", _TWO_KEYFRAMES, "pose")
+
+
+_TWO_KEYFRAMES = "Two keyframes make the first segment"
+
+
+def _to_track(spans: Sequence[Span]) -> Suggestion:
+    return segments_need(spans, "tracking")
+
+
+def segments_need(spans: Sequence[Span], what: str) -> Suggestion:
+    """ "4 segments need tracking", and the first of them."""
+    count = len(spans)
+    title = f"1 segment needs {what}" if count == 1 else f"{count} segments need {what}"
+    named = [frame_range(*span) for span in spans[:2]]
+    more = f"{', '.join(named)} and {count - 2} more" if count > 2 else " and ".join(named)
+    return Suggestion(None, title, f"Frames {more}", "track")
+
+
+ALL_GOOD = Suggestion(None, "All good", "Add a keyframe only where the motion looks wrong", "good")
+
+
+def followed_suggestion(session: Session) -> Suggestion | None:
+    """The last frame that can be trusted of what was tracked ahead: its pose is all but a keyframe.
+    None where nothing was, or so little that a keyframe there is no gain."""
+    found = [one for one in session.ahead if _is_worth_keying(session, one)]
+    if not found:
+        return None
+    record = max(found, key=lambda one: one.is_forward)
+    title = f"Check frame {record.to_frame}, then press K"
+    why = f"{tracked_to(record)}. {why_stopped(record)}"
+    return Suggestion(record.to_frame, title, why, "key")
+
+
+def _is_worth_keying(session: Session, record: Ahead) -> bool:
+    first, last = record.span
+    return last - first >= SHORT_FRAMES and stands(session, record)
+
+
+def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
+    """With the way in which tracking ahead leads on, unless something is to be tracked first.
+
+    Where a keyframe is asked for and the film was drafted, what lies beyond has poses already.
+    """
+    about_a_frame = found.kind in ("key", "look")
+    if not keys or found.kind == "track" or (about_a_frame and session.drafted is not None):
+        return found
+    way = _way(keys, session)
+    return found if way is None else replace(found, ahead=way)
+
+
+def _way(keys: Sequence[int], session: Session) -> Direction | None:
+    """Forward before backward; not again where it led to next to nothing."""
+    tried = {one.is_forward for one in session.ahead if stands(session, one)}
+    after, before = session.video.frame_count - 1 - keys[-1], keys[0]
+    if after >= SHORT_FRAMES and True not in tried:
+        return "forward"
+    if before >= SHORT_FRAMES and False not in tried:
+        return "backward"
+    return None
+
+
+def surface_suggestion(
+    keys: Sequence[int], spans: Sequence[Span], fitting: Fitting, known: Judged | None = None
+) -> Suggestion:
+    """The one thing that helps most. keys: frames of the keyframes, ascending.
+
+    spans: the segments.  fitting: their results; unfinished ones count as none.
+    known: the same with all that shows what is wrong with them.
+    """
+    if not keys:
+        title = "Pose the body in this surface, then press K"
+        return Suggestion(None, title, "One keyframe is enough to begin", "pose")
+    if not spans:
+        return Suggestion(None, "Nothing to fit", "There is only one surface", "pose")
+    done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
+    known = known or Judged({track.span: track for track in done}, halves=False)
+    waiting = [track for track in done if _is_surface_open(known, track)]
+    off = [track for track in waiting if _is_off(track)]
+    lost = [track for track in waiting if track.kind == "lost"]
+    if off or lost:
+        return _about_surfaces(known, off[0] if off else max(lost, key=_doubtful), keys)
+    stopped = [track for track in done if track.missing]
+    if stopped:
+        return _to_go_on(stopped[0])
+    if len(done) < len(spans):  # first everything is fitted, then it is made better
+        fitted = {track.span for track in done}
+        return segments_need([span for span in spans if span not in fitted], "fitting")
+    doubtful = [track for track in waiting if track.kind == "check"]
+    return _about_surfaces(known, max(doubtful, key=_doubtful), keys) if doubtful else ALL_GOOD
+
+
+def _to_go_on(stopped: SegmentResult) -> Suggestion:
+    verdict = stopped.verdict
+    assert verdict is not None
+    where = named_frames(*(verdict.frames or stopped.span))
+    detail = f"{where[0].upper()}{where[1:]} {reason(verdict)}"
+    return Suggestion(None, "Continue fitting", detail, "track")
+
+
+def _is_off(track: SegmentResult) -> bool:
+    return track.verdict is not None and track.verdict.cause == "body_off_surface"
+
+
+def _is_surface_open(known: Judged, track: SegmentResult) -> bool:
+    """Whether something is wrong with a segment to which nobody has said anything yet."""
+    found = problem_of(known, track)
+    return found is not None and found.answer is None
+
+
+def _about_surfaces(known: Judged, track: SegmentResult, keys: Sequence[int]) -> Suggestion:
+    """A keyframe where it was lost or is in doubt; where one stands already, a look at it."""
+    found = problem_of(known, track)
+    assert found is not None
+    frame, why = found.frame, _THERE.get(found.cause, detail_of(found))
+    if frame in keys:
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look", found)
+    if found.kind == "lost":
+        return Suggestion(frame, add_keyframe(frame), why, "key", found)
+    return Suggestion(frame, f"Check frame {frame}", why, "look", found)
+
+
+_THERE: Mapping[ProblemCause, str] = {
+    "not_followed": "The fit is lost there",
+    "body_off_surface": "The body is off its surface there",
+}
+"""Reasons beside a frame that is named already."""
+
+
+def _doubtful(track: SegmentResult) -> int:
+    """How many frames are in doubt."""
+    frames = None if track.verdict is None else track.verdict.frames
+    first, last = frames or track.span
+    return last - first
+
 
 _BOX_OR_POSE = ("Press B and draw a box around the person", "Or pose this frame and press K")
 

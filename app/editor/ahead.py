@@ -1,4 +1,4 @@
-"""Poses found by tracking ahead: where it may begin, taken over as one step, dropped when outdated.
+"""Take over poses found by tracking ahead as one step, drop outdated ones, say how far it came.
 
 They are drafts beyond the last keyframe, or before the first, with a record of how far they reach
 and why no farther. Both go together, with the edit that makes them outdated: another pose of the
@@ -7,15 +7,16 @@ keyframe they came from, another body or camera, or a keyframe beyond, which mak
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from keypose.app.editor.documents import keyframe_of, require_sound, with_drafts
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused, keyframe_of, require_sound, with_drafts
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import readable
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.annotations import Ahead, Direction, Stop
+from keypose.tracker.session.annotations import Ahead, Direction, Stop, StopCause
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.fingerprints import ahead_key
@@ -23,6 +24,59 @@ from keypose.tracker.storage.fingerprints import ahead_key
 if TYPE_CHECKING:
     from keypose.app.editor.state import EditorState
     from keypose.tracker.tracking.ahead.follow import FoundAhead
+
+
+_WHY: Final[Mapping[StopCause, str]] = {
+    "uncertain": "{Part} may be wrong from there",
+    "not_seen": "{Part} may be wrong from there, {hidden}",
+    "left_picture": "The body leaves the picture there",
+    "damaged": "The next frames are damaged in the video",
+    "cut": "Another scene begins after it",
+    "keyframe": "The next keyframe follows",
+    "clip_end": "The video {ends} there",
+    "limit": "Set a keyframe there and track on",
+    "cancelled": "Cancelled there",
+}
+_WHY_NOT: Final[Mapping[StopCause, str]] = {
+    "uncertain": "{part} may be wrong right after it",
+    "not_seen": "{part} may be wrong right after it, {hidden}",
+    "left_picture": "the body is hardly in the picture",
+    "damaged": "the next frame is damaged in the video",
+    "cut": "another scene begins after it",
+    "cancelled": "it was cancelled",
+}
+
+
+def why_stopped(record: Ahead) -> str:
+    """What is not known of the frames beyond: "Right forearm may be wrong from there, hidden behind
+    the chest"."""
+    return _WHY[record.stop.cause].format(**_named(record.stop, record.is_forward))
+
+
+def tracked_to(record: Ahead) -> str:
+    """ "Tracked ahead to 47"."""
+    return f"Tracked {'ahead' if record.is_forward else 'back'} to {record.to_frame}"
+
+
+def found_sentence(found: FoundAhead) -> str:
+    """What is said when it ends."""
+    if found.to_frame == found.frame:
+        why = _WHY_NOT.get(found.stop.cause, "nothing leads on")
+        named = _named(found.stop, found.direction == "forward")
+        nothing = f"Nothing tracked from {found.frame}: {why.format(**named)}."
+        return f"{nothing} Pose the next keyframe by hand."
+    record = Ahead(from_frame=found.frame, to_frame=found.to_frame, stop=found.stop)
+    return f"{tracked_to(record)}. {why_stopped(record)}."
+
+
+def _named(stop: Stop, forward: bool) -> dict[str, str]:
+    part = readable(stop.part or "the body")
+    hidden = f"hidden behind the {readable(stop.behind)}" if stop.behind else "out of the picture"
+    capital = part[:1].upper() + part[1:]
+    return {
+        "part": part, "Part": capital, "hidden": hidden, "ends": "ends" if forward else "begins"
+    }  # fmt: skip
+
 
 LABEL = "track ahead"
 """What undo calls it."""

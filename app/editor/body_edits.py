@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Posed, require_before_camera
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Posed, Refused, require_before_camera
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
 from keypose.tracker.body.body import PRESETS, Body, Part, preset

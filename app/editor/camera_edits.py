@@ -1,21 +1,42 @@
-"""Edits of the camera: its lens, its distortion, what is up."""
+"""Edit the camera and how a film was taken: lens, distortion, up, rate."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import moved_away
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused, moved_away, with_times
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import up_from_vertical
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import LensSource, Session
+
+
+def read_film(state: EditorState, action: do.ReadFilm) -> Session:
+    """Only the fields that were named change."""
+    named = action.model_dump(include=action.model_fields_set & {"recorded_fps", "deinterlace"})
+    return as_taken(state.doc, named, state.file_times_s)
+
+
+def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None = None) -> Session:
+    """The session of a film that was taken so; poses keep to their frames. Refused of surfaces.
+
+    file_times_s: not needed where a rate is named.
+    """
+    if doc.surface is not None:
+        raise Refused("This session has surfaces, not a video: it has no recording rate or fields.")
+    doc = doc.model_copy(update={"video": doc.video.model_copy(update=dict(named))})
+    if "recorded_fps" not in named:
+        return doc
+    return with_times(doc, doc.evidence.times_s(file_times_s))
+
 
 STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
 BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)

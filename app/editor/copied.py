@@ -14,7 +14,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.posing import mirror_pose
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose

@@ -1,17 +1,22 @@
-"""A document with something changed: the small moves all edits are made of."""
+"""Change a document by the small moves all edits are made of, or refuse in one sentence."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TypeVar
 
-from keypose.app.editor.refusal import Refused
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage import changes
+
+
+class Refused(KeyposeError):
+    """What was asked for is not possible now; the state stays as it is."""
+
 
 Posed = TypeVar("Posed", bound=Keyframe)
 NEAREST_M = 0.06
@@ -110,3 +115,19 @@ def at_new_focal(posed: Posed, factor: float) -> Posed:
     """A lens so much longer shows the body as large as before from so much farther away."""
     x, y, z = posed.root_m
     return posed.model_copy(update={"root_m": (x, y, z * factor)})
+
+
+def with_times(doc: Session, times_s: Array) -> Session:
+    """With each pose at its frame's time, which hand-written sessions may not know, and which
+    another rate changes."""
+
+    def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
+        retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
+        if all(pose.time_s == time_s for pose, time_s in retimed):
+            return poses
+        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
+
+    poses = {name: timed(getattr(doc, name)) for name in ("keyframes", "part_keyframes", "drafts")}
+    if all(now is getattr(doc, name) for name, now in poses.items()):
+        return doc
+    return doc.model_copy(update=poses)

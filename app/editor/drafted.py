@@ -8,8 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from keypose.app.editor.ahead import without_followed
-from keypose.app.editor.documents import keyframe_of, require_sound, with_drafts
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused, keyframe_of, require_sound, with_drafts
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
 from keypose.tracker.body.clavicles import without_clavicles

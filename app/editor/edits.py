@@ -8,24 +8,17 @@ from typing import Any
 
 from keypose.app.editor import actions as do
 from keypose.app.editor import (
+    annotation_edits,
     body_edits,
     camera_edits,
-    depth_turn,
-    film_edits,
     floor_edits,
-    key_range_edits,
     keyframe_edits,
-    keypoint_edits,
-    note_edits,
     part_edits,
-    pasting,
     pin_edits,
     posing_edits,
-    review_edits,
-    surface_edits,
     tracking_edits,
 )
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Surface
@@ -98,9 +91,9 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.ResetPart: EditKind(posing_edits.reset_part, "reset", "part"),
     do.ResetPose: EditKind(_alone(posing_edits.reset_pose), "reset the pose"),
     do.Exchange: EditKind(_alone(posing_edits.swap_sides), "swap left and right"),
-    do.TurnInDepth: EditKind(depth_turn.turn_in_depth, "turn in depth", "part"),
+    do.TurnInDepth: EditKind(posing_edits.turn_in_depth, "turn in depth", "part"),
     do.Untwist: EditKind(posing_edits.untwist, "untwist", "part"),
-    do.PastePose: EditKind(pasting.paste, pasting.pasting),
+    do.PastePose: EditKind(keyframe_edits.paste, keyframe_edits.pasting),
     do.CopyKey: EditKind(posing_edits.copy_key, "copy keyframe", "from_frame"),
     do.TakeTracked: EditKind(_alone(posing_edits.take_tracked), "use the tracked pose"),
     do.KeyAngle: EditKind(posing_edits.turn_key, "turn", "part"),
@@ -109,24 +102,24 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.DeleteDraft: EditKind(_delete_draft, "delete draft", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
-    do.DeleteKeys: EditKind(key_range_edits.delete_keyframes, key_range_edits.deleting),
-    do.RetimeKeys: EditKind(key_range_edits.retime_keyframes, key_range_edits.retiming),
+    do.DeleteKeys: EditKind(keyframe_edits.delete_keyframes, keyframe_edits.deleting),
+    do.RetimeKeys: EditKind(keyframe_edits.retime_keyframes, keyframe_edits.retiming),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
     do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
     do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
     do.SoftenKeys: EditKind(pin_edits.soften_keys, "soften keyframes"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
-    do.SetNote: EditKind(note_edits.set_note, "write the note at", "frame"),
-    do.MoveNote: EditKind(note_edits.move_note, "move the note at", "frame"),
-    do.DeleteNote: EditKind(note_edits.delete_note, "delete the note at", "frame"),
+    do.SetNote: EditKind(annotation_edits.set_note, "write the note at", "frame"),
+    do.MoveNote: EditKind(annotation_edits.move_note, "move the note at", "frame"),
+    do.DeleteNote: EditKind(annotation_edits.delete_note, "delete the note at", "frame"),
     do.SetPin: EditKind(pin_edits.set_pin, "pin", "part"),
     do.ChangePin: EditKind(pin_edits.change_pin, "change a pin"),
     do.DeletePin: EditKind(pin_edits.delete_pin, "unpin"),
     do.SplitPin: EditKind(pin_edits.split_pin, "split a pin at", "frame"),
     do.AcceptPins: EditKind(pin_edits.accept_pins, "accept proposed pins"),
-    do.AcceptPlace: EditKind(review_edits.accept_place, "accept", "part"),
-    do.CannotTell: EditKind(review_edits.cannot_tell, "leave open", "part"),
+    do.AcceptPlace: EditKind(annotation_edits.accept_place, "accept", "part"),
+    do.CannotTell: EditKind(annotation_edits.cannot_tell, "leave open", "part"),
     do.Floor: EditKind(floor_edits.set_floor, "change the floor"),
     do.Shape: EditKind(body_edits.set_shape, "change the shape of", "part"),
     do.Size: EditKind(body_edits.set_size, "resize", "part"),
@@ -152,11 +145,15 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.ChangeMask: EditKind(tracking_edits.change_mask, "change a mask"),
     do.DeleteMask: EditKind(tracking_edits.delete_mask, "delete a mask"),
     do.Settings: EditKind(tracking_edits.set_settings, "change the settings"),
-    do.CorrectKeypoint: EditKind(keypoint_edits.correct_keypoint, "correct the keypoint", "joint"),
-    do.IgnoreKeypoint: EditKind(keypoint_edits.ignore_keypoint, "ignore the keypoint", "joint"),
-    do.RestoreKeypoint: EditKind(keypoint_edits.restore_keypoint, "put back the keypoint", "joint"),
-    do.Observe: EditKind(surface_edits.set_surface, "change the surfaces"),
-    do.ReadFilm: EditKind(film_edits.read_film, "change how the film was taken"),
+    do.CorrectKeypoint: EditKind(
+        annotation_edits.correct_keypoint, "correct the keypoint", "joint"
+    ),
+    do.IgnoreKeypoint: EditKind(annotation_edits.ignore_keypoint, "ignore the keypoint", "joint"),
+    do.RestoreKeypoint: EditKind(
+        annotation_edits.restore_keypoint, "put back the keypoint", "joint"
+    ),
+    do.Observe: EditKind(tracking_edits.set_surface, "change the surfaces"),
+    do.ReadFilm: EditKind(camera_edits.read_film, "change how the film was taken"),
 }
 """All edits but a drag, which is a gesture and says what it turns or moves (`label_of`)."""
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from keypose.app.editor.documents import (
+    Refused,
     as_soft_as,
     at_new_focal,
     keyframe_of,
@@ -17,7 +18,6 @@ from keypose.app.editor.documents import (
     require_sound,
     with_keyframes,
 )
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body

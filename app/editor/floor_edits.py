@@ -7,11 +7,10 @@ import math
 import numpy as np
 
 from keypose.app.editor import actions as do
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.pinned import default_landmarks
-from keypose.app.editor.pointer_views import up_of
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import part_label
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.horizon import up_from_horizon

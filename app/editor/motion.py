@@ -1,17 +1,26 @@
-"""The motion as it is known now: tracked where it is; elsewhere as it was before it was reduced to
-keyframes, or interpolated between them."""
+"""Give the motion as it is known: every frame, the path of a part, the ways of the feet."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.shown import counts, find
-from keypose.app.editor.state import EditorState
-from keypose.tracker.body.pose import part_transforms
+from keypose.app.editor.shown import counts, find, shown_pose
+from keypose.app.editor.state import EditorState, up_of
+from keypose.app.posing import handles
+from keypose.app.posing.labels import kind_of
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.ground import floor_height, lowest_heights
+from keypose.tracker.body.pose import (
+    Pose,
+    joint_names,
+    joint_positions,
+    part_transforms,
+    pose_transforms,
+)
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array
@@ -109,3 +118,120 @@ def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
     known = (find(edit.settled.keyframes, frame) for frame in (start, end))
     pose = next(keyframe.pose(skeleton) for keyframe in known if keyframe is not None)
     return interpolate(pose, pose, start, end)
+
+
+REACH = 30
+"""Frames to both sides of the present at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class EndTrail:
+    """frames: (N,) ascending.  p_camera: (N, 3) metres.  keys: those of the frames with a key."""
+
+    part: str
+    frames: tuple[int, ...]
+    p_camera: Array
+    keys: tuple[int, ...]
+
+
+def end_trail(edit: EditorState) -> EndTrail | None:
+    """From the end of a segment before the present frame to the one behind it; None outside.
+
+    Of the document without the gesture under way, which outdates what was tracked only when it
+    ends.
+    """
+    doc = edit.settled
+    ends = sorted({frame for span in doc.spans for frame in span})
+    if not ends or not ends[0] <= edit.frame <= ends[-1]:
+        return None
+    skeleton = settled_skeleton(edit)
+    first, last = _reach(edit.frame, ends)
+    motion = motion_between(edit, first, last)
+    part = edit.selected or doc.body.parts[0].name
+    index = joint_names(skeleton).index(_far_end(doc.body, part))
+    joints = joint_positions(skeleton, motion.Ts_camera_part)
+    keys = tuple(k.frame for k in doc.keyframes if first <= k.frame <= last)
+    return EndTrail(part, tuple(range(first, last + 1)), joints[:, index], keys)
+
+
+def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
+    """First and last frame, within the segments."""
+    before = [end for end in ends if end < frame]
+    after = [end for end in ends if end > frame]
+    first = before[-1] if before else frame
+    last = after[0] if after else frame
+    return max(first, frame - REACH), min(last, frame + REACH)
+
+
+def _far_end(body: Body, part: str) -> str:
+    """The joint of the part's only child, else a landmark of its own, else its own joint."""
+    children = [other.name for other in body.parts if other.parent == part]
+    if len(children) == 1:
+        return children[0]
+    landmarks = list(body.parts[body.index(part)].landmarks)
+    return landmarks[0] if landmarks else part
+
+
+MOST_MOMENTS = 1000
+SOLE_M = 0.015
+"""What of a foot at rest counts as its sole: so much above its lowest point."""
+MOST_ENDS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class FeetPaths:
+    """floor_m: metres along up from the camera's centre.  frames: (N,) ascending, none where no
+    pose is known.  paths: of every foot, or of every limb's end where a body has no feet, by the
+    name of its part: (N, 3) camera frame, metres."""
+
+    floor_m: float
+    frames: NDArray[np.int64]
+    paths: dict[str, Array]
+
+
+def feet_paths(edit: EditorState) -> FeetPaths:
+    """Of all that is known of the motion; the floor as it was set, or guessed from the motion."""
+    floor_m = edit.settled.floor_m
+    skeleton, up = settled_skeleton(edit), up_of(edit.settled)
+    motion = known_motion(edit, MOST_MOMENTS)
+    if motion is None:
+        Ts = pose_transforms(edit.skeleton, shown_pose(edit).pose)[None]
+        floor = floor_height(floor_m, lowest_heights(edit.skeleton, Ts, up))
+        return FeetPaths(floor, np.zeros(0, dtype=np.int64), {})
+    Ts = motion.Ts_camera_part
+    paths = {}
+    for part, p_part in _soles(skeleton).items():
+        T = Ts[:, skeleton.body.index(part)]
+        paths[part] = T[:, :3, :3] @ p_part + T[:, :3, 3]
+    floor = floor_height(floor_m, lowest_heights(skeleton, Ts, up))
+    return FeetPaths(floor, motion.frames, paths)
+
+
+def _soles(skeleton: Skeleton) -> dict[str, Array]:
+    """The middle (3,) of every foot's sole, or the tip of every limb, in its part's frame."""
+    body = skeleton.body
+    feet = [name for name in body.names if kind_of(name) == "foot"]
+    if not feet:
+        return {part: _tip(body, part) for part in _ends(body)}
+    at_rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))
+    return {part: _sole(body, part, at_rest) for part in feet}
+
+
+def _sole(body: Body, part: str, Ts_at_rest: Array) -> Array:
+    i = body.index(part)
+    vertices = body.parts[i].shape.mesh().vertices
+    down = vertices @ Ts_at_rest[i, :3, :3].T[:, 1]
+    return np.asarray(vertices[down > down.max() - SOLE_M].mean(axis=0))
+
+
+def _ends(body: Body) -> list[str]:
+    """The last parts of limbs; the root where there is no limb."""
+    found = [handle.limb[-1] for handle in handles(body) if handle.kind == "end"]
+    return found[:MOST_ENDS] or [body.names[0]]
+
+
+def _tip(body: Body, part: str) -> Array:
+    """The far end of a part along its length."""
+    vertices = body.parts[body.index(part)].shape.mesh().vertices
+    far = vertices[np.abs(vertices[:, 1]) > np.abs(vertices[:, 1]).max() - SOLE_M]
+    return np.asarray(far.mean(axis=0))

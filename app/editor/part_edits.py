@@ -8,12 +8,12 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.app.editor.documents import (
+    Refused,
     require_before_camera,
     with_drafts,
     with_part_keyframes,
     without,
 )
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import draft_at, find, pose_behind, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import lanes, part_label

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import with_keyframes, without
+from keypose.app.editor.documents import Refused, with_keyframes, without
 from keypose.app.editor.floor_edits import foot_height
 from keypose.app.editor.pinned import (
     LEAST_FRAMES,
@@ -17,10 +17,9 @@ from keypose.app.editor.pinned import (
     range_to_pin,
     shares_points,
 )
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.problem_words import named_frames
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.verdict_text import named_frames
 from keypose.app.posing import part_label
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.session.pins import Pin

@@ -1,25 +1,29 @@
-"""Edits of the pose at the present frame."""
+"""Edit the pose at the present frame.
+
+Undo, redo and a walk along the film come back to such a pose, and with it to its corners; a pose
+that was changed in another way has none.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.angle_curve import angle_curve
 from keypose.app.editor.body_edits import with_body
-from keypose.app.editor.documents import posed
+from keypose.app.editor.documents import Refused, posed
 from keypose.app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
-from keypose.app.editor.placed_corners import corners_placed
-from keypose.app.editor.pointer_views import pointer_views, up_of
-from keypose.app.editor.refusal import Refused
-from keypose.app.editor.shown import draft_at, find, poses_beside, shown_pose
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.shown import counts, draft_at, find, poses_beside, shown_pose
+from keypose.app.editor.state import EditorState, pointer_views, up_of
 from keypose.app.posing import (
     BoxCorner,
     Held,
+    PlacedCorner,
     Posed,
     Readout,
+    angle_curve_deg,
     angles_deg,
     drag,
     ends_to_hold,
@@ -34,7 +38,69 @@ from keypose.app.posing import (
     with_reset,
 )
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.schema import Session
+from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth, turns_round
+from keypose.tracker.storage.results import rotations
+
+REMEMBERED = 100
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PosedByCorners:
+    """The pose of a frame, seen by a camera, that some corners led to."""
+
+    frame: int
+    pose: Pose
+    camera: Camera
+    corners: tuple[PlacedCorner, ...]
+
+
+def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
+    """Those placed at the present frame, the last one last."""
+    readout = state.stroke.readout if state.stroke else None
+    if readout is not None:
+        return readout.corners
+    pose = shown_pose(state).pose if state.posed_by_corners else None
+    for one in reversed(state.posed_by_corners):
+        if one.frame == state.frame and one.camera == state.doc.camera and _is_same(one.pose, pose):
+            return one.corners
+    return ()
+
+
+def with_corners(state: EditorState, corners: tuple[PlacedCorner, ...]) -> EditorState:
+    """The same with the present pose known as the one that these corners led to."""
+    if not corners:
+        return state
+    new = PosedByCorners(state.frame, shown_pose(state).pose, state.doc.camera, corners)
+    return replace(state, posed_by_corners=(*state.posed_by_corners, new)[-REMEMBERED:])
+
+
+def _is_same(one: Pose, other: Pose | None) -> bool:
+    if other is None or one.Rs_parent_part.shape != other.Rs_parent_part.shape:
+        return False
+    turned = np.abs(one.Rs_parent_part - other.Rs_parent_part).max()
+    return bool(max(turned, np.abs(one.p_camera_root - other.p_camera_root).max()) < _SAME)
+
+
+AT_REST = (1.0, 0.0, 0.0, 0.0)
+
+
+def angle_curve(edit: EditorState, index: int) -> Array:
+    """(F, 3) degrees of a part by frame, without jumps; NaN where nothing is known."""
+    Rs = rotations(edit.fitting, edit.frame_count, index)
+    name = edit.doc.body.names[index]
+    keys = [keyframe.frame for keyframe in edit.doc.keyframes]
+    if poses := (*edit.doc.keyframes, *(d for d in edit.doc.drafts if counts(edit, d))):
+        wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
+        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
+    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+    angles = np.full((edit.frame_count, 3), np.nan)
+    part = edit.doc.body.parts[index]
+    angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys))
+    return angles
 
 
 def drag_part(
@@ -208,3 +274,24 @@ def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Sessi
         if doc is not None:
             return doc
     return posed(state.doc, state.skeleton, pose, state.frame, state.times_s)
+
+
+LEAST_M = 0.02
+"""A limb whose joints lie no farther apart in depth looks the same either way."""
+MOST_STRAY = 0.06
+"""Share of the body's height by which a joint may leave its place in the picture."""
+
+
+def turn_in_depth(state: EditorState, action: do.TurnInDepth) -> Session:
+    """The part and what hangs on it, or the whole body, the other way round in depth."""
+    skeleton, pose = state.skeleton, shown_pose(state).pose
+    top = 0 if action.part is None else state.doc.body.index(action.part)
+    name = "The body" if top == 0 else part_label(skeleton.body.names[top])
+    if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
+        raise Refused(f"{name} lies across the view: it looks the same either way.")
+    camera = state.doc.camera
+    turned = turned_in_depth(skeleton, camera, pose, top)
+    leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
+    if leaves or not turns_round(skeleton, pose, turned, top):
+        raise Refused(f"{name} cannot bend the other way. Turn a part further out alone.")
+    return with_pose(state, turned, partial=action.partial)

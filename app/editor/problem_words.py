@@ -1,21 +1,112 @@
-"""A problem in the page's words: as a sentence, as a reason beside its part, with its size."""
+"""Word the problems of a motion for the page: verdicts, reasons with sizes, implausible space."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
 from keypose.app.editor.problems import Problem, ProblemCause
-from keypose.app.editor.verdict_text import (
-    add_keyframe,
-    frame_range,
-    named_frames,
-    reason_with_frames,
-    short_sentence,
-)
-from keypose.app.posing import part_label
+from keypose.app.posing.labels import part_label
 from keypose.tracker.errors import readable
-from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.session.results import PinResult, SpaceFinding
+from keypose.tracker.session.verdict import Cause, Verdict
+
+_VERDICT_REASONS: Final[Mapping[Cause, str]] = {
+    "good": "good",
+    "uncertain": "{part} may be wrong",
+    "not_seen": "{part} hidden",
+    "beyond_limits": "{part} beyond its joint limits",
+    "diverged": "a pass diverged",
+    "damaged": "{frames} damaged in the video",
+    "no_surface": "no surface that can be used",
+    "not_fitted": "not fitted yet",
+    "one_keyframe": "fitted from one keyframe only so far",
+    "keyframe_off_surface": "the keyframe is off its surface",
+    "body_off_surface": "at key {first} the body is off its surface",
+    "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
+    "moves_beside_body": "the body does not cover what moves",
+    "not_followed": "lost near {first}",
+    "nothing_seen": "the body is not visible: check keyframes, camera and masks",
+    "contradiction": "keys {first} and {last} contradict each other",
+}
+_WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoints")
+"""Causes to check whose reason says already which frames they are about."""
+
+
+def sentence(verdict: Verdict, first: int, last: int) -> str:
+    """Of the segment first … last: "Check: right hand hidden, frames 31–36"."""
+    words = short_sentence(verdict, first, last)
+    if verdict.cause == "not_followed" and verdict.go is not None:
+        return f"{words}. {add_keyframe(verdict.go)}"
+    if verdict.kind == "check" and verdict.cause != "other":
+        return f"Check: {_checked(verdict, first, last)}"
+    return words
+
+
+def short_sentence(verdict: Verdict, first: int, last: int) -> str:
+    """The same for places whose sign says "check", and whose button the keyframe to add: "Right
+    hand hidden, frames 31–36", "Lost"."""
+    if verdict.cause == "good":
+        return "Good"
+    if verdict.cause == "other":
+        return reason(verdict, capital=True)
+    if verdict.cause == "not_followed":
+        return "Lost"
+    if verdict.kind == "lost":
+        return f"Lost. {reason(verdict, capital=True)}"
+    return _checked(verdict, first, last, capital=True)
+
+
+def _checked(verdict: Verdict, first: int, last: int, capital: bool = False) -> str:
+    """Why, with the frames unless they are all."""
+    is_all = verdict.frames is None or _is_all(verdict.frames, first, last)
+    return reason(verdict, capital) if is_all else reason_with_frames(verdict, capital)
+
+
+def reason(verdict: Verdict, capital: bool = False) -> str:
+    """Why: "right hand hidden". capital: as the beginning of a sentence."""
+    first, last = verdict.frames or (None, None)
+    frames = _are(*verdict.frames) if verdict.frames else ""
+    named = {"part": readable(verdict.part or ""), "first": first, "last": last, "frames": frames}
+    is_other = verdict.cause == "other"
+    words = verdict.text if is_other else _VERDICT_REASONS[verdict.cause].format(**named)
+    return words[:1].upper() + words[1:] if capital else words
+
+
+def reason_with_frames(verdict: Verdict, capital: bool = False) -> str:
+    """ "right hand hidden, frames 31–36"."""
+    words = reason(verdict, capital)
+    if verdict.kind != "check" or verdict.frames is None:
+        return words
+    if verdict.cause == "other" or verdict.cause in _WITH_THEIR_FRAMES:
+        return words
+    return f"{words}, {named_frames(*verdict.frames)}"
+
+
+def add_keyframe(frame: int) -> str:
+    """What helps at a frame."""
+    return f"Add a keyframe at {frame}"
+
+
+def frame_range(first: int, last: int) -> str:
+    """ "31–36", or "46" where it is one frame."""
+    return str(first) if first >= last else f"{first}–{last}"
+
+
+def named_frames(first: int, last: int) -> str:
+    """ "frames 31–36", or "frame 46"."""
+    return f"frame{'s' if first < last else ''} {frame_range(first, last)}"
+
+
+def _are(first: int, last: int) -> str:
+    return f"{named_frames(first, last)} {'are' if first < last else 'is'}"
+
+
+def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:
+    """Whether frames are all that lie between the keyframes."""
+    return frames[0] <= first + 1 and frames[1] >= last - 1
+
 
 PASSES: Final = "forward and backward passes differ"
 
@@ -108,3 +199,44 @@ def _verdict(found: Problem) -> Verdict:
         kind=found.kind, cause=found.cause, part=found.part, frames=found.frames, go=found.frame,
         text=found.text,
     )  # fmt: skip
+
+
+_SPACE_SENTENCES: Final[Mapping[str, str]] = {
+    "slides": "{part} slides {cm} cm, {frames}",
+    "off_floor": "{part} leaves the floor by {cm} cm, {frames}",
+    "below_floor": "{part} goes {cm} cm into the floor, {frames}",
+    "keyframe_depth": "At keyframe {go} {part} stands {cm} cm {way} than nearby",
+    "mirrored": "At keyframe {go} {part} may point the wrong way in depth",
+    "twisted": "At keyframe {go} {part} is turned {deg}° too far about its length",
+    "leans": "The body leans {deg}° out of balance, {frames}",
+    "shakes": "{part} shakes with {acceleration} m/s², {frames}",
+}
+
+
+def space_sentence(found: SpaceFinding) -> str:
+    """Such as "Left foot slides 9 cm, 40–55"."""
+    part = part_label(found.part)
+    if found.kind in ("keyframe_depth", "mirrored", "twisted"):
+        part = f"the {part[:1].lower()}{part[1:]}"
+    return _SPACE_SENTENCES[found.kind].format(
+        part=part,
+        cm=_centimetres(found.amount),
+        frames=f"{found.first_frame}–{found.last_frame}",
+        go=found.go,
+        way="nearer" if found.amount < 0 else "farther away",
+        deg=round(abs(math.degrees(found.amount))),
+        acceleration=f"{found.amount:.0f}",
+    )
+
+
+def pin_sentence(pin: PinResult) -> str:
+    """Such as "Keyframe 50 is 3 cm off the pin of the left foot"."""
+    part = part_label(pin.part)
+    return (
+        f"Keyframe {pin.keyframe} is {_centimetres(pin.off_m)} cm off the pin of the "
+        f"{part[:1].lower()}{part[1:]}"
+    )
+
+
+def _centimetres(metres: float) -> str:
+    return f"{100 * abs(metres):.0f}"

@@ -16,6 +16,7 @@ import numpy as np
 
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import (
+    Refused,
     keyframe_of,
     require_sound,
     with_drafts,
@@ -23,7 +24,6 @@ from keypose.app.editor.documents import (
     with_part_keyframes,
 )
 from keypose.app.editor.part_edits import limbs_of
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced

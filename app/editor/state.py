@@ -8,8 +8,15 @@ from typing import TYPE_CHECKING, Literal
 
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.pointer_views import up_of
-from keypose.app.posing import Readout, opening_pose
+from keypose.app.posing import (
+    CAMERA_UP,
+    Eye,
+    PointerView,
+    Readout,
+    eye_rotation,
+    opening_pose,
+    view_rotations,
+)
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
@@ -20,8 +27,25 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 
 if TYPE_CHECKING:
-    from keypose.app.editor.placed_corners import PosedByCorners
+    from keypose.app.editor.posing_edits import PosedByCorners
     from keypose.tracker.video.timecode import Timecode
+
+
+def up_of(doc: Session) -> tuple[float, float, float]:
+    """The world's up direction in the camera frame."""
+    return CAMERA_UP if doc.up_camera is None else doc.up_camera
+
+
+def pointer_views(doc: Session, eye: Eye | None = None) -> dict[str, PointerView]:
+    """main, top, side and front; with an eye also free."""
+    views: dict[str, PointerView] = {"main": PointerView.of(doc.camera)}
+    rotations = view_rotations(up_of(doc))
+    for name, R in rotations.items():
+        views[name] = PointerView.parallel(name, R)
+    if eye is not None:
+        R = eye_rotation(eye.azimuth_deg, eye.elevation_deg) @ rotations["front"]
+        views["free"] = PointerView.free(R, eye.at_m)
+    return views
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor import pasting, pin_edits, posing_edits
-from keypose.app.editor.documents import impossible, require_sound
+from keypose.app.editor import keyframe_edits, pin_edits, posing_edits
+from keypose.app.editor.documents import Refused, impossible, require_sound
 from keypose.app.editor.edits import EDITS, label_of
-from keypose.app.editor.placed_corners import with_corners
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.posing_edits import with_corners
 from keypose.app.editor.state import EditorState, Stroke
 from keypose.app.posing import Readout
 from keypose.tracker.errors import one_sentence
@@ -40,7 +39,7 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
             state.doc.body.index(action.part)
         return replace(state, selected=action.part)
     if isinstance(action, do.CopyPose):
-        return replace(state, clipboard=pasting.copied_from(state, action.frames))
+        return replace(state, clipboard=keyframe_edits.copied_from(state, action.frames))
     if isinstance(action, do.BeginGuide):
         return state
     if isinstance(action, do.DismissPins):
@@ -127,7 +126,7 @@ def _edit(state: EditorState, action: Any) -> EditorState:
         state = end_stroke(state)
     before = state if state.stroke is None else _before(state, state.stroke)
     if isinstance(action, do.PastePose):
-        action = pasting.with_copied(state, action)
+        action = keyframe_edits.with_copied(state, action)
     label = label_of(action)
     try:
         doc, readout = _changed(state, before, action)

@@ -18,8 +18,8 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import keypoint_name
 from keypose.tracker.session import Keyframe, Session
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.posed import BodyPoints
 
 LEAST_KEYPOINTS = 5
 SHOWN = 6

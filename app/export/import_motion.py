@@ -25,12 +25,12 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion, World
 from keypose.tracker.formats.joint_names import Matched, match_also, matched
-from keypose.tracker.formats.notes import Note
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Keyframe, Session
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.fit_joints import Fit, fit_motion, rigid
+from keypose.tracker.solver.posed import BodyPoints
 
 LEAST_JOINTS = 3
 """Fewer do not say how a body is turned."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from keypose.tracker.errors import listed, readable
-from keypose.tracker.formats.notes import Note, Oddity
+from keypose.tracker.formats.text import Note, Oddity
 
 SHOWN: Final = 4
 """Parts in a sentence."""

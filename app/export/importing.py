@@ -26,11 +26,11 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import Matched
 from keypose.tracker.formats.keypoint_files import read_people
-from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Session

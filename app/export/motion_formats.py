@@ -103,7 +103,7 @@ def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
 
 
 def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from keypose.tracker.formats.trc import trc
+    from keypose.tracker.formats.marker_files import trc
 
     return (trc(recording, "motion.trc"),)
 
@@ -115,7 +115,7 @@ def _mot(recording: Recording, _bones: Bones) -> Sequence[str]:
 
 
 def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from keypose.tracker.formats.c3d import c3d
+    from keypose.tracker.formats.marker_files import c3d
 
     return (c3d(recording),)
 
@@ -127,7 +127,7 @@ def _npz(recording: Recording, _bones: Bones) -> Sequence[bytes]:
 
 
 def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from keypose.tracker.formats.amass import amass
+    from keypose.tracker.formats.smpl import amass
 
     return (amass(recording),)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from keypose.app.export.motion_files import Sampling, sampled
 from keypose.tracker.formats.apart import read_apart
+from keypose.tracker.formats.marker_files import trc
 from keypose.tracker.formats.marker_sets import markers_of
 from keypose.tracker.formats.opensim.model import read_model, scaled
 from keypose.tracker.formats.opensim.mot import mot, trunk_flexion
@@ -25,7 +26,6 @@ from keypose.tracker.formats.opensim.setups import (
     scale_xml,
 )
 from keypose.tracker.formats.recording import Recording
-from keypose.tracker.formats.trc import trc
 
 SCALING_S = 120.0
 """After which the Scale Tool is given up; a model without muscles takes a second."""

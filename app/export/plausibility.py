@@ -16,10 +16,10 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import World
-from keypose.tracker.formats.notes import Note
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.fit_joints import Fit, rigid
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 LEAST_DETERMINED = 0.5
 """Share of the parts that carry another one whose rotation the file's joints have to determine."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from pydantic import ValidationError
 
 from keypose.app.jobs.drafts import DraftLeft, DraftReporter, drafted, learned
-from keypose.app.jobs.failure import failure_message
 from keypose.app.jobs.messages import (
     AheadOrder,
     Drafted,
@@ -35,7 +34,8 @@ from keypose.app.jobs.messages import (
     SizesFitted,
     SizesOrder,
 )
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.wire import failure_message
+from keypose.app.jobs.work import WorkerCache
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SurfaceError, one_sentence
@@ -110,7 +110,7 @@ class Fit:
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
             )
         # loads what only this needs
-        from keypose.tracker.surface.fit.pose_fit import fit_pose_to_surface, fit_solids_to_surface
+        from keypose.tracker.surface.fit.fitter import fit_pose_to_surface, fit_solids_to_surface
 
         path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
         if model is None or model.frame == order.frame:

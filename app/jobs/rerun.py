@@ -1,4 +1,4 @@
-"""A saved session tracked without a page: the same work as the page's, the same bytes on disk.
+"""Track a saved session without a page: the same work as the page's, the same bytes on disk.
 
 The page's own job does the tracking, segment by segment, and `save_results` the writing. So a
 result depends on nothing but its segment's key and quality, whoever asked for it.
@@ -6,6 +6,7 @@ result depends on nothing but its segment's key and quality, whoever asked for i
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
@@ -15,12 +16,11 @@ from typing import Any
 
 from keypose.app.jobs import Report, Wanted
 from keypose.app.jobs.messages import Order
-from keypose.app.jobs.untrackable import why_untrackable
-from keypose.app.jobs.work import Job
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.work import Job, WorkerCache
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session import results as saved
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import (
@@ -35,6 +35,28 @@ from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import stream
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
+
+
+def why_untrackable(session: Session, session_path: Path) -> str:
+    """What a session without segments lacks, in a sentence that names its file."""
+    return _LACKING.of(session)(session, session_path)
+
+
+def _of_film(session: Session, session_path: Path) -> str:
+    count = "one keyframe" if session.keyframes else "no keyframes"
+    return f"{session_path.name} has {count}; tracking needs two."
+
+
+def _of_surfaces(session: Session, session_path: Path) -> str:
+    if session.keyframes:
+        return f"{session_path.name} has only one mesh: there is no motion to fit."
+    return (
+        f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
+        f"`keypose open {shlex.quote(str(session_path))}`."
+    )
+
+
+_LACKING = ByEvidence({FilmEvidence: _of_film, SurfaceEvidence: _of_surfaces})
 
 
 def with_settings(

@@ -1,16 +1,30 @@
-"""Messages as bytes between our own two processes. Read-only arrays are read-only again there."""
+"""Send messages as bytes between our own two processes, and a failure as one sentence."""
 
 from __future__ import annotations
 
 import io
 import pickle
+import sys
+import traceback
 from dataclasses import fields
 from multiprocessing.connection import Connection
 from typing import Any
 
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import KeyposeError
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
+
+
+def failure_message(
+    error: Exception, fault: str = "Keypose ran into an internal error ({})."
+) -> str:
+    """The sentence of a KeyposeError; of any other error `fault` with its kind, and the traceback
+    on stderr for the log."""
+    if isinstance(error, KeyposeError):
+        return str(error)
+    traceback.print_exception(error, file=sys.stderr)
+    return fault.format(type(error).__name__)
 
 
 def send(connection: Connection, message: object) -> None:

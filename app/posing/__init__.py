@@ -14,7 +14,6 @@ from keypose.app.posing.angles import (
     with_reset,
 )
 from keypose.app.posing.dragging import drag
-from keypose.app.posing.facing import Way, facing
 from keypose.app.posing.gesture import (
     BoxCorner,
     Eye,
@@ -29,9 +28,18 @@ from keypose.app.posing.handles import BodyHandle, handle_named, handles, lanes
 from keypose.app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
 from keypose.app.posing.labels import axis_labels, part_label, short_label
 from keypose.app.posing.limits import is_twisted
-from keypose.app.posing.mirroring import mirror_pose, with_other_side
+from keypose.app.posing.mirroring import mirror_pose, swap_left_right, with_other_side
 from keypose.app.posing.picking import outline, parts_at
-from keypose.app.posing.placing import opening_pose
+from keypose.app.posing.placing import (
+    CAMERA_UP,
+    Way,
+    eye_rotation,
+    facing,
+    opening_pose,
+    tilt_and_roll,
+    up_from_vertical,
+    view_rotations,
+)
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.resizing import (
     Size,
@@ -41,15 +49,7 @@ from keypose.app.posing.resizing import (
     with_shape,
     with_size,
 )
-from keypose.app.posing.swapping import swap_left_right
 from keypose.app.posing.untwisting import untwisted_limb
-from keypose.app.posing.upright import (
-    CAMERA_UP,
-    eye_rotation,
-    tilt_and_roll,
-    up_from_vertical,
-    view_rotations,
-)
 
 __all__ = [
     "CAMERA_UP",

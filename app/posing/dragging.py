@@ -13,6 +13,7 @@ from keypose.app.posing.gesture import (
     BoxCorner,
     End,
     Gesture,
+    GestureContext,
     Middle,
     PlacedCorner,
     Posed,
@@ -21,13 +22,12 @@ from keypose.app.posing.gesture import (
     SizeHandle,
     Surface,
 )
-from keypose.app.posing.gesture_context import GestureContext
 from keypose.app.posing.handles import BodyHandle, handle_at_far_end, handle_named
 from keypose.app.posing.holding import NONE_HELD, Held, Moved, with_held_ends
 from keypose.app.posing.moving import move_root
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.reaching import reach
-from keypose.app.posing.size_drags import resize_by_drag
+from keypose.app.posing.resizing import resize_by_drag
 from keypose.app.posing.trunk import drag_corner
 from keypose.app.posing.turning import rotate_by_ring, rotate_by_surface
 from keypose.tracker.body.body import Body

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from keypose.app.posing.chains import Chain
-from keypose.app.posing.gesture import Posed
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import GestureContext, Posed
 from keypose.app.posing.handles import BodyHandle, handles
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.seen_limbs import SeenLimb

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypose.app.posing.gesture import Gesture, Posed, Readout
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import Gesture, GestureContext, Posed, Readout
 from keypose.app.posing.labels import number_text
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.vectors import length, unit

@@ -6,15 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from keypose.app.posing.chains import Chain
+from keypose.app.posing.chains import Chain, Spine
 from keypose.app.posing.elbows import Elbow, Swivel
-from keypose.app.posing.gesture import Gesture, Posed, Reach, Readout
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import Gesture, GestureContext, Posed, Reach, Readout
 from keypose.app.posing.handles import BodyHandle, handles
 from keypose.app.posing.holding import MISSED_M, NONE_HELD, Held
 from keypose.app.posing.moving import Aim, aim, depth_text, distance_text
 from keypose.app.posing.pointer_view import PointerView
-from keypose.app.posing.spine import Spine
 from keypose.app.posing.swinging import Swing, on_sphere
 from keypose.app.posing.two_bones import Reached, TwoBones
 from keypose.app.posing.vectors import across, length, smooth_step, unit

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypose.app.posing.elbows import Elbow
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import GestureContext
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.swinging import farness, under_pointer
 from keypose.app.posing.two_bones import Reached, TwoBones

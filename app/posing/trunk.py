@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from keypose.app.posing.gesture import Gesture, Posed, Readout
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import Gesture, GestureContext, Posed, Readout
 from keypose.app.posing.handles import BodyHandle, handles
 from keypose.app.posing.moving import Aim, aim, depth_text, distance_text
 from keypose.app.posing.pointer_view import PointerView
@@ -24,7 +23,6 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import (
@@ -34,6 +32,7 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.terms import Term
 
 TURN_SIGMA_RAD, SHIFT_SIGMA_M, FARTHER_SIGMA_M = np.radians(12.0), 0.1, 0.03

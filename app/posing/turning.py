@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from keypose.app.posing.angles import continued
-from keypose.app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import AxesFrame, Axis, Gesture, GestureContext, Posed, Readout
 from keypose.app.posing.labels import axis_labels, degrees_text
 from keypose.app.posing.limits import TURN, JointRange, furthest_share
 from keypose.app.posing.pointer_view import PointerView

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import GestureContext
 from keypose.app.posing.limits import FREE, SLACK, JointRange, nearest_within, range_of, twist_of
 from keypose.app.posing.vectors import length, smooth_step, turn
 from keypose.tracker.body.joint_limits import TwistLimits

@@ -19,11 +19,9 @@ import numpy as np
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.snapshots import View
 from keypose.app.render.stills import natural_size
-from keypose.app.render.studio import Paint, Size, Studio
-from keypose.app.render.surface_layer import SurfaceLayer
-from keypose.app.render.surfaces import SurfaceLayers
+from keypose.app.render.studio import Paint, Size, Studio, View
+from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import (
     Ground,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from keypose.app.render.form import Form
 from keypose.app.render.lettering import length_name, write
+from keypose.app.render.painting import Form
 from keypose.app.render.palette import INK, PAPER, Colour, Picture
 from keypose.app.render.strokes import SHIFT
 from keypose.app.render.viewpoints import Ground

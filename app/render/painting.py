@@ -1,4 +1,4 @@
-"""The body painted over a picture, or on nothing, so that it can be composited over anything.
+"""Paint the body over a picture, or on nothing, so that it can be composited over anything.
 
 It is painted at twice its size and averaged down, so that edges are smooth; and only where the
 body is.
@@ -6,18 +6,45 @@ body is.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
 
-from keypose.app.render.form import Form
-from keypose.app.render.palette import Canvas, CutOut, Picture
-from keypose.app.render.shading import paint_solid, part_borders, shade
-from keypose.app.render.strokes import body_lines, paint_dots, paint_lines
-from keypose.tracker.body.raster import raster
-from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.app.render.palette import Canvas, CutOut, Picture, Side, part_colours, part_sides
+from keypose.app.render.shading import paint_solid, part_borders, shade, smooth_normal_maps
+from keypose.app.render.strokes import BodyEdges, body_lines, paint_dots, paint_lines
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array, apply_transform, frozen
 from keypose.tracker.geometry.view import ViewCamera
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A body's triangles, their smooth normals, their edges, and the colours of the parts."""
+
+    mesh: BodyMesh
+    normal_maps: Array
+    edges: BodyEdges
+    colours: Array
+    sides: tuple[Side, ...]
+
+
+@lru_cache(maxsize=4)
+def form_of(skeleton: Skeleton) -> Form:
+    """Of the same skeleton it is the same."""
+    mesh = BodyMesh.of(skeleton)
+    return Form(
+        mesh,
+        frozen(smooth_normal_maps(mesh)),
+        BodyEdges.of(mesh),
+        part_colours(skeleton.body),
+        part_sides(skeleton.body),
+    )
+
 
 Style: TypeAlias = Literal["wire", "solid", "both"]
 

@@ -9,11 +9,10 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 
-from keypose.app.render.form import form_of
 from keypose.app.render.lettering import axes, plate, round_length, scale_bar, write_name
-from keypose.app.render.painting import Style, paint_over
+from keypose.app.render.painting import Style, form_of, paint_over
 from keypose.app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
-from keypose.app.render.surface_layer import SurfaceLayer, draw_surface
+from keypose.app.render.surfaces import SurfaceLayer, draw_surface
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera

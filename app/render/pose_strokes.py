@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from pydantic import FiniteFloat
 
-from keypose.app.render.form import form_of
+from keypose.app.render.painting import form_of
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array

@@ -10,10 +10,8 @@ from dataclasses import dataclass, field
 from keypose.app.render.palette import CutOut, Picture
 from keypose.app.render.pictures import FourViewLayout, middle, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.snapshots import Look, View, background, snapshot
-from keypose.app.render.studio import Paint, Size, Studio
-from keypose.app.render.surface_layer import SurfaceLayer
-from keypose.app.render.surfaces import SurfaceLayers
+from keypose.app.render.studio import Look, Paint, Size, Studio, View, background, snapshot
+from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
 from keypose.tracker.body.pose import Pose

@@ -1,4 +1,7 @@
-"""Observed surfaces as the page's views show them: a step's mesh, its colours, its picture.
+"""Show observed surfaces in the page's views: a step's mesh with fewer triangles, its colours.
+
+The page draws it twice. "depth" gives its nearest layer without any colour, "sheet" the colours of
+that layer alone, translucent, so that the body inside is seen through one sheet and no more.
 
 Everything here takes a while and is asked for by several threads.
 """
@@ -7,22 +10,25 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.render.surface_layer import SurfaceLayer
-from keypose.app.render.surfaces import colours_of, model_of
+from keypose.app.render.surfaces import SurfaceLayer, colours_of, model_of
 from keypose.app.render.tints import Tint
 from keypose.tracker.errors import SurfaceError, VideoError
+from keypose.tracker.formats.glb_file import Numbers
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.evidence import surfaces_of
-from keypose.tracker.surface.files.unusable import describe_unusable
+from keypose.tracker.surface.files.sequence import describe_unusable
+from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.painting import GROUND, paint
 from keypose.tracker.surface.picture import SurfaceVideo, open_surfaces
 from keypose.tracker.video import Examined, VideoInfo
@@ -30,6 +36,111 @@ from keypose.tracker.video.picture import Picture
 
 if TYPE_CHECKING:
     from keypose.tracker.surface.fit.model import SurfaceModel
+
+
+GROWTH = 1.2
+"""Of the cells, until there are few enough triangles."""
+START = 1.6
+"""A first guess of the cells: a triangle in every so much of a cell's area."""
+
+
+@dataclass(frozen=True, eq=False)
+class DecimatedMesh:
+    """vertices: (W, 3) metres.  faces: (F, 3).  cell: (V,) the vertex each of before became."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    cell: NDArray[np.int64]
+
+    def means(self, values: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Values (V, K) of the vertices before as those (W, K) of these."""
+        columns = (_mean(self.cell, column, len(self.vertices)) for column in values.T)
+        return np.rint(np.stack(list(columns), axis=1)).astype(np.uint8)
+
+
+def decimate(vertices: Array, faces: NDArray[np.int64], most: int) -> DecimatedMesh:
+    """At most so many triangles: vertices of one cell of a grid become one, in their middle."""
+    if len(faces) <= most:
+        return DecimatedMesh(vertices, faces, np.arange(len(vertices)))
+    size = np.sqrt(START * 2 * _area(vertices, faces) / most)
+    while True:
+        made = _in_cells(vertices, faces, size)
+        if len(made.faces) <= most:
+            return made
+        size *= GROWTH
+
+
+def _in_cells(vertices: Array, faces: NDArray[np.int64], size: float) -> DecimatedMesh:
+    places = np.floor((vertices - vertices.min(axis=0)) / size).astype(np.int64)
+    across = places.max(axis=0) + 1
+    number = (places[:, 0] * across[1] + places[:, 1]) * across[2] + places[:, 2]
+    _, cell = np.unique(number, return_inverse=True)
+    count = int(cell.max()) + 1
+    middles = np.stack([_mean(cell, column, count) for column in vertices.T], axis=1)
+    return DecimatedMesh(middles, _without_degenerate(cell[faces]), cell)
+
+
+def _without_degenerate(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangles whose corners are three, each once."""
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    return faces[np.sort(first)]
+
+
+def _mean(cell: NDArray[np.int64], values: NDArray[np.generic], count: int) -> Array:
+    members = np.maximum(np.bincount(cell, minlength=count), 1)
+    return np.asarray(np.bincount(cell, values, count) / members)
+
+
+def _area(vertices: Array, faces: NDArray[np.int64]) -> float:
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+MOST_FACES = 8000
+"""Of a surface in the small views, some 150 kB; twice as many could not be distinguished there."""
+
+
+def skin(mesh: SurfaceMesh, colours: NDArray[np.uint8]) -> bytes:
+    """The GLB of a surface (camera frame, metres) with colours (V, 3), in the camera frame."""
+    thin = decimate(mesh.vertices, mesh.faces, MOST_FACES)
+    numbers = Numbers()
+    attributes = {
+        "POSITION": numbers.add(thin.vertices.astype(np.float32), "VEC3", "vertices", bounded=True),
+        "COLOR_0": numbers.add(_linear(thin.means(colours)), "VEC3", "vertices"),
+    }
+    wide = np.uint16 if len(thin.vertices) < 65535 else np.uint32
+    corners = numbers.add(thin.faces.ravel().astype(wide), "SCALAR", "indices")
+    return numbers.file(
+        {
+            "asset": {"version": "2.0"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [
+                {
+                    "primitives": [
+                        {"attributes": attributes, "indices": corners, "material": material}
+                        for material in range(2)
+                    ]
+                }
+            ],
+            "materials": [_material("depth"), _material("sheet")],
+        }
+    )
+
+
+def _material(name: str) -> dict[str, object]:
+    rough = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
+    return {"name": name, "pbrMetallicRoughness": rough, "doubleSided": True}
+
+
+def _linear(colours: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """sRGB bytes as glTF wants colours of vertices: linear, 0 to 1."""
+    share = colours / 255.0
+    bright = ((share + 0.055) / 1.055) ** 2.4
+    return np.where(share <= 0.04045, share / 12.92, bright).astype(np.float32)
 
 
 def reading(doc: Session) -> tuple[Any, ...]:

@@ -22,7 +22,7 @@ from keypose.app.export.drawable import (
     require_tint,
 )
 from keypose.app.export.film import FilmOrder
-from keypose.app.jobs.exporting import (
+from keypose.app.jobs.exchange import (
     Export,
     ExportWork,
     FilmExport,
@@ -32,13 +32,11 @@ from keypose.app.jobs.exporting import (
 )
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.render.films import FilmView
-from keypose.app.render.snapshots import Look
 from keypose.app.render.stills import Still
-from keypose.app.render.studio import Paint
+from keypose.app.render.studio import Look, Paint
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
-from keypose.app.server.exchange import json_answer, read_body
-from keypose.app.server.headers import headers_for
+from keypose.app.server.headers import headers_for, json_answer, read_body
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.scratch import Scratch

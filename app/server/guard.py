@@ -23,9 +23,8 @@ from starlette.responses import HTMLResponse, PlainTextResponse, RedirectRespons
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from keypose.app.server.addresses import parse
-from keypose.app.server.browsers import LONGEST_S, Browsers
+from keypose.app.server.admission import LONGEST_S, Browsers, OneTimeTokens
 from keypose.app.server.headers import headers_for
-from keypose.app.server.tokens import OneTimeTokens
 
 TOKEN = "token"
 """The query name that carries a one-time token."""

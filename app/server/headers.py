@@ -1,8 +1,13 @@
-"""Headers of responses: what a browser may do with a page, and from where it may load."""
+"""Set the headers of responses, and answer long work's orders as JSON that nothing keeps."""
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from keypose.tracker.errors import FormatError
 
 Kind: TypeAlias = Literal["page", "view", "data"]
 
@@ -36,3 +41,19 @@ def headers_for(kind: Kind, host: str = "") -> dict[str, str]:
     socket = f" ws://{host}" if host else ""
     policy = {"page": _PAGE_POLICY, "view": _VIEW_POLICY, "data": _DATA_POLICY}[kind]
     return {**common, "Content-Security-Policy": policy.format(socket=socket)}
+
+
+async def read_body(request: Request, most: int, too_large: str) -> bytes:
+    """What is sent; FormatError with the sentence `too_large` beyond `most` bytes."""
+    content = bytearray()
+    async for chunk in request.stream():
+        content += chunk
+        if len(content) > most:
+            raise FormatError(too_large)
+    return bytes(content)
+
+
+def json_answer(content: Any, status: int = 200) -> Response:
+    """An answer that is true now and may not be later."""
+    headers = {**headers_for("data"), "Cache-Control": "no-store"}
+    return JSONResponse(content, status, headers)

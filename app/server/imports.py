@@ -21,10 +21,10 @@ from keypose.app.export.import_choices import (
     KeypointChoices,
     MotionChoices,
 )
-from keypose.app.jobs.failure import failure_message
-from keypose.app.jobs.importing import ImportWork, RecogniseWork
+from keypose.app.jobs.exchange import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
-from keypose.app.server.exchange import json_answer, read_body
+from keypose.app.jobs.wire import failure_message
+from keypose.app.server.headers import json_answer, read_body
 from keypose.app.store.imported import ImportOutcome, ImportTarget
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence

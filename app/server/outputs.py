@@ -13,16 +13,15 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from keypose.app.editor.actions.message import Degrees, Message, Spot
-from keypose.app.editor.feet import feet_paths
-from keypose.app.editor.pasting import copied_from
-from keypose.app.editor.pointer_views import pointer_views
+from keypose.app.editor.keyframe_edits import copied_from
+from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.shown import shown_pose
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.state import EditorState, pointer_views
 from keypose.app.export.motion_files import File, Sampling, every_format, motion_archive
 from keypose.app.export.motion_formats import MotionFormat
 from keypose.app.posing import InView, outline, parts_at
-from keypose.app.render.snapshots import Look, View, png, snapshot
 from keypose.app.render.stills import from_viewpoint
+from keypose.app.render.studio import Look, View, png, snapshot
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.app.server.headers import headers_for

@@ -24,18 +24,16 @@ from keypose.app.editor.state import EditorState
 from keypose.app.scene.scene import Stage
 from keypose.app.scene.scenery import SceneryMaker
 from keypose.app.scene.viser_compat import PAGE, ROLES
-from keypose.app.server.browsers import NAME as BROWSERS
-from keypose.app.server.browsers import Browsers
+from keypose.app.server.admission import TOKENS_NAME as BROWSERS
+from keypose.app.server.admission import TOKENS_NAME as LINKS
+from keypose.app.server.admission import Browsers, OneTimeTokens
 from keypose.app.server.exports import Exports
 from keypose.app.server.guard import PROTOCOL, Guard
 from keypose.app.server.headers import headers_for
 from keypose.app.server.imports import Imports
-from keypose.app.server.library_routes import LibraryRoutes
 from keypose.app.server.outputs import Outputs
-from keypose.app.server.page_files import PageFiles
+from keypose.app.server.routes import LibraryRoutes, PageFiles
 from keypose.app.server.surfaces import Surfaces
-from keypose.app.server.tokens import NAME as LINKS
-from keypose.app.server.tokens import OneTimeTokens
 from keypose.app.store.sections import image_version
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab

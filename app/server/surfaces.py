@@ -19,8 +19,7 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.video_frames import Frames
-from keypose.app.scene.observed import Observed, Outdated, TintedSource, reading
-from keypose.app.scene.skin import skin
+from keypose.app.scene.observed import Observed, Outdated, TintedSource, reading, skin
 from keypose.app.store.sections import image_version
 from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import KeyposeError, SurfaceError

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.documents import require_sound
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused, require_sound
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.import_choices import LEAST_TRACKED
 from keypose.app.export.import_words import note_words
 from keypose.app.export.importing import DraftImport, Import, MotionImport
-from keypose.app.store.identity import unchanged
+from keypose.app.store.sections.json_value import unchanged
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder

@@ -10,10 +10,10 @@ from typing import Protocol
 from keypose.app.document.library import Library, id_of
 from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor import actions
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.render.video_frames import Frames
-from keypose.app.store.examiner import Examiner
+from keypose.app.store.background import Examiner
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.state import OpenedFile

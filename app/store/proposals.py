@@ -6,15 +6,14 @@ from collections.abc import Callable
 from typing import Protocol, TypedDict, Unpack
 
 from keypose.app.document.open import OpenSession
-from keypose.app.document.write_lock import WriteLock
 from keypose.app.editor import actions
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import ReduceOrder
 from keypose.app.store.fitter import Fitter
-from keypose.app.store.preview import WAITING, SizesPreview
-from keypose.app.store.reduction import WAITING as REDUCTION_WAITING
-from keypose.app.store.reduction import ReductionPreview
+from keypose.app.store.previews import REDUCTION_WAITING as REDUCTION_WAITING
+from keypose.app.store.previews import WAITING, ReductionPreview, SizesPreview
+from keypose.app.store.saving import WriteLock
 from keypose.app.store.state import AppState, FitOutcome
 
 

@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.advice import why_nothing_to_do
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import (
     AheadOrder,

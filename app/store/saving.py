@@ -1,24 +1,199 @@
-"""Writing the open session: its journal, its file and its tracks, by one program at a time."""
+"""Save the open session as the one who may write it: journal, file and tracks, soon after a change.
+
+The session's folder is known by its device and number: one that was renamed, or is gone, is not
+made anew, which would leave half a session there and the other half elsewhere.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from keypose.app.document.edit_log import EditLog
+from keypose.app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
 from keypose.app.document.library import Library
 from keypose.app.document.open import OpenSession
-from keypose.app.document.write_lock import WriteLock
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
-from keypose.app.store.autosave import Saver
+from keypose.app.jobs.wire import failure_message
 from keypose.app.store.state import AppState, Saved
-from keypose.tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.chronicle import Received
 from keypose.tracker.storage.results import save_results, tidy_tracks
+
+Identity: TypeAlias = tuple[int, int]
+
+
+class WriteLock:
+    """The lock of the open session's folder. read_only: why it is not written, a sentence."""
+
+    def __init__(self) -> None:
+        self.read_only = ""
+        self._lock: SessionLock | None = None
+        self._folder: Identity | None = None
+
+    def take(self, opened: OpenSession) -> None:
+        """Take the lock, where there is a folder; else, or where it cannot be had, say so."""
+        self.read_only, folder = "", opened.session_path.parent
+        if opened.session.is_newer:
+            self.read_only = f"Read only: a newer Keypose wrote {opened.session_path.name}."
+        elif folder.is_dir():
+            try:
+                self._hold(folder)
+            except LockedElsewhere as held:
+                self.read_only = f"Read only: {held}. Close it there, then open it here again."
+            except NotALock as error:
+                self.read_only = f"Read only: {error}"
+
+    def require_folder(self, folder: Path, is_ours: Callable[[], bool]) -> None:
+        """SessionError unless the session can be written into its folder, which is made for a
+        session that has none yet; LockedElsewhere where it is another's by now.
+
+        is_ours: whether another folder in its place holds what this program wrote last: then the
+        session was put back from a copy.
+        """
+        if self._folder is None:
+            make_folder(folder, error=SessionError)
+            self._hold(folder)
+        elif _identity(folder) != self._folder:
+            if not is_ours():
+                raise SessionError(
+                    f"The session's folder is gone or was renamed: put {str(folder)!r} back. "
+                    "Your edits stay here and are written once it is back."
+                )
+            self._release()
+            self._hold(folder)
+
+    def release(self) -> None:
+        """Let others write."""
+        self.read_only = ""
+        self._release()
+
+    def _hold(self, folder: Path) -> None:
+        self._lock = SessionLock.take(folder)
+        self._folder = _identity(folder)
+
+    def _release(self) -> None:
+        self._folder = None
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether this program alone writes there."""
+        return self._lock is not None
+
+    def require_writable(self) -> None:
+        """Refused where it may only be looked at."""
+        if self.read_only:
+            raise Refused(self.read_only)
+
+
+def _identity(folder: Path) -> Identity | None:
+    try:
+        facts = folder.stat()
+    except OSError:
+        return None
+    return facts.st_dev, facts.st_ino
+
+
+SECONDS_BETWEEN_TRIES = 3.0
+"""To write what could not be written: the disk may have room again, or the folder be back."""
+
+Write = Callable[[], None]
+"""Writes one state to disk; runs in a thread."""
+
+
+class Saver:
+    """Writes what it was given last. `report` receives the state of saving, on the loop.
+
+    What could not be written is tried again every few seconds until it could.
+    """
+
+    def __init__(self, report: Callable[[Saved], None]) -> None:
+        self._report = report
+        self._next: Write | None = None
+        self._failed: tuple[Write, str] | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._later: asyncio.TimerHandle | None = None
+        self._at_s = 0.0
+
+    def save(self, write: Write) -> None:
+        """Write this soon; what still waits to be written is replaced."""
+        failing = self._failed is not None
+        self._begin(write)
+        if not failing:  # otherwise it stays reported as unsaved until it is written
+            self._report(Saved("saving", self._at_s))
+
+    def retry(self) -> None:
+        """Try once more what could not be written."""
+        if self._try_again():
+            self._report(Saved("saving", self._at_s))
+
+    def _try_again(self) -> bool:
+        """Whether there was something to try, and nothing newer is being written."""
+        if self._failed is None or self._next is not None or not self.is_idle:
+            return False
+        self._begin(self._failed[0])
+        return True
+
+    def _begin(self, write: Write) -> None:
+        self._next = write
+        self._stop_waiting()
+        if self.is_idle:
+            self._task = asyncio.ensure_future(self._work())
+
+    def _stop_waiting(self) -> None:
+        if self._later is not None:
+            self._later.cancel()
+            self._later = None
+
+    @property
+    def problem(self) -> str | None:
+        """Why the newest state is not on disk, in one sentence; None unless writing it failed."""
+        return None if self._failed is None else self._failed[1]
+
+    def give_up(self) -> None:
+        """What could not be written is not to be tried again."""
+        self._failed = None
+        self._stop_waiting()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is being written."""
+        return self._task is None or self._task.done()
+
+    async def wait(self) -> None:
+        """Wait until nothing is left to write."""
+        while self._task is not None and not self.is_idle:
+            await asyncio.shield(self._task)
+
+    async def _work(self) -> None:
+        while self._next is not None:
+            write, self._next = self._next, None
+            try:
+                await asyncio.to_thread(write)
+            except Exception as error:  # noqa: BLE001 — whatever it is, a person must know
+                if self._next is None:
+                    self._fail(write, error)
+                    return
+            else:
+                self._at_s, self._failed = time.time(), None
+        self._report(Saved("saved", self._at_s))
+
+    def _fail(self, write: Write, error: Exception) -> None:
+        words = failure_message(error)
+        self._failed = write, words
+        self._later = asyncio.get_running_loop().call_later(SECONDS_BETWEEN_TRIES, self._try_again)
+        self._report(Saved("failed", self._at_s, words))
+
 
 SECONDS_BETWEEN_SAVES = 3.0
 """Of tracked segments, while more of them are to come; edits are saved at once."""

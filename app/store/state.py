@@ -12,8 +12,7 @@ from keypose.app.editor.ahead import followed_so_far
 from keypose.app.editor.documents import posed
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import FollowingAhead, PoseFitting
-from keypose.app.store.preview import SizesPreview
-from keypose.app.store.reduction import ReductionPreview
+from keypose.app.store.previews import ReductionPreview, SizesPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import Kind

@@ -20,26 +20,23 @@ from keypose.app.document.library import Library
 from keypose.app.document.library.names import clean_name
 from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
-from keypose.app.jobs.failure import failure_message
+from keypose.app.jobs.wire import failure_message
 from keypose.app.render.video_frames import Frames
-from keypose.app.store.clients import Clients, split_envelope
-from keypose.app.store.draft_learner import DraftLearner
+from keypose.app.store.background import DraftLearner, KeypointFinder
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
-from keypose.app.store.keypoint_finder import KeypointFinder
 from keypose.app.store.opener import Opener
-from keypose.app.store.pose_library import PoseLibrary
-from keypose.app.store.preview import SizesPreview
+from keypose.app.store.previews import SizesPreview
 from keypose.app.store.proposals import Proposals
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import Sections
-from keypose.app.store.shelf import Shelf
+from keypose.app.store.shelf import PoseLibrary, Shelf
 from keypose.app.store.state import (
     AppState,
     FitOutcome,
@@ -50,7 +47,7 @@ from keypose.app.store.state import (
     Saved,
     SurfaceSeen,
 )
-from keypose.app.store.tabs import Tab, Tabs
+from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.storage.chronicle import mark_of

@@ -16,7 +16,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.ahead.follow import LONGEST, follow_ahead, followed_ways
 from keypose.tracker.tracking.ahead.line import Line
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints

@@ -22,7 +22,7 @@ from itertools import pairwise
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from keypose.app.editor.suggest import suggestion
+from keypose.app.editor.advice import suggestion
 from keypose.tracker.body.pose import moved
 from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.geometry.rotations import Array

@@ -21,7 +21,7 @@ from keypose.tracker.body.body import Body, preset
 from keypose.tracker.evaluate import JointReference
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 from tests.benchmarks.arms import MARKS as ARMS_MARKS
 from tests.benchmarks.arms import SIDE
 from tests.benchmarks.arms import VIDEO as ARMS_VIDEO

@@ -16,8 +16,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.sizes import Proposal
 from keypose.tracker.fitting.sizes import fit_sizes as fit
 from keypose.tracker.fitting.sizes.proportions import Proportions
-from keypose.tracker.solver.body_points import BodyPoint
 from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.posed import BodyPoint
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.wrong_preset import wrong_preset

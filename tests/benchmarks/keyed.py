@@ -27,11 +27,11 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.fit_joints import CRITERIA, LIMIT_SIGMA_RAD, NEAREST_M, PIXEL_SIGMA
 from keypose.tracker.solver.least_squares import least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior, RootPosition
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.terms import Term
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keeping import ROOT, digest, place_for

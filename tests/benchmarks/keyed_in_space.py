@@ -17,7 +17,6 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
 from keypose.tracker.solver.fit_joints import (
     CRITERIA,
     LIMIT_SIGMA_RAD,
@@ -28,6 +27,7 @@ from keypose.tracker.solver.fit_joints import (
 from keypose.tracker.solver.least_squares import least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PointsInSpace, PosePrior
+from keypose.tracker.solver.posed import BodyPoints, free_skeleton
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keyed import Keyed, keyed
 from tests.benchmarks.posing import sized

@@ -15,7 +15,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.evaluate import JointReference
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
 from tests.benchmarks.measured_person import person_reference
 from tests.benchmarks.posing import MARKS, Marked, fit

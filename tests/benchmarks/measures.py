@@ -12,7 +12,7 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from tests.benchmarks.clips import Clip, Stance, place
 
 TALL_PX, FAR_PX, VERY_FAR_PX = 400.0, 10.0, 15.0

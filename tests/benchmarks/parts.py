@@ -21,10 +21,10 @@ from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.parts.keyed import KeyedParts, turning
 from keypose.tracker.tracking.pool import never

@@ -26,10 +26,10 @@ from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.surface.files.ply import ply_bytes
 from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.fit.fitter import fit_solids_to_surface
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
 from keypose.tracker.surface.fit.pairing import Observed
-from keypose.tracker.surface.fit.pose_fit import fit_solids_to_surface
 from keypose.tracker.surface.fit.segment import SurfaceTracker
 from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh

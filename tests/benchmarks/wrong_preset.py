@@ -17,8 +17,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.sizes import Proposal, fit_sizes
 from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.solver.body_points import BodyPoint
 from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.posed import BodyPoint
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.rendering import motions

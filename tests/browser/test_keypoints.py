@@ -17,7 +17,7 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.serving import ROOT, Keypose

@@ -15,7 +15,7 @@ from keypose import static
 from keypose.app.document.library import Library
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import SizesFitted
-from keypose.app.store.preview import SizesPreview
+from keypose.app.store.previews import SizesPreview
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState, FitOutcome, KnownKeypoints
 from keypose.tracker.fitting.sizes import Proposal

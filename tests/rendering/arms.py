@@ -9,9 +9,9 @@ from pathlib import Path
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.surface.cameras.footage import consistency
 from keypose.tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
-from keypose.tracker.surface.cameras.photo import consistency
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.rig import View
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.benchmarks.keeping import ROOT, digest, place_for
 from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body

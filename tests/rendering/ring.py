@@ -11,7 +11,7 @@ from keypose.tracker.body.shapes import Mesh
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, transform
 from keypose.tracker.kernels.raster import PERSPECTIVE, fill
-from keypose.tracker.surface.cameras.views import Grey, View
+from keypose.tracker.surface.cameras.rig import Grey, View
 from tests.rendering.shade import shade
 from tests.rendering.texture import VOLUME_SIDE_M, noise_volume
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.rig import View
 from keypose.tracker.surface.placing import METRES, Placement
 from tests.rendering.ring import Shot
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels import compiled
-from keypose.tracker.surface.cameras.nets import Field, surface_of
+from keypose.tracker.surface.cameras.hull import Field, surface_of
 from keypose.tracker.surface.mesh import SurfaceMesh
 
 

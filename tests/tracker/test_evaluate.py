@@ -12,7 +12,7 @@ from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.errors import FormatError
 from keypose.tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
 from keypose.tracker.geometry.rotations import rotation_from_euler
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 from tests.tracker import session_cases as cases
 
 SKELETON, CAMERA = cases.SKELETON, cases.CAMERA

@@ -30,7 +30,7 @@ from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_keypoints import load_keypoints
 from keypose.tracker.formats.reference import load_reference
 from keypose.tracker.storage.atomic import write_file
-from keypose.tracker.storage.evidence.surfaces import MOST_CAMERA_BYTES
+from keypose.tracker.storage.evidence.files import MOST_CAMERA_BYTES
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.journal import Journal, read_journal
 from keypose.tracker.surface.cameras.rig import Rig
@@ -218,10 +218,10 @@ def test_what_others_may_read_is_not_taken_for_private(tmp_path: Path) -> None:
 
 OWN_READS = {
     "app/export/opensim_files.py": "a file that was just written",
-    "app/export/report/shell.py": "the program's own sheets and pictures",
-    "app/server/page_files.py": "the page, which comes with the program",
+    "app/export/report/markup.py": "the program's own sheets and pictures",
+    "app/server/routes.py": "the page, which comes with the program",
     "tracker/body/body.py": "a body that comes with the program",
-    "tracker/formats/c3d.py": "a file that was just written",
+    "tracker/formats/marker_files.py": "a file that was just written",
     "tracker/formats/joint_names.py": "a table that comes with the program",
     "tracker/formats/rigs/table.py": "tables that come with the program",
     "tracker/formats/usd.py": "a file that was just written",

@@ -9,8 +9,8 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.people import chosen_individual
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array, frozen
 
 MOST_FRAMES: Final = 1_000_000

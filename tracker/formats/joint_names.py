@@ -38,7 +38,7 @@ from keypose.tracker.formats.marker_sets import places_of
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.table import SIDES, Place, Row, table_of
 from keypose.tracker.keypoints.layouts import snake
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 
 LARGEST_NAMES_BYTES = 2**20
 MOST_LISTED = 24

@@ -22,7 +22,7 @@ from keypose.tracker.formats.conventions import column_names
 from keypose.tracker.formats.recording import MarkerSetName, Recording
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import points_on_body
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 _LIMBS = {
     "Shoulder": "upper_arm",

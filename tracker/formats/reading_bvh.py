@@ -24,8 +24,7 @@ from keypose.tracker.formats.joint_motion import (
     JointMotion,
     require_size,
 )
-from keypose.tracker.formats.notes import Note
-from keypose.tracker.formats.text import decoded, with_decimal_points
+from keypose.tracker.formats.text import Note, decoded, with_decimal_points
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 LONGEST_HIERARCHY = 4_000_000

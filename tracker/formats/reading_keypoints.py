@@ -20,8 +20,8 @@ import numpy as np
 
 from keypose.tracker.errors import ChoiceError, FormatError, listed
 from keypose.tracker.formats.keypoint_files import read_people
-from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.people import People
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of

@@ -20,8 +20,7 @@ import numpy as np
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion, Unit, World, require_size
-from keypose.tracker.formats.notes import Note, Oddity
-from keypose.tracker.formats.text import decoded, with_decimal_points
+from keypose.tracker.formats.text import Note, Oddity, decoded, with_decimal_points
 from keypose.tracker.geometry.rotations import Array
 
 _C3D_UNITS: dict[str, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}

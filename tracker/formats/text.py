@@ -1,9 +1,36 @@
-"""Text of files from elsewhere: encodings, and numbers with decimal commas."""
+"""Read text from elsewhere, with decimal commas and any encoding, and note what is odd."""
 
 from __future__ import annotations
 
 import codecs
 import re
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Oddity: TypeAlias = Literal[
+    "row count",
+    "marker count",
+    "frames beyond",
+    "row per frame",
+    "z up at rest",
+    "undetermined parts",
+    "unplaced joints",
+    "poor fit",
+    "proportions",
+    "flat",
+    "lying",
+    "starts at",
+    "far from keyframes",
+]
+
+
+@dataclass(frozen=True)
+class Note:
+    """One oddity, with the numbers or names that its sentence needs, in their order."""
+
+    oddity: Oddity
+    values: tuple[object, ...] = ()
+
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),

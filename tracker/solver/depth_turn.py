@@ -14,8 +14,8 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 TRUNK = ("waist", "chest", "neck", "head")
 FLAT_LIMB = np.diag([-1.0, 1.0, 1.0])

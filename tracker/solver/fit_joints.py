@@ -20,7 +20,6 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen, nearest_rotation
-from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import (
@@ -30,11 +29,12 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
+from keypose.tracker.solver.posed import BodyPoints, free_skeleton
 from keypose.tracker.solver.terms import Term
 
 if TYPE_CHECKING:
     from keypose.tracker.body.skeleton import Skeleton
-    from keypose.tracker.solver.body_points import BodyPoint
+    from keypose.tracker.solver.posed import BodyPoint
 
 JOINT_SIGMA_M = 0.005
 PIXEL_SIGMA = 2.0

@@ -10,8 +10,7 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints
-from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.posed import BodyPoints, Posed, image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Kernel
 from keypose.tracker.solver.terms import Diagonal, DiagonalTerm, Rows, RowTerm, half_squares
 

@@ -11,8 +11,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.banded import with_blocks
-from keypose.tracker.solver.body_points import BodyPoints
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import Kernel
 from keypose.tracker.solver.smoothness import INNER
 from keypose.tracker.solver.stretch_poses import SharedEquations

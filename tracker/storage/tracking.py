@@ -17,8 +17,8 @@ from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import segment_keys, without_part_keyframes
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
+from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps
-from keypose.tracker.surface.steps import Steps
 from keypose.tracker.tracking.ahead.follow import LONGEST, Emit, FoundAhead, follow_ahead
 from keypose.tracker.tracking.cues.sources import (
     CorrectedKeypoints,

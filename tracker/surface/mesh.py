@@ -1,9 +1,10 @@
-"""An observed surface: the triangle mesh of one time step."""
+"""An observed surface: the triangle mesh of one time step, and where meshes come from."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,3 +60,21 @@ class SurfaceMesh:
         ends = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         edges, counts = np.unique(ends[:, 0] * len(self.vertices) + ends[:, 1], return_counts=True)
         return np.stack(np.divmod(edges[counts == 1], len(self.vertices)), axis=1)
+
+
+class Steps(Protocol):
+    """The surfaces of a moving thing, one for each step of time."""
+
+    @property
+    def frame_count(self) -> int: ...
+
+    def mesh(self, frame: int) -> SurfaceMesh:
+        """The surface of a step in the camera frame, metres.
+
+        SurfaceError in one sentence where that step cannot be used; the others can.
+        """
+        ...
+
+    def cut_by(self, frame: int) -> tuple[str, ...]:
+        """Names of the cameras whose pictures do not hold all of a step's surface."""
+        ...

@@ -9,8 +9,7 @@ import numpy as np
 from keypose.tracker.errors import SurfaceError, VideoError
 from keypose.tracker.session.references import Surface
 from keypose.tracker.surface.cameras.footage import Footage
-from keypose.tracker.surface.cameras.rig import Rig
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.rig import Rig, View
 from keypose.tracker.surface.mesh import SurfaceMesh
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from keypose.app.document.library.library import Library
 from keypose.app.document.library.recents import id_of
-from keypose.app.document.library.session_paths import usual_folders
+from keypose.app.document.library.session_files import usual_folders
 from keypose.app.document.library.uploads import LARGEST_BYTES, Upload
 
 __all__ = ["LARGEST_BYTES", "Library", "Upload", "id_of", "usual_folders"]

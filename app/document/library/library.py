@@ -17,9 +17,9 @@ from keypose.app.document.library.files import (
     is_hidden,
     is_inside,
     kind_of,
+    list_folder,
     unquoted,
 )
-from keypose.app.document.library.folders import list_folder
 from keypose.app.document.library.names import printable
 from keypose.app.document.library.recents import (
     Recent,
@@ -34,13 +34,14 @@ from keypose.app.document.library.recents import (
 )
 from keypose.app.document.library.samples import bundled_samples, own_copy
 from keypose.app.document.library.session_files import (
+    SESSION,
     TRASH,
     Trash,
     duplicate_session,
     rename_session,
+    session_for,
 )
-from keypose.app.document.library.session_paths import SESSION, session_for
-from keypose.app.document.library.thumb_cache import ThumbCache, of_session
+from keypose.app.document.library.thumbnails import ThumbCache, of_session
 from keypose.app.document.library.uploads import LARGEST_BYTES, Upload
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session.schema import Session

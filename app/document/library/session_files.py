@@ -1,4 +1,4 @@
-"""Rename, duplicate and delete a session that is not open: its own file and what lies beside it.
+"""Say where the session of a video lives; rename, duplicate and delete one that is not open.
 
 A video or a mesh is never touched. Deleted sessions lie in the workspace's trash, from where they
 can be put back.
@@ -6,6 +6,7 @@ can be put back.
 
 from __future__ import annotations
 
+import os
 import re
 import secrets
 import shutil
@@ -14,15 +15,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import from_json
 
 from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import locked
+from keypose.app.document.library.files import SESSION_FOLDER
 from keypose.app.document.library.names import numbered, printable
 from keypose.app.document.open import with_paths_from
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.files import read_own, read_regular
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.atomic import make_folder, require_folder, write_file
 from keypose.tracker.storage.chronicle import edit_record, mark_of, saved_record, whole_record
 from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,
@@ -32,6 +35,58 @@ from keypose.tracker.storage.files import (
     save_session,
 )
 from keypose.tracker.storage.journal import Journal
+
+SESSION = "session.json"
+
+USUAL = ("Videos", "Movies", "Downloads", "Desktop")
+"""Folders of a home where people keep films."""
+
+
+def usual_folders(home: Path) -> list[Path]:
+    """Those of them that there are."""
+    return [home / name for name in USUAL if (home / name).is_dir()]
+
+
+def session_for(video: Path, workspace: Path) -> Path:
+    """`jump.keypose/session.json` beside jump.mp4; in the workspace where nothing can be written
+    there. Another video's session of that name is left alone: then it is `jump 2.keypose`.
+
+    Nothing is made: the path may not exist yet.
+    """
+    video = video.absolute()
+    beside, ours = _place(video.parent, video), _place(workspace, video)
+    for place in (beside, ours):
+        if place.exists():
+            return place
+    return beside if _is_writable(video.parent) else ours
+
+
+def _place(folder: Path, video: Path) -> Path:
+    """That of this video in a folder, or the first that is free."""
+    stem = video.name if video.is_dir() else video.stem
+    for name in numbered(stem + SESSION_FOLDER):
+        place = folder / name / SESSION
+        if not place.exists() or _is_about(place, video):
+            return place
+    raise AssertionError("names never end")
+
+
+def _is_about(session: Path, video: Path) -> bool:
+    """A file that cannot be read counts: opening it reports what is wrong with it."""
+    try:
+        path = str(from_json(read_regular(session, LARGEST_SESSION_BYTES))["video"]["path"])
+        return os.path.realpath(session.parent / path) == os.path.realpath(video)
+    except (OSError, ValueError, KeyError, TypeError):
+        return True
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        require_folder(folder, error=KeyposeError)
+    except KeyposeError:
+        return False
+    return True
+
 
 STEP = "rename"
 """What undo calls it."""

@@ -12,18 +12,11 @@ from typing import Annotated, TypeAlias
 from pydantic import Field, TypeAdapter
 
 from keypose.app.editor.actions.body import *
-from keypose.app.editor.actions.camera import *
-from keypose.app.editor.actions.history import *
 from keypose.app.editor.actions.jobs import *
 from keypose.app.editor.actions.keyframes import *
-from keypose.app.editor.actions.looking import *
 from keypose.app.editor.actions.message import *
-from keypose.app.editor.actions.pins import *
-from keypose.app.editor.actions.poses import *
 from keypose.app.editor.actions.posing import *
-from keypose.app.editor.actions.review import *
-from keypose.app.editor.actions.sessions import *
-from keypose.app.editor.actions.settings import *
+from keypose.app.editor.actions.program import *
 
 Editing: TypeAlias = (
     Looking

@@ -1,4 +1,4 @@
-"""Keyframes, of the whole body and of parts, and notes at frames."""
+"""Change keyframes, of the whole body and of parts, notes, reviews and keypoints."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from keypose.app.editor.actions.message import Degrees, Edit
+from keypose.app.editor.actions.message import Degrees, Edit, Spot
 from keypose.tracker.body.body import Name
 from keypose.tracker.session.annotations import LONGEST
 from keypose.tracker.session.settings import FrameIndex
@@ -164,3 +164,48 @@ Keying: TypeAlias = (
     | ExactKey
 )
 Noting: TypeAlias = SetNote | MoveNote | DeleteNote
+
+
+class AcceptPlace(Edit):
+    """The motion is right at this place to review: of a part, or of the whole body."""
+
+    do: Literal["accept_place"] = "accept_place"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CannotTell(Edit):
+    """Whether it is right there nobody can tell from the picture."""
+
+    do: Literal["cannot_tell"] = "cannot_tell"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CorrectKeypoint(Edit):
+    """Where a joint is seen in a frame. at: pixels of the main view."""
+
+    do: Literal["correct_keypoint"] = "correct_keypoint"
+    frame: FrameIndex
+    joint: Name
+    at: Spot
+
+
+class IgnoreKeypoint(Edit):
+    """What was found of a joint in a frame does not count."""
+
+    do: Literal["ignore_keypoint"] = "ignore_keypoint"
+    frame: FrameIndex
+    joint: Name
+
+
+class RestoreKeypoint(Edit):
+    """A joint is where it was found in a frame."""
+
+    do: Literal["restore_keypoint"] = "restore_keypoint"
+    frame: FrameIndex
+    joint: Name
+
+
+Reviewing: TypeAlias = AcceptPlace | CannotTell
+Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypose.app.export.report.charts import single_chart
-from keypose.app.export.report.figures import figure
 from keypose.app.export.report.markup import Child, Html, element
-from keypose.app.export.report.motion import recording_of
-from keypose.app.export.report.subject import Subject
-from keypose.app.export.report.tables import table
+from keypose.app.export.report.subject import Subject, recording_of
+from keypose.app.export.report.tables import figure, table
 from keypose.app.posing import part_label
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.recording import Recording

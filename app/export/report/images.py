@@ -9,7 +9,7 @@ import cv2
 from keypose.app.export.report.markup import Html, element
 from keypose.app.export.report.subject import Subject
 from keypose.app.render.palette import Picture
-from keypose.app.render.snapshots import Look, snapshot
+from keypose.app.render.studio import Look, snapshot
 from keypose.tracker.errors import FormatError
 from keypose.tracker.video import MissingFrame, Video
 

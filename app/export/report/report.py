@@ -11,15 +11,11 @@ from keypose.app.editor.advice import next_step
 from keypose.app.editor.judged import Judged
 from keypose.app.editor.review_words import answers_words
 from keypose.app.export.report.charts import angle_charts, over_time, score_chart
-from keypose.app.export.report.clinical import CONVENTIONS, clinical_charts, legend
 from keypose.app.export.report.derivatives import derivatives_section
-from keypose.app.export.report.gait import gait_section
+from keypose.app.export.report.gait import CONVENTIONS, clinical_charts, gait_section, legend
 from keypose.app.export.report.images import thumbnail
-from keypose.app.export.report.labels import words_for
-from keypose.app.export.report.markup import Child, Html, element, joined
-from keypose.app.export.report.motion import recording_of
-from keypose.app.export.report.shell import html_page, logo
-from keypose.app.export.report.subject import STATE_WORDS, Subject, subject_of
+from keypose.app.export.report.markup import Child, Html, element, html_page, joined, logo
+from keypose.app.export.report.subject import STATE_WORDS, Subject, recording_of, subject_of
 from keypose.app.export.report.tables import (
     keyframes_table,
     notes_table,
@@ -27,9 +23,10 @@ from keypose.app.export.report.tables import (
     segments_table,
     tile,
     verdict,
+    words_for,
 )
 from keypose.app.posing.labels import number_text
-from keypose.app.render.snapshots import Look
+from keypose.app.render.studio import Look
 from keypose.tracker.errors import FormatError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State

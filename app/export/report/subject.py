@@ -1,4 +1,4 @@
-"""What a report is about: a session, what tracking found for it, when its frames are shown."""
+"""What a report is about: a session, what tracking found for it, and its motion."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.verdict_text import sentence
+from keypose.app.editor.problem_words import sentence
 from keypose.app.render.poses import KnownPoses
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import SessionError
+from keypose.tracker.errors import FormatError, SessionError
+from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Results, Span, State, load_results
+from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import VideoInfo
 
@@ -145,3 +147,19 @@ def _time_by_keyframes(session: Session, frame: int) -> float:
     pace = (times_s[-1] - times_s[0]) / (frames[-1] - frames[0])
     beyond = min(frame - frames[0], 0) + max(frame - frames[-1], 0)
     return float(np.interp(frame, frames, times_s)) + pace * beyond
+
+
+def recording_of(subject: Subject) -> Recording | None:
+    """None where no segment is tracked; FormatError where nobody knows when frames are shown."""
+    found = [track for track in subject.fitting.values() if track.finished]
+    if not found:
+        return None
+    times_s = np.array([subject.time_s(i) for i in range(subject.session.video.frame_count)])
+    if not np.isfinite(times_s).all():
+        raise FormatError("Without the video, two keyframes are needed to know how fast it moves.")
+    segments = [
+        RecordedSegment(track.first, track.last, track.verdict)
+        for track in found
+        if track.verdict is not None
+    ]
+    return Recording.of(subject.session, Tracks.of(found, subject.skeleton), segments, times_s)

@@ -1,4 +1,6 @@
-"""Workers of a batch, as the scheduler sees them, and a pool of processes on this computer.
+"""Run the workers of a batch: a pool of processes on this computer.
+
+The loops are loaded once and stay. It ends with the process at the other end.
 
 A pool takes tasks by number and reports their outcomes; it never raises when a single task fails
 or a single worker dies.
@@ -7,16 +9,65 @@ or a single worker dies.
 from __future__ import annotations
 
 import multiprocessing
+import os
+import signal
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import connection as connections
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from threading import Event, Lock, Thread
 from typing import Protocol, TypeAlias
 
 from keypose.app.jobs.batch.task import Step, Summary, Task
-from keypose.app.jobs.batch.worker import serve
+
+Message: TypeAlias = Task | None
+"""None: leave what is at work within one pass."""
+Answer: TypeAlias = Step | Summary
+
+
+def serve(connection: Connection) -> None:
+    """The life of the process: the main thread listens and so notices a closed connection."""
+    for number in (signal.SIGINT, signal.SIGTERM):  # for the process that gives orders
+        signal.signal(number, signal.SIG_IGN)
+    runner = _TaskRunner(connection)
+    try:
+        while True:
+            runner.handle(connection.recv())
+    except (EOFError, OSError):
+        os._exit(0)  # what is at work is started again by the next worker
+
+
+@dataclass(eq=False)
+class _TaskRunner:
+    """The thread that works. Every session has an event of its own that stops it."""
+
+    connection: Connection
+    _stop: Event | None = None
+
+    def __post_init__(self) -> None:
+        self._sending = Lock()
+
+    def handle(self, message: Message) -> None:
+        if message is None:
+            if self._stop is not None:
+                self._stop.set()
+            return
+        self._stop = Event()
+        Thread(target=self._work, args=(message, self._stop), daemon=True).start()
+
+    def _work(self, task: Task, stop: Event) -> None:
+        from keypose.app.jobs.batch.run_one import (
+            run_task,  # heavy: the process answers before it is loaded
+        )
+
+        self._send(run_task(task, self._send, stop))
+
+    def _send(self, answer: Answer) -> None:
+        with self._sending:
+            self.connection.send(answer)
+
 
 PATIENCE_S = 2.0
 """For a process that was asked to end; then it is killed."""

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from keypose.app.export.report.markup import Child, Html, element, joined
+from keypose.app.export.report.markup import Child, Html, element, joined, logo
 from keypose.app.export.report.report import (
     Subject,
     html_page,
@@ -16,7 +16,6 @@ from keypose.app.export.report.report import (
     subject_of,
     thumbnail,
 )
-from keypose.app.export.report.shell import logo
 from keypose.app.jobs.batch.task import Summary
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_head

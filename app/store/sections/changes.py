@@ -10,25 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from keypose.app.store.identity import unchanged
 from keypose.app.store.sections import (
     body_values,
-    cue_values,
-    error_values,
-    feet_values,
-    history_values,
-    keypoint_values,
+    evidence_values,
     motion_values,
-    pin_values,
-    pose_library_values,
-    pose_values,
-    review_values,
     scene_values,
     space_values,
-    surface_values,
     work_values,
 )
-from keypose.app.store.sections.json_value import Json
+from keypose.app.store.sections.json_value import Json, unchanged
 from keypose.app.store.state import AppState
 
 
@@ -116,54 +106,56 @@ SECTIONS: dict[str, _Section] = {
     ),
     "surface": _Section(
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
-        surface_values.surface,
+        evidence_values.surface,
     ),
     "views": _Section(_doc("up_camera"), scene_values.views),
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
-    "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), pose_values.pose),
-    "keys": _Section(_both(_POSES, _TRACKED), pose_values.keys),
+    "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), body_values.pose),
+    "keys": _Section(_both(_POSES, _TRACKED), body_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
-    "errors": _Section(_TRACKED, error_values.errors),
-    "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), review_values.review),
+    "errors": _Section(_TRACKED, motion_values.errors),
+    "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), motion_values.review),
     "space": _Section(_TRACKED, space_values.space),
     "suggest": _Section(_both(_TRACKED, _settled("ahead"), _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),
-    "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),
+    "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), body_values.curve),
     "trail": _Section(
         _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
-        pose_values.trail,
+        body_values.trail,
     ),
     "pins": _Section(
         _both(_TRACKED, _settled("drafts"), _doc("body", "pins")),
-        pin_values.pins,
+        space_values.pins,
     ),
     "proposed_pins": _Section(
         _both(_TRACKED, _doc("pins"), _edit("proposed_pins", "dismissed_pins")),
-        pin_values.proposed_pins,
+        space_values.proposed_pins,
     ),
-    "still": _Section(_both(_TRACKED, _settled("pins")), pin_values.still),
-    "floor": _Section(_doc("pins", "floor_m"), pin_values.floor),
+    "still": _Section(_both(_TRACKED, _settled("pins")), space_values.still),
+    "floor": _Section(_doc("pins", "floor_m"), space_values.floor),
     "feet": _Section(
-        _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), feet_values.feet
+        _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), space_values.feet
     ),
     "ghosts": _Section(
         _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display")),
-        feet_values.ghosts,
+        space_values.ghosts,
     ),
-    "solids": _Section(_doc("body"), feet_values.solids),
+    "solids": _Section(_doc("body"), space_values.solids),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
-    "cues": _Section(_doc("settings", "body", "video"), cue_values.cues),
-    "networks": _Section(_both(_doc("settings"), cue_values.networks_here), cue_values.networks),
+    "cues": _Section(_doc("settings", "body", "video"), evidence_values.cues),
+    "networks": _Section(
+        _both(_doc("settings"), evidence_values.networks_here), evidence_values.networks
+    ),
     "keypoints": _Section(
         _both(
             _doc("keypoint_corrections", "body", "camera", "surface"),
             _edit("frame"),
             lambda o: (o.keypoints,),
         ),
-        keypoint_values.keypoints,
+        evidence_values.keypoints,
     ),
     "fit": _Section(lambda o: (o.fit,), work_values.fit),
     "sizes_preview": _Section(
@@ -184,10 +176,10 @@ SECTIONS: dict[str, _Section] = {
     "job": _Section(lambda o: (o.job,), motion_values.job),
     "saved": _Section(lambda o: (o.saved,), work_values.saved),
     "undo": _Section(_edit("history", "stroke"), work_values.undo),
-    "history": _Section(_edit("history"), history_values.history),
-    "notes": _Section(_doc("notes"), history_values.notes),
+    "history": _Section(_edit("history"), work_values.history),
+    "notes": _Section(_doc("notes"), work_values.notes),
     "clipboard": _Section(_edit("clipboard"), work_values.clipboard),
-    "poses": _Section(_both(_doc("body"), lambda o: (o.poses,)), pose_library_values.poses),
+    "poses": _Section(_both(_doc("body"), lambda o: (o.poses,)), body_values.poses),
     "guide": _Section(lambda o: (o.guide,), work_values.guide),
     "tabs": _Section(lambda o: (o.tabs,), lambda o: o.tabs),
     "server": _Section(lambda o: (o.server,), lambda o: o.server),

@@ -1,8 +1,9 @@
-"""What tracking found and is doing, as JSON."""
+"""Give what tracking found and is doing as JSON, with errors to expect and places to review."""
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
@@ -10,11 +11,62 @@ from keypose.app.editor.advice import next_step
 from keypose.app.editor.judged import Judged
 from keypose.app.editor.problem_words import sentence_of, size_of, todo_of
 from keypose.app.editor.problems import BY_MOTION, Problem, problem_of
+from keypose.app.editor.review import GOALS_PX, Place, Review, review_of
+from keypose.app.editor.review_words import label_of_place, reason_of_place
+from keypose.app.editor.segment_evidence import best_row, part_errors_px
+from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.state import AppState
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.annotations import DraftPlace
 from keypose.tracker.session.evidence import Words
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State, expected_gain, listed, observability
 from keypose.tracker.tracking.result import SegmentResult
+
+MOST: Final = 5
+"""Parts of a segment that are listed."""
+
+
+def errors(app_state: AppState) -> Json:
+    """The parts of every segment with the largest expected errors, each where it is large, the
+    worst first: in pixels of the video, and in centimetres unless the lens is a guess."""
+    edit = app_state.edit
+    if edit is None:
+        return []
+    known = Judged.of(edit.settled, edit.results)
+    return [
+        {"first": track.first, **worst}
+        for track in known.tracks.values()
+        for worst in _worst_parts(known, track)
+    ]
+
+
+def _worst_parts(known: Judged, track: SegmentResult) -> list[dict[str, Json]]:
+    """Up to MOST parts of one segment, of those of which anything is known. The part that the
+    segment's problem is about stands with the problem's frame."""
+    errors = part_errors_px(track)
+    if errors is None:
+        return []
+    last = len(errors) - 1
+    found = problem_of(known, track)
+    listed = []
+    for part, largest in enumerate(errors.max(axis=0)):
+        if largest < 0:
+            continue
+        row = best_row(track, part, 0, last)
+        if found is not None and known.name(part) == found.part and found.px is not None:
+            row = found.frame - track.first
+        listed.append((float(errors[row, part]), part, row))
+    listed.sort(key=lambda one: -one[0])
+    return [_row(known, track, *one) for one in listed[:MOST]]
+
+
+def _row(known: Judged, track: SegmentResult, px: float, part: int, row: int) -> dict[str, Json]:
+    name, frame = known.parts[part], track.first + row
+    scale = known.px_per_m(track, frame, name)
+    cm = None if scale is None or known.guessed else round(100 * px / scale, 2)
+    return {"part": name, "frame": frame, "px": round(px, 2), "cm": cm}
 
 
 def segments(app_state: AppState) -> Json:
@@ -162,3 +214,63 @@ def job(app_state: AppState) -> Json:
 
 def _finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else round(float(value), 4)
+
+
+CROP_SHARE, LEAST_CROP_PX = 0.25, 40
+"""Side of the picture beside a place: of the body's height, and at least."""
+
+
+def review(app_state: AppState) -> Json:
+    """The places to look at, the worst first, the answers that count, and the goals."""
+    edit = app_state.edit
+    if edit is None:
+        return None
+    doc = edit.settled
+    found = review_of(doc, edit.results)
+    return {
+        "places": [_place(doc, found, place) for place in found.places],
+        "answered": [
+            {"frame": one.frame, "part": one.part, "answer": one.answer} for one in found.answered
+        ],
+        "goal": found.goal_px,
+        "goals": list(GOALS_PX),
+        "right_px": _rounded(found.right_px),
+        "px": _rounded(found.px),
+        "cm": _rounded(found.cm),
+        "untracked": len(found.untracked),
+    }
+
+
+def _place(doc: Session, found: Review, place: Place) -> Json:
+    """`end` is in the camera frame, metres; `at` and `box` pixels of the picture as it is shown."""
+    camera = doc.camera.without_distortion()
+    limb = camera.project(place.limb_m)
+    crop = max(CROP_SHARE * found.body_m * place.px_per_m, LEAST_CROP_PX)
+    return {
+        "id": place.id,
+        "kind": "draft" if isinstance(place.why, DraftPlace) else "tracked",
+        "frame": place.frame,
+        "part": place.part,
+        "label": label_of_place(place),
+        "side": "C" if place.part is None else side_of(doc.body, place.part),
+        "cause": place.cause,
+        "first": place.frames[0],
+        "last": place.frames[1],
+        "px": _rounded(place.px),
+        "cm": _rounded(place.cm),
+        "size": size_of(place.px, place.cm),
+        "reason": reason_of_place(place),
+        "end": _listed(place.end_m, 4),
+        "radius_m": round((place.px or 0.0) / place.px_per_m, 4),
+        "at": _listed(camera.project(place.end_m), 1),
+        "crop": round(crop, 1),
+        "box": [*_listed(limb.min(axis=0), 1), *_listed(limb.max(axis=0), 1)],
+    }
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 2)
+
+
+def _listed(values: Array, digits: int) -> list[float]:
+    return [round(float(value), digits) for value in values]

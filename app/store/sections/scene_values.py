@@ -8,10 +8,10 @@ from dataclasses import asdict
 
 import numpy as np
 
-from keypose.app.editor.pointer_views import up_of
+from keypose.app.editor.state import up_of
 from keypose.app.posing import tilt_and_roll, view_rotations
+from keypose.app.store.sections.evidence_values import surface_version
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.sections.surface_values import surface_version
 from keypose.app.store.state import AppState
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.session.references import VideoReference

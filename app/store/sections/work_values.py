@@ -1,4 +1,4 @@
-"""Masks, settings, saving, undo and the guide, as JSON."""
+"""Give masks, settings, saving, history, notes and the guide as JSON."""
 
 from __future__ import annotations
 
@@ -13,6 +13,34 @@ from keypose.app.store.state import AppState
 from keypose.tracker.body.modify import height
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
+
+MOST_LISTED = 200
+"""Steps on either side of the present one; further ones are listed once one has gone there."""
+
+
+def history(app_state: AppState) -> Json:
+    """The steps around the present one, oldest first. done: how many are done, of `total`; first:
+    how many stand before those that are listed. made: seconds since 1970, null where not kept."""
+    edit = app_state.edit
+    if edit is None:
+        return None
+    past, future = edit.history.past, tuple(reversed(edit.history.future))
+    first = max(0, len(past) - MOST_LISTED)
+    listed = (*past[first:], *future[:MOST_LISTED])
+    return {
+        "done": len(past),
+        "total": edit.history.total,
+        "first": first,
+        "steps": [
+            {"label": step.label, "frame": step.frame, "made": step.made_s} for step in listed
+        ],
+    }
+
+
+def notes(app_state: AppState) -> Json:
+    """The notes, by frame."""
+    doc = doc_of(app_state)
+    return [{"frame": note.frame, "text": note.text} for note in (doc.notes if doc else ())]
 
 
 def masks(app_state: AppState) -> Json:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.cli import checks
-from keypose.app.cli.checks import Finding, compiled_loops, examine, films, folders, networks, port
+from keypose.app.cli import doctor
+from keypose.app.cli.doctor import Finding, compiled_loops, examine, films, folders, networks, port
 from keypose.app.cli.main import main
-from keypose.app.server.listening import bind
+from keypose.app.server.addresses import bind
 from keypose.tracker.keypoints import model_files
 from keypose.tracker.video import encode
 from tests.app.full_disks import mounted
@@ -66,7 +66,7 @@ def test_the_exit_code_shows_that_something_is_wrong(
         raise ZeroDivisionError("no films")
         yield
 
-    monkeypatch.setattr(checks, "films", broken)
+    monkeypatch.setattr(doctor, "films", broken)
     assert main(["doctor", "--json"]) == 1
     message = json.loads(capsys.readouterr().out)
     assert not message["well"]
@@ -87,14 +87,14 @@ def test_without_an_encoder_films_are_limited_and_nothing_else(
 ) -> None:
     monkeypatch.setattr(encode, "can_write_films", lambda: False)
     (found,) = films()
-    assert (found.state, found.remedy) == ("warning", checks.REINSTALL)
+    assert (found.state, found.remedy) == ("warning", doctor.REINSTALL)
 
 
 def test_a_damaged_network_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / model_files.FULL.file).write_bytes(b"not a network")
     monkeypatch.setattr(model_files, "__file__", str(tmp_path / "model_files.py"))
-    monkeypatch.setattr(checks, "networks", networks)
+    monkeypatch.setattr(doctor, "networks", networks)
     found = [finding for finding in examine(tmp_path) if finding.name == "networks"]
     assert [finding.state for finding in found] == ["error"]
     assert "is damaged" in found[0].words
@@ -103,12 +103,12 @@ def test_a_damaged_network_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_an_optional_part_comes_with_the_command_of_this_kind_of_installation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checks, "EXTRAS", (("no_such_module", "nothing", "nothing at all"),))
-    (found,) = checks.extras()
+    monkeypatch.setattr(doctor, "EXTRAS", (("no_such_module", "nothing", "nothing at all"),))
+    (found,) = doctor.extras()
     assert found.remedy.endswith(" -m pip install nothing")
-    monkeypatch.setattr(checks.sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(doctor.sys, "prefix", str(tmp_path))
     (tmp_path / "pipx_metadata.json").touch()
-    (found,) = checks.extras()
+    (found,) = doctor.extras()
     assert (found.state, found.remedy) == ("note", "pipx inject keypose nothing")
 
 

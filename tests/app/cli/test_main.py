@@ -19,7 +19,7 @@ import pytest
 from keypose.app.cli import follow
 from keypose.app.cli.main import grammar, main
 from keypose.app.render.palette import Picture
-from keypose.app.render.snapshots import _with_plate
+from keypose.app.render.studio import _with_plate
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.tracks import load_trajectory, save_result
 from keypose.tracker.video import MissingFrame, Video
@@ -187,7 +187,7 @@ def test_a_missing_frame_is_drawn_grey_with_the_body_and_says_so(
     monkeypatch.setattr(Video, "frame", lost)
     monkeypatch.setattr("keypose.app.render.lettering.plate", plate)
     monkeypatch.setattr("keypose.app.render.pictures.plate", plate)
-    monkeypatch.setattr("keypose.app.render.snapshots.plate", plate)
+    monkeypatch.setattr("keypose.app.render.studio.plate", plate)
     out = tmp_path / "a.png"
     command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
     assert main(command) == 0

@@ -243,7 +243,7 @@ def test_a_disk_that_is_full_is_reported_and_what_was_done_is_written_once_there
 def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
 
     async def edit(store: Store) -> None:
         with monkeypatch.context() as patch:
@@ -262,7 +262,7 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
 def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
     elsewhere = path.parent.with_name("renamed")
 
     async def edit(store: Store) -> None:

@@ -19,8 +19,7 @@ from keypose.app.document.new import open_as_taken
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.export.report.derivatives import derivatives_section
 from keypose.app.export.report.gait import gait_section
-from keypose.app.export.report.motion import recording_of
-from keypose.app.export.report.subject import subject_of
+from keypose.app.export.report.subject import recording_of, subject_of
 from keypose.app.store.store import Store
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from tests.app.document.test_edit_log import done, with_store

@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library, thumb_cache, usual_folders
+from keypose.app.document.library import Library, thumbnails, usual_folders
 from keypose.app.document.library.files import find_files
 from keypose.app.document.library.names import clean_name
 from keypose.app.document.library.recents import strip_of
-from keypose.app.document.library.thumb_cache import ThumbCache
+from keypose.app.document.library.thumbnails import ThumbCache
 from keypose.app.document.library.uploads import Upload
 from keypose.app.document.open import open_for_editing
 from keypose.tracker.errors import KeyposeError, SessionError
@@ -301,7 +301,7 @@ def test_films_images_and_sessions_have_small_pictures_that_are_kept(
 def test_small_pictures_beyond_so_many_go_the_oldest_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(thumb_cache, "MOST", 2)
+    monkeypatch.setattr(thumbnails, "MOST", 2)
     cache = ThumbCache(tmp_path)
     for age, name in enumerate(("a", "file-b", "c")):
         cache.get(name, lambda: b"picture")
@@ -491,7 +491,7 @@ def test_a_session_lives_in_the_workspace_when_the_folder_is_locked(
     library: Library, home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "keypose.app.document.library.session_paths._is_writable", lambda folder: False
+        "keypose.app.document.library.session_files._is_writable", lambda folder: False
     )
     place = library.workspace / "jump.keypose" / "session.json"
     assert library.session_for(clip(home)) == place

@@ -8,7 +8,7 @@ import pytest
 
 from keypose.app.document.library.poses import MOST, PoseShelf
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.render.pose_strokes import SIZE, PoseStroke, pose_strokes
 from keypose.tracker.errors import KeyposeError

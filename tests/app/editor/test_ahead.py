@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.advice import next_step
-from keypose.app.editor.ahead import start_frame, with_followed
-from keypose.app.editor.ahead_text import found_sentence
+from keypose.app.editor.advice import Suggestion, next_step, with_way_ahead
+from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.drafted import with_clip_drafted
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.suggest import Suggestion
-from keypose.app.editor.suggest_ahead import with_way_ahead
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.annotations import Direction, Stop
 from keypose.tracker.session.schema import Session

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import require_sound
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused, require_sound
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.tracker.errors import KeyposeError

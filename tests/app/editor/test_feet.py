@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from keypose.app.editor.feet import feet_paths
+from keypose.app.editor.motion import feet_paths
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.body import load_body

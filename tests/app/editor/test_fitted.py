@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.fitted import (
     pose_to_fit,
     require_sizes_to_fit,
     with_pose_fitted,
     with_sizes_fitted,
 )
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_height

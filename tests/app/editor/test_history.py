@@ -6,9 +6,9 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
-from keypose.app.store.sections.history_values import MOST_LISTED, history
+from keypose.app.store.sections.work_values import MOST_LISTED, history
 from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 

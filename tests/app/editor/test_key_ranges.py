@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from tests.app.editor.desk import after, desk
 
 KEYS = (0, 24, 48, 72)

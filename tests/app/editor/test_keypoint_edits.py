@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.session.annotations import KeypointCorrection
 from tests.app import surface_cases

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import pose_transforms

@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.session.annotations import LONGEST
 from keypose.tracker.session.schema import MOST, Session

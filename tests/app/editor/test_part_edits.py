@@ -10,12 +10,12 @@ import pytest
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.edits import label_of
 from keypose.app.editor.part_edits import limbs_of
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import pose_behind, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.store.sections import pose_values
+from keypose.app.store.sections import body_values
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.session import Session
@@ -194,7 +194,7 @@ def test_what_is_keyed_comes_back_from_file_and_journal_as_it_was() -> None:
 
 def test_the_page_receives_frames_limbs_and_sides() -> None:
     state = keyed(*ARM_KEYED, {**KEY_12, "parts": ["left_shin"]})
-    (reported,) = pose_values.keys(AppState(edit=state))["parts"]
+    (reported,) = body_values.keys(AppState(edit=state))["parts"]
     assert reported["frame"] == 12
     assert reported["limbs"] == [
         {"label": "Right arm", "side": "R", "parts": list(RIGHT_ARM)},
@@ -202,7 +202,7 @@ def test_the_page_receives_frames_limbs_and_sides() -> None:
     ]
     assert reported["words"] == "right arm and left leg only"
     head = keyed({**KEY_12, "parts": ["head"]})
-    (reported,) = pose_values.keys(AppState(edit=head))["parts"]
+    (reported,) = body_values.keys(AppState(edit=head))["parts"]
     assert [(limb["label"], limb["side"]) for limb in reported["limbs"]] == [("Head", "C")]
 
 

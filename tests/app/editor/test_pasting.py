@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton

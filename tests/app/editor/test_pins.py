@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.edits import label_of
 from keypose.app.editor.pinned import open_proposals, pinned_ends
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import tilt_and_roll
-from keypose.app.store.sections import pin_values
+from keypose.app.store.sections import space_values
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.trajectory import Pass, Trajectory
@@ -85,10 +85,10 @@ def test_a_foot_that_moves_off_slowly_is_not_pinned_for_ever() -> None:
 
 def test_where_a_pinned_foot_stands_is_known_also_beyond_its_pin() -> None:
     state = after(stepping((8, 14)), {**FOOT, "frame": 11, "first": 10, "last": 12})
-    (still, *_) = pin_values.still(AppState(edit=state))
+    (still, *_) = space_values.still(AppState(edit=state))
     assert still == [8, 14]
     untracked = after(desk(), {**FOOT, "frame": 11})
-    assert pin_values.still(AppState(edit=untracked)) == [None]
+    assert space_values.still(AppState(edit=untracked)) == [None]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from keypose.app.document.open import with_kept_motion
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.motion import motion_between
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.judged import Judged
-from keypose.app.editor.refusal import Refused
 from keypose.app.editor.review import Review, review_of
 from keypose.app.editor.review_words import label_of_place, reason_of_place
 from keypose.app.editor.state import EditorState

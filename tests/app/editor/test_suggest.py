@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from keypose.app.editor.suggest import ALL_GOOD, middle, suggestion
+from keypose.app.editor.advice import ALL_GOOD, middle, suggestion
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.app.editor.motion import end_trail
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.trail import end_trail
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 from tests.app.editor.desk import after, desk

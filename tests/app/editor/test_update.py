@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from keypose.app.editor import body_edits
 from keypose.app.editor.actions import ACTIONS, Clavicles
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body, preset

@@ -14,7 +14,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.cli_cases import refused
 from tests.tracker.formats import animals, recordings

@@ -31,7 +31,7 @@ from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.session import Session
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import segment_keys
 from keypose.tracker.storage.sidecars import first_motion_of_session

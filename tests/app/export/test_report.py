@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.app.editor.suggest import suggestion
+from keypose.app.editor.advice import suggestion
+from keypose.app.export.pictures import STATE_COLOURS, Cell, sheet, sheet_layout
 from keypose.app.export.report.charts import over_time, score_chart
 from keypose.app.export.report.markup import VOID, Html, element, joined
 from keypose.app.export.report.plots import (
@@ -29,7 +30,6 @@ from keypose.app.export.report.plots import (
 from keypose.app.export.report.report import report_html, segments_table, subject_of, thumbnail
 from keypose.app.export.report.tables import keyframes_table
 from keypose.app.render.palette import PAPER
-from keypose.app.render.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
 from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.storage.files import load_session, open_video_of, save_session

@@ -14,11 +14,9 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import motion_archive
-from keypose.app.export.report.clinical import clinical_charts
-from keypose.app.export.report.gait import gait_section
-from keypose.app.export.report.motion import recording_of
+from keypose.app.export.report.gait import clinical_charts, gait_section
 from keypose.app.export.report.report import report_html, subject_of
-from keypose.app.export.report.subject import Subject
+from keypose.app.export.report.subject import Subject, recording_of
 from keypose.app.posing import opening_pose
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.session.pins import Pin

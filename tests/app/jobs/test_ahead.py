@@ -8,7 +8,7 @@ import pytest
 
 from keypose.app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
 from keypose.app.jobs.fits import Fit
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.work import WorkerCache
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.storage.files import load_session

@@ -10,7 +10,7 @@ import pytest
 from keypose.app.document.new import new_session
 from keypose.app.jobs.fits import Fit
 from keypose.app.jobs.messages import Drafted, Drafting, DraftOrder, JobFailed, JobFinished, Report
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.work import WorkerCache
 from keypose.tracker.video import Video
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from keypose.app.jobs.latest_order import LatestOrder
 from keypose.app.jobs.messages import Order
+from keypose.app.jobs.worker import LatestOrder
 
 
 def order(job: int) -> Order:

@@ -11,7 +11,7 @@ import pytest
 
 from keypose.app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved, rerun
 from keypose.app.jobs.rerun import save_found, save_tracks_beside
-from keypose.app.jobs.space import solve_order
+from keypose.app.jobs.work import solve_order
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage import space

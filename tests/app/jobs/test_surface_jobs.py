@@ -26,8 +26,7 @@ from keypose.app.jobs.fits import Fit
 from keypose.app.jobs.messages import Order
 from keypose.app.jobs.rerun import save_found
 from keypose.app.jobs.tracking import _only_needed
-from keypose.app.jobs.work import Job
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.work import Job, WorkerCache
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from keypose.app.editor.pointer_views import pointer_views
+from keypose.app.editor.state import pointer_views
 from keypose.app.posing import (
     Eye,
     Gesture,

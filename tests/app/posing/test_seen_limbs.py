@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.app.posing import Held, PointerView, Posed, drag, ends_to_hold, handle_named, handles
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.posing.gesture import GestureContext
 from keypose.app.posing.seen_limbs import SeenLimb
 from keypose.app.posing.two_bones import TwoBones
 from keypose.tracker.body.joint_limits import Limits

@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.posing import opening_pose, swap_left_right
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.results import Results
 from tests.tracker.formats import recordings
 

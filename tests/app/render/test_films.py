@@ -19,8 +19,7 @@ from keypose.app.render.films import Film, film_pictures, film_size
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.snapshots import Look, snapshot
-from keypose.app.render.studio import Studio
+from keypose.app.render.studio import Look, Studio, snapshot
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.storage.files import load_session, open_video_of, save_session

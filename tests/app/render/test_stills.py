@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from keypose.app.cli.main import main
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.snapshots import Look, snapshot
 from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Paint, Size, Studio
+from keypose.app.render.studio import Look, Paint, Size, Studio, snapshot
 from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, smoothed, view_from
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from keypose.app.cli.main import main
 from keypose.app.render.films import Film, film_pictures
-from keypose.app.render.form import form_of
+from keypose.app.render.painting import form_of
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.snapshots import Look, snapshot
 from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Studio
-from keypose.app.render.surface_layer import SurfaceLayer, draw_surface
+from keypose.app.render.studio import Look, Studio, snapshot
+from keypose.app.render.surfaces import SurfaceLayer, draw_surface
 from keypose.app.render.viewpoints import Viewpoint, least_distance, view_from
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import raster

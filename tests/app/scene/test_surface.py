@@ -12,10 +12,9 @@ import pytest
 import viser._messages as messages
 
 from keypose.app.render.tints import FAR_M, LEGENDS, clay, ramp, tinted
-from keypose.app.scene.decimation import decimate
 from keypose.app.scene.nodes import ROOT
+from keypose.app.scene.observed import MOST_FACES, decimate, skin
 from keypose.app.scene.scene import Stage
-from keypose.app.scene.skin import MOST_FACES, skin
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.surface.mesh import SurfaceMesh
 

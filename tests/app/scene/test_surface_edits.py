@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.advice import surface_suggestion
+from keypose.app.editor.documents import Refused
+from keypose.app.editor.motion import end_trail
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.suggest_surfaces import surface_suggestion
-from keypose.app.editor.trail import end_trail
 from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections, image_version
 from keypose.app.store.state import AppState, Running, SurfaceSeen

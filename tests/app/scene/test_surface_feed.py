@@ -17,9 +17,8 @@ import pytest
 from keypose.app.document.library import Library
 from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor.state import EditorState
-from keypose.app.render.surface_layer import SurfaceLayer
-from keypose.app.scene.observed import Observed, Outdated
-from keypose.app.scene.skin import skin
+from keypose.app.render.surfaces import SurfaceLayer
+from keypose.app.scene.observed import Observed, Outdated, skin
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import VideoError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.browsers import LONGEST_S, MOST, NAME, Browsers
+from keypose.app.server.admission import LONGEST_S, MOST, NAME, Browsers
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from keypose.app.server.browsers import Browsers
+from keypose.app.server.admission import Browsers
 from keypose.app.server.guard import Guard
 from keypose.app.server.headers import headers_for
 from keypose.app.server.outputs import Motion

@@ -21,7 +21,7 @@ from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 from tests.tracker.formats import recordings

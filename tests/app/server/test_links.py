@@ -18,8 +18,7 @@ from urllib.request import ProxyHandler, Request, build_opener
 import pytest
 
 from keypose.app.cli import open as open_command
-from keypose.app.server.addresses import reachable
-from keypose.app.server.listening import bind
+from keypose.app.server.addresses import bind, reachable
 from keypose.tracker.errors import KeyposeError
 from tests.app.serving import LONGEST_S, ROOT, Entered, Keypose, Visitor, enter
 

@@ -10,7 +10,7 @@ import pytest
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from keypose.app.server.page_files import PageFiles
+from keypose.app.server.routes import PageFiles
 
 INDEX = '<script type="module" src="/files/page.js"></script>'
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.tokens import LONGEST_S, NAME, OneTimeTokens
+from keypose.app.server.admission import TOKEN_LONGEST_S, TOKENS_NAME, OneTimeTokens
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    return tmp_path / "workspace" / NAME
+    return tmp_path / "workspace" / TOKENS_NAME
 
 
 def test_a_link_that_was_not_used_lets_one_browser_in_after_a_restart(file: Path) -> None:
@@ -48,7 +48,7 @@ def test_two_servers_of_one_workspace_know_each_others_links_and_each_is_used_on
 
 
 def test_a_link_of_a_clock_of_the_future_lets_nobody_in_under_the_right_one(file: Path) -> None:
-    token = OneTimeTokens(file, lambda: 10 * LONGEST_S).issue()
+    token = OneTimeTokens(file, lambda: 10 * TOKEN_LONGEST_S).issue()
     assert not OneTimeTokens(file, lambda: 0.0).spend(token)
 
 
@@ -56,7 +56,7 @@ def test_a_link_is_good_for_a_day(file: Path) -> None:
     now = [0.0]
     tokens = OneTimeTokens(file, lambda: now[0])
     token = tokens.issue()
-    now[0] = LONGEST_S + 1
+    now[0] = TOKEN_LONGEST_S + 1
     assert not tokens.spend(token)
 
 

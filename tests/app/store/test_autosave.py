@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from keypose.app.store.autosave import Saver
+from keypose.app.store.saving import Saver
 from keypose.app.store.state import Saved
 from keypose.tracker.errors import SessionError
 
@@ -62,7 +62,7 @@ def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() ->
 def test_what_is_unsaved_is_reported_so_until_it_is_written_and_is_tried_again_by_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("keypose.app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
     reported: list[Saved] = []
     tries: list[int] = []
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.store import keypoint_finder, runner
+from keypose.app.store import background, runner
 from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -100,7 +100,7 @@ def test_what_tracking_found_in_a_segment_goes_first(
         asked.append(span)
         return found(*span, 33.0) if span == (24, 48) else None
 
-    monkeypatch.setattr(keypoint_finder, "found_before", kept)
+    monkeypatch.setattr(background, "found_before", kept)
 
     async def act(desk: Desk) -> None:
         assert point(await desk.shown(7))["at"] == [5.0, 7.0]
@@ -167,5 +167,5 @@ def test_a_file_that_brings_about_a_fault_of_ours_is_as_if_it_were_not_there_and
     def faulty() -> None:
         raise ZeroDivisionError
 
-    assert keypoint_finder._or_none(faulty) is None
+    assert background._or_none(faulty) is None
     assert "ZeroDivisionError" in capsys.readouterr().err

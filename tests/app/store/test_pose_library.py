@@ -11,13 +11,13 @@ from pydantic import ValidationError
 
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.actions import DeletePose, InsertPose, KeepPose, RenamePose, RestorePose
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.posing import mirror_pose
-from keypose.app.store.pose_library import PoseLibrary
 from keypose.app.store.sections import Sections
+from keypose.app.store.shelf import PoseLibrary
 from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 

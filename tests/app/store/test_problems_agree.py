@@ -11,7 +11,7 @@ import pytest
 from keypose.app.editor.judged import Judged
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
-from keypose.app.store.sections import error_values, motion_values, review_values
+from keypose.app.store.sections import motion_values
 from keypose.app.store.state import AppState
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.session.annotations import Reviewed
@@ -88,7 +88,7 @@ def some_state(seed: int) -> AppState:
     tracks = [some_result(rng, edit, *span) for span in spans]
     edit = replace(edit, results=Results({track.key: track for track in tracks}))
     for _ in range(rng.integers(3)):
-        places: Any = review_values.review(AppState(edit=edit))
+        places: Any = motion_values.review(AppState(edit=edit))
         if not places["places"]:
             break
         edit = edit.with_doc(answered(edit, places["places"][0], rng))
@@ -139,8 +139,8 @@ class ReportedScene:
     def __init__(self, state: AppState, seed: int) -> None:
         self.segments: Any = motion_values.segments(state)
         self.suggest: Any = motion_values.suggest(state)
-        self.errors: Any = error_values.errors(state)
-        self.review: Any = review_values.review(state)
+        self.errors: Any = motion_values.errors(state)
+        self.review: Any = motion_values.review(state)
         self.places = [named(place) for place in self.review["places"]]
         self.seed = seed
 

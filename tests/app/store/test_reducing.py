@@ -14,7 +14,7 @@ from keypose.app.editor.shown import shown_pose
 from keypose.app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
 from keypose.app.jobs.fits import Fit
 from keypose.app.jobs.messages import Report
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.work import WorkerCache
 from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton

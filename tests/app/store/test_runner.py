@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from keypose.app.editor.refusal import Refused
+from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import (
     JobFailed,

@@ -13,9 +13,8 @@ import pytest
 from keypose.app.document import edit_log
 from keypose.app.document.library import Library
 from keypose.app.store import runner
-from keypose.app.store.clients import MOST, Clients
 from keypose.app.store.store import Store
-from keypose.app.store.tabs import Tab
+from keypose.app.store.tabs import MOST, Clients, Tab
 from keypose.tracker.session import Session
 from keypose.tracker.storage.chronicle import mark_of, without_results
 from keypose.tracker.storage.files import load_session

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.editor.space_words import space_sentence
+from keypose.app.editor.problem_words import space_sentence
 from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState

@@ -16,7 +16,7 @@ import pytest
 from keypose.app.document.library import Library
 from keypose.app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
 from keypose.app.store import runner, saving
-from keypose.app.store.autosave import Saver
+from keypose.app.store.saving import Saver
 from keypose.app.store.state import Saved
 from keypose.app.store.store import Store
 from keypose.tracker.body.skeleton import Skeleton

@@ -29,7 +29,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session, VideoReference
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
-from keypose.tracker.solver.body_points import BodyPoint
+from keypose.tracker.solver.posed import BodyPoint
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.video import Video
 from keypose.tracker.video.still_camera import still_camera

@@ -20,12 +20,11 @@ from numpy.typing import ArrayLike
 
 from keypose.app.document.open import OpenSession, edit_state
 from keypose.app.editor import actions as do
-from keypose.app.editor.advice import next_step
+from keypose.app.editor.advice import Suggestion, next_step
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.review import Place, review_of
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.suggest import Suggestion
 from keypose.app.editor.update import update
 from keypose.app.jobs.drafts import learned
 from keypose.app.jobs.fits import Fit
@@ -37,20 +36,17 @@ from keypose.app.jobs.messages import (
     Report,
     SegmentFinished,
 )
-from keypose.app.jobs.work import Job
-from keypose.app.jobs.worker_cache import WorkerCache
-from keypose.app.posing.gesture import Handle, Ring
-from keypose.app.posing.gesture_context import GestureContext
+from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.posing.gesture import GestureContext, Handle, Ring
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import EDGE_ON, EDGE_RADIUS_M
 from keypose.app.posing.vectors import across, any_across, cross, unit
-from keypose.app.store.fit_request import FitRequest
-from keypose.app.store.fitter import apply_draft, apply_fit
+from keypose.app.store.fitter import FitRequest, apply_draft, apply_fit
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.space import solved
 from keypose.tracker.video import Video
 from tests.benchmarks.human.clips import Watched

@@ -14,8 +14,8 @@ from typing import TypeAlias
 import numpy as np
 
 from keypose.app.editor import actions as do
+from keypose.app.editor.advice import NEXT_FRAMES
 from keypose.app.editor.shown import shown_pose
-from keypose.app.editor.suggest import NEXT_FRAMES
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from tests.benchmarks.human.desk import Desk

@@ -26,8 +26,8 @@ from keypose.tracker.fitting.sizes.residuals import Pictures
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import log_rotation
 from keypose.tracker.session.settings import IgnoreMask
-from keypose.tracker.solver.body_points import BodyPoint
 from keypose.tracker.solver.fit_joints import fit_picture
+from keypose.tracker.solver.posed import BodyPoint
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import WorkingSize
 from tests.benchmarks.sequences import video_of

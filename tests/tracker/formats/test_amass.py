@@ -16,11 +16,10 @@ from keypose.tracker.body.body import PEOPLE, Body, preset
 from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.amass import amass
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.recording import Recording
-from keypose.tracker.formats.smpl import JOINTS, PARENTS, rest_joints, smpl_of
+from keypose.tracker.formats.smpl import JOINTS, PARENTS, amass, rest_joints, smpl_of
 from keypose.tracker.geometry.rotations import Array
 from tests.tracker.formats import recordings
 

@@ -15,10 +15,9 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.c3d import c3d
+from keypose.tracker.formats.marker_files import c3d, trc
 from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName, Recording
 from keypose.tracker.formats.sampling import at_rate
-from keypose.tracker.formats.trc import trc
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from tests.rendering.motions import crossing

@@ -17,13 +17,12 @@ from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.c3d import c3d
+from keypose.tracker.formats.marker_files import c3d, trc
 from keypose.tracker.formats.marker_sets import marked, markers_of
 from keypose.tracker.formats.opensim.model import model_of, read_model, scaled
 from keypose.tracker.formats.opensim.mot import coordinates, mot
 from keypose.tracker.formats.opensim.setups import ik_xml, markers_xml, scale_xml
 from keypose.tracker.formats.recording import MARKER_SETS, Recording
-from keypose.tracker.formats.trc import trc
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.tracker.formats import recordings
 from tests.tracker.formats.opensim_model import both_sides, osim

@@ -12,7 +12,6 @@ import pytest
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.keypoint_files import read_people
-from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.people import People, frame_numbers
 from keypose.tracker.formats.reading_keypoints import (
     VideoFacts,
@@ -20,6 +19,7 @@ from keypose.tracker.formats.reading_keypoints import (
     load_keypoints,
     on_video,
 )
+from keypose.tracker.formats.text import Note
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from tests.tracker.keypoints.people import seen_person
 

@@ -10,8 +10,8 @@ import pytest
 
 from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
-from keypose.tracker.formats.notes import Note
 from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.text import Note
 from tests.tracker.formats.test_reading_motion import BVH, CSV, TRC
 
 LINES = BVH.splitlines(keepends=True)

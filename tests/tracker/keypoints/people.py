@@ -11,7 +11,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 
 SKELETON = Skeleton.of(preset("adult_female"))
 

@@ -20,9 +20,8 @@ from keypose.tracker.geometry.rotations import (
     rotation_from_euler,
     transpose,
 )
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.fit_joints import fit_motion, fit_picture, rigid
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, free_skeleton
 
 Floats = NDArray[np.float64]
 

@@ -14,8 +14,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.solver.body_points import BodyPoints, free_skeleton
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.posed import BodyPoints, Posed, free_skeleton
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber
 from keypose.tracker.solver.smoothness import (
     Increments,

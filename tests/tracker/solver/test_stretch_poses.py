@@ -8,10 +8,9 @@ import pytest
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.pose_terms import PointsInPicture, PointsInSpace, PosePrior
-from keypose.tracker.solver.posed import Posed, image_points
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor

@@ -19,7 +19,6 @@ from keypose.tracker.fitting.pose.texture import texture_of
 from keypose.tracker.fitting.pose.texture_match import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.pose_terms import (
     DepthFromRoot,
     JointLimits,
@@ -28,13 +27,13 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, free_skeleton
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from keypose.tracker.solver.terms import RowTerm, Term, total_cost, total_equations
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.paired import PairDistances
 from keypose.tracker.surface.fit.pairing import Observed, pairs_of
+from keypose.tracker.surface.fit.solving import PairDistances
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.tracking.scene import Scene
 from tests.tracker.surface.surfaces import surface_of

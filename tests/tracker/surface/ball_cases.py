@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.shapes import Mesh
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.cameras.hull import Silhouette
-from keypose.tracker.surface.cameras.nets import Field, surface_of
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.hull import Field, Silhouette, surface_of
+from keypose.tracker.surface.cameras.rig import View
 from tests.rendering.ring import Carvings, Shot, ring_of
 
 P_BALL = np.array([0.0, 0.0, 3.8])

@@ -11,7 +11,7 @@ import pytest
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.surface.cameras.footage import Footage
-from keypose.tracker.surface.cameras.nets import surface_of
+from keypose.tracker.surface.cameras.hull import surface_of
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.placing import Placement
 from tests.rendering.ring import ring_of

@@ -18,7 +18,7 @@ from keypose.tracker.surface.cameras.hull import (
     outline_distances,
     touching,
 )
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.rig import View
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, silhouettes, studio
 from tests.tracker.surface.test_nets import edge_counts, volume
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from keypose.tracker.surface.cameras.nets import surface_of
+from keypose.tracker.surface.cameras.hull import surface_of
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
 

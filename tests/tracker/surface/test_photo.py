@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.cameras.nets import surface_of
-from keypose.tracker.surface.cameras.photo import LEAST_COSINE, SPACING_PX, agreement, consistency
-from keypose.tracker.surface.cameras.views import View
+from keypose.tracker.surface.cameras.footage import LEAST_COSINE, SPACING_PX, agreement, consistency
+from keypose.tracker.surface.cameras.hull import surface_of
+from keypose.tracker.surface.cameras.rig import View
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field, pictures, studio
 

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.surface.files import reading, wire
-from keypose.tracker.surface.files.parsing import opening
+from keypose.tracker.surface.files.parsing import raw
 from keypose.tracker.surface.files.parsing.raw import Refused
 from keypose.tracker.surface.files.reading import MeshReader
 from tests.tracker.surface.mesh_files import BOX, CORNERS, GlbFile, obj, ply, standing_box
@@ -170,7 +170,7 @@ def test_ten_million_faces_are_refused_before_they_are_read(tmp_path: Path, suff
 def test_a_file_larger_than_is_read_is_refused_unopened(reader: MeshReader, tmp_path: Path) -> None:
     path = tmp_path / "huge.obj"
     path.touch()
-    os.truncate(path, opening.LARGEST_BYTES + 2**20)
+    os.truncate(path, raw.LARGEST_BYTES + 2**20)
     assert "513 MB large" in refusal(reader, path)
 
 

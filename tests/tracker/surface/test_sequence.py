@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.surface.files.guessing import guess_units, guess_up
-from keypose.tracker.surface.files.sequence import MeshSequence
+from keypose.tracker.surface.files.sequence import MeshSequence, describe_unusable
 from keypose.tracker.surface.files.sources import FolderSource
-from keypose.tracker.surface.files.unusable import describe_unusable
 from keypose.tracker.surface.mesh import SurfaceMesh
+from keypose.tracker.surface.new_session import guess_units, guess_up
 from tests.tracker.surface.mesh_files import (
     BOX,
     CORNERS,

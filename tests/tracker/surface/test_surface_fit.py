@@ -12,16 +12,13 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.shapes import Box, Frustum
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
+from keypose.tracker.surface.fit.chain import PointReliability
+from keypose.tracker.surface.fit.fitter import fit_solids_to_surface
 from keypose.tracker.surface.fit.measuring import measure
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed
-from keypose.tracker.surface.fit.point_reliability import PointReliability
-from keypose.tracker.surface.fit.pose_fit import fit_solids_to_surface
-from keypose.tracker.surface.fit.rotation_observability import UNSEEN
-from keypose.tracker.surface.fit.solving import fit_pose
-from keypose.tracker.surface.fit.vertex_scalars import vertex_scalars
-from keypose.tracker.surface.fit.weights import photo_weights
+from keypose.tracker.surface.fit.pairing import Observed, photo_weights, vertex_scalars
+from keypose.tracker.surface.fit.solving import UNSEEN, fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.surfaces import (
     BOXES,

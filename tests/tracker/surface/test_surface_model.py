@@ -13,17 +13,21 @@ from keypose.tracker.body.shapes import Box, Frustum
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.kernels.cells import grid_of
 from keypose.tracker.session.settings import UpAxis
-from keypose.tracker.surface.fit.binding import distances_to_parts, shares_of
-from keypose.tracker.surface.fit.model import SurfaceModel, with_all_rotations
+from keypose.tracker.surface.fit.model import (
+    SurfaceModel,
+    distances_to_parts,
+    shares_of,
+    with_all_rotations,
+)
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import clearance
-from keypose.tracker.surface.fit.points import SurfaceSamples
-from keypose.tracker.surface.fit.weights import (
+from keypose.tracker.surface.fit.pairing import (
     LEAST_SHARE,
+    clearance,
     contact_weights,
     photo_weights,
     raise_to_floor,
 )
+from keypose.tracker.surface.fit.points import SurfaceSamples
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.placing import METRES, Placement
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars

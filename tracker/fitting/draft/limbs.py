@@ -15,7 +15,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 
 SIDES: Final = ("left", "right")
 LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))

@@ -24,8 +24,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import LEARN_FRAMES
-from keypose.tracker.solver.body_points import BodyPoints
-from keypose.tracker.solver.posed import image_jacobian, image_points
+from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 

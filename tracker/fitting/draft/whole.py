@@ -21,9 +21,9 @@ from keypose.tracker.fitting.draft.limbs import Joints
 from keypose.tracker.fitting.draft.observed import Observed
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
 from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Smoothness

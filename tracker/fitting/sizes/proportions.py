@@ -15,7 +15,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import resized
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import free_skeleton
+from keypose.tracker.solver.posed import free_skeleton
 
 SIDES = ("left_", "right_")
 

@@ -2,9 +2,9 @@
 
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.evidence.files import EvidenceFiles
-from keypose.tracker.storage.evidence.film import FilmFiles
-from keypose.tracker.storage.evidence.surfaces import (
+from keypose.tracker.storage.evidence.files import (
+    EvidenceFiles,
+    FilmFiles,
     SurfaceFiles,
     surfaces_of,
     with_cameras_fingerprint,

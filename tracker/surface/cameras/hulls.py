@@ -9,9 +9,8 @@ from typing import Self
 import numpy as np
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.surface.cameras.footage import Footage
+from keypose.tracker.surface.cameras.footage import Footage, consistency
 from keypose.tracker.surface.cameras.hull import hull_field, hull_mesh
-from keypose.tracker.surface.cameras.photo import consistency
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.mesh import SurfaceMesh
 

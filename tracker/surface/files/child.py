@@ -19,9 +19,8 @@ from typing import Any, BinaryIO, Final
 from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.surface.files.parsing.glb import read_glb
 from keypose.tracker.surface.files.parsing.obj import read_obj
-from keypose.tracker.surface.files.parsing.opening import open_mesh_file
 from keypose.tracker.surface.files.parsing.ply import read_ply
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, open_mesh_file
 from keypose.tracker.surface.files.parsing.tidying import tidy
 from keypose.tracker.surface.files.wire import answer, question_of
 

@@ -10,6 +10,7 @@ used keeps its number, and asking for it raises one sentence.
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from statistics import median_low
@@ -17,12 +18,25 @@ from typing import Final, Self
 
 import numpy as np
 
-from keypose.tracker.errors import SurfaceError
+from keypose.tracker.errors import SurfaceError, numbers_listed
 from keypose.tracker.session.settings import Units, UpAxis
 from keypose.tracker.surface.files.parsing.raw import Refused
 from keypose.tracker.surface.files.reading import MeshReader
 from keypose.tracker.surface.files.sources import FolderSource, source_at
 from keypose.tracker.surface.mesh import SurfaceMesh
+
+
+def describe_unusable(problems: Mapping[int, str]) -> str:
+    """Which steps these are, and what is wrong with the first of them; empty where there are
+    none.
+
+    problems: of each step a sentence, which is enough where it is one step.
+    """
+    if len(problems) < 2:
+        return "".join(problems.values())
+    steps = numbers_listed(problems.keys())
+    return f"Steps {steps} cannot be used. The first of them: {problems[min(problems)]}"
+
 
 OTHER_SIZE: Final = 5.0
 """A step so many times larger or smaller than the first ones is not the same thing."""

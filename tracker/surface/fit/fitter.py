@@ -1,23 +1,30 @@
-"""A session about surfaces made ready to be fitted, by the interface of tracked films."""
+"""Prepare a session about surfaces to be fitted: its segments, or one pose."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from keypose.tracker.body.pose import Pose
+import numpy as np
+
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass
-from keypose.tracker.errors import SessionError, listed
+from keypose.tracker.errors import SessionError, listed, readable
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.session.references import Surface
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
 from keypose.tracker.surface.fit.judging import lies_off, off_its_surface
+from keypose.tracker.surface.fit.measuring import measure
+from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
+from keypose.tracker.surface.fit.pairing import Observed
 from keypose.tracker.surface.fit.segment import SurfaceTracker
-from keypose.tracker.surface.steps import Steps
+from keypose.tracker.surface.fit.solving import fit_pose
+from keypose.tracker.surface.mesh import Steps, SurfaceMesh
 from keypose.tracker.tracking.result import SegmentResult
 
 Span: TypeAlias = tuple[int, int]
@@ -126,3 +133,69 @@ def options_of(surface: Surface) -> Options:
         plane=1.0 if surface.distance == "plane" else 0.0,
         smooth=surface.binding == "smooth",
     )
+
+
+LEAST_REPORTED_M = 0.005
+MOST = 3
+
+MUCH = 0.25
+"""Of the observed surface: from so much far from the body on, a hint is given."""
+_NOT_YET = (
+    " Much of the surface is still far from the body: set height and sizes in Body, pull the limbs "
+    "nearer, and fit again."
+)
+OPTIONS = Options(contact=False, offset=False, solves=60)
+"""Solids overlap where a surface is in one piece, so contact does not count; and with nothing left
+out, a difference in thickness pushes evenly."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPose:
+    """The pose, and which parts moved in a sentence."""
+
+    pose: Pose
+    message: str
+
+
+def fit_pose_to_surface(fitter: SurfaceFitter, frame: int, pose: Pose) -> FittedPose:
+    """Fit a pose to the surface of a frame; SurfaceError where that cannot be used."""
+    fitted = fitter.fit_frame(frame, pose)
+    return FittedPose(fitted, _describe_moves(fitter.skeleton, pose, fitted))
+
+
+def fit_solids_to_surface(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> FittedPose:
+    """Fit the body's own solids to a surface, where none moves with the body yet.
+
+    As exact as the body's sizes: joints come to a centimetre or two. mesh: camera frame, metres.
+    """
+    size = float(np.linalg.norm(mesh.extent))
+    model = SurfaceModel.of_solids(skeleton.body, pose, OPTIONS.points, size)
+    observed = Observed.of(mesh, OPTIONS)
+    fit = fit_pose(model, observed, pose, OPTIONS)
+    left = measure(model, observed, fit).unexplained
+    return FittedPose(
+        fit.pose, _describe_moves(skeleton, pose, fit.pose) + (_NOT_YET if left > MUCH else "")
+    )
+
+
+def _describe_moves(skeleton: Skeleton, before: Pose, after: Pose) -> str:
+    """Such as "Right forearm moved 6 cm, head 2 cm."."""
+    moved = np.linalg.norm(_middles(skeleton, after) - _middles(skeleton, before), axis=1)
+    most = [i for i in np.argsort(-moved, kind="stable")[:MOST] if moved[i] >= LEAST_REPORTED_M]
+    if not most:
+        return "No part moved by more than half a centimetre."
+    names = [readable(skeleton.body.names[i]) for i in most]
+    first, *rest = (f"{100 * moved[i]:.0f} cm" for i in most)
+    words = [f"{names[0]} moved {first}", *map(" ".join, zip(names[1:], rest, strict=True))]
+    text = ", ".join(words)
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def _middles(skeleton: Skeleton, pose: Pose) -> Array:
+    """(P, 3) the middle of every part, camera frame, metres."""
+    Ts, parts = pose_transforms(skeleton, pose), skeleton.body.parts
+    middles = [
+        apply_transform(T, part.shape.mesh().vertices).mean(axis=0)
+        for T, part in zip(Ts, parts, strict=True)
+    ]
+    return np.array(middles)

@@ -18,7 +18,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.surface.fit.chain import Link
 from keypose.tracker.surface.fit.model import SurfaceModel
-from keypose.tracker.surface.fit.rotation_observability import UNSEEN
+from keypose.tracker.surface.fit.solving import UNSEEN
 from keypose.tracker.tracking.diagnostics.runs import runs
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.pairing import Observed, Pairs
-from keypose.tracker.surface.fit.rotation_observability import turns_seen
-from keypose.tracker.surface.fit.solving import Fit
+from keypose.tracker.surface.fit.solving import Fit, turns_seen
 
 FAR_SHARE = 0.02
 """Of the surface's size: a point that has nothing within it is not explained."""

@@ -1,21 +1,60 @@
-"""Pairs of points on the two surfaces, and how much each pair counts.  SURFACE (4)"""
+"""Pair points of two surfaces, weigh each pair, and give weights and distances by vertex.
+
+SURFACE §3. Both are soft switches, near 0 where there can be no counterpart, 1 elsewhere.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.cells import grid_of, nearest
 from keypose.tracker.kernels.surface import distance_to_others
 from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
 from keypose.tracker.surface.fit.options import Options
 from keypose.tracker.surface.fit.points import SurfaceSamples
-from keypose.tracker.surface.fit.weights import contact_weights, photo_weights, raise_to_floor
 from keypose.tracker.surface.mesh import SurfaceMesh
+
+PHOTO_SLOPE, PHOTO_MIDDLE = 12.0, 0.4
+"""α_p and τ_p of SURFACE (3), for ZNCC of little noisy pictures."""
+CONTACT_SLOPE = 6.0
+"""α_c · τ_c: at twice the middle distance all counts."""
+LEAST_SHARE = 0.1
+"""Of a part's surface that counts at least, though all of it be in contact."""
+
+
+def contact_weights(distance: Array, middle_m: float) -> Array:
+    """ρ_c of signed distances to other parts, metres.  SURFACE (2)
+
+    middle_m: τ_c, some three times the observed surface's resolution.
+    """
+    return _switch(CONTACT_SLOPE * (distance / middle_m - 1.0))
+
+
+def photo_weights(consistency: Array) -> Array:
+    """ρ_p of ZNCC −1 to 1.  SURFACE (3)"""
+    return _switch(PHOTO_SLOPE * (consistency - PHOTO_MIDDLE))
+
+
+def raise_to_floor(weights: Array, part: NDArray[np.int64], part_count: int) -> Array:
+    """Weights (V,) raised where the points of a part (V,) would hardly count: a hand on the hip.
+
+    All of a part are raised alike, so that what is least in contact still counts most.
+    """
+    count = np.maximum(np.bincount(part, minlength=part_count), 1)
+    share = np.bincount(part, weights, part_count) / count
+    lift = np.clip(LEAST_SHARE / np.maximum(share, 1e-12), 1.0, 1e3)
+    return np.minimum(weights * lift[part], 1.0)
+
+
+def _switch(x: Array) -> Array:
+    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(x, -60.0, 60.0))))
+
 
 REACH_SHARE = 0.15
 """Of the surface's size: nothing is a pair that lies farther apart."""
@@ -134,3 +173,26 @@ def _mutual(square: Array, partner: Array, near: float) -> Array:
 def _normalise(weights: Array) -> Array:
     """Weights that sum to 1."""
     return np.asarray(weights / max(weights.sum(), 1e-12))
+
+
+Kind: TypeAlias = Literal["contact", "distance"]
+
+_ANY_NORMAL = -2.0
+
+
+def vertex_scalars(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Array:
+    """(V,) of a step's mesh in the camera frame, the body at a pose.
+
+    contact: ρ_c of the body's nearest point, 0 to 1.
+    distance: metres to the body's surface, REACH_SHARE of its size where that is farther.
+    """
+    posed = model.posed(pose_transforms(model.skeleton, pose))
+    grid, reach = grid_of(posed.p, 2 * model.spacing_m), REACH_SHARE * model.size_m
+    found, square = np.empty(len(mesh.vertices), np.int64), np.empty(len(mesh.vertices))
+    nearest(
+        mesh.vertices, mesh.normals, posed.p, posed.normals, grid, reach, _ANY_NORMAL, found, square
+    )
+    if kind == "distance":
+        return np.sqrt(square)
+    clear = clearance(model, posed, grid, Options(floor=False))
+    return np.where(found >= 0, clear[found], 1.0)

@@ -29,7 +29,7 @@ from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
 from keypose.tracker.surface.fit.pairing import Observed
 from keypose.tracker.surface.fit.solving import fit_pose
-from keypose.tracker.surface.steps import Steps
+from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 

@@ -1,4 +1,11 @@
-"""The pose at which two surfaces lie on each other: Levenberg–Marquardt.  SURFACE §4.2
+"""Solve for the pose at which paired surfaces lie on each other, and which turns they show.
+
+A hull is thicker than what it holds; by how much depends on where the cameras stand and on what
+hides what. So is that of t_0, whose surface moves with the body, but by another amount. All round a
+limb such a difference pushes nothing, but where one side of it is in contact or unreliable
+the rest pushes alone, and a tapering limb slides. So the body's surface may stand out along its
+normals n by nᵀ Q n, with one symmetric Q for all of a step: by as much on opposite sides, since
+what differs there is a motion.
 
 Points are paired anew at every pose that is tried, and a pose that does not lower the energy is
 rejected. What the surface does not show, such as the turn of a round limb about its own length,
@@ -14,6 +21,7 @@ import numpy as np
 
 from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.surface import pull
 from keypose.tracker.solver.least_squares import (
     Criteria,
     Damping,
@@ -22,12 +30,136 @@ from keypose.tracker.solver.least_squares import (
     least_squares,
 )
 from keypose.tracker.solver.posed import Posed
-from keypose.tracker.solver.terms import total_equations
+from keypose.tracker.solver.terms import Equations, total_equations
 from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.paired import PairDistances
 from keypose.tracker.surface.fit.pairing import Observed, Pairs, pairs_of
-from keypose.tracker.surface.fit.rotation_observability import turns_seen
+
+WANDER = 0.15
+"""Radians by which normals of an observed surface are off, about."""
+UNSEEN = 0.5
+"""Certainty below which a turn is not observed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """The turns of every part about three axes of its own, those shown least first.
+
+    certainty: (P, 3) 0 to 1.
+    axes:      (P, 3, 3) column k times a turn of the part, squared, is the mean square by which the
+               k-th of them moves the body's surface, metres².
+    """
+
+    certainty: Array
+    axes: Array
+
+    def stiffness(self) -> Array:
+        """(P, 3, 3) a pull on every part that holds the turns which are not seen."""
+        unseen = (self.certainty < UNSEEN).astype(np.float64)
+        return np.asarray(np.einsum("pik,pk,pjk->pij", self.axes, unseen, self.axes))
+
+
+def turns_seen(model: SurfaceModel, weights: Array) -> Turns:
+    """What the surface shows of every turn where its points count by weights (V,), 0 to 1.
+
+    What moves along the surface is not seen to move. So a turn is as certain as the motion across
+    the surface is large beside all motion, and beside what normals wander.
+    """
+    count, total = model.skeleton.part_count, len(weights)
+    certainty, axes = np.zeros((count, 3)), np.zeros((count, 3, 3))
+    least = 1e-9 * model.size_m**2 * np.eye(3)
+    for part in range(count):
+        own = model.own == part
+        p, n = model.p_part[own, 0], model.n_part[own, 0]
+        second = p.T @ p
+        levers = np.trace(second) * np.eye(3) - second
+        turned = np.cross(p, n)
+        across = turned.T @ (weights[own, None] * turned)
+        whole = np.linalg.cholesky(levers / total + least)
+        share = np.linalg.solve(whole, np.linalg.solve(whole, across / total).T)
+        ratio, directions = np.linalg.eigh((share + share.T) / 2)
+        ratio = np.maximum(ratio, 0.0)
+        certainty[part] = ratio / (ratio + WANDER**2)
+        axes[part] = whole @ directions
+    return Turns(certainty, axes)
+
+
+OFFSET_TERMS = 6
+"""Numbers that make up Q, first in the rows that pairs are summed to."""
+EVENNESS = 0.07
+"""Prior of no offset: so many pairs without one, as a share of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """energy: metres².  information (D, D) and slope (D,): of half of it."""
+
+    energy: float
+    information: Array
+    slope: Array
+
+
+def normal_equations(A: Array, b: Array, J: Array, energy: float, offset: bool) -> NormalEquations:
+    """Those of the free degrees of freedom, from the sums of `pull`.
+
+    A (G, 18, 18), b (G, 18), energy: those sums, of weights that sum to 2.  J: (G, 12, D) of the
+    groups' twists.  offset: Q is marginalised, the energy that at the best Q; otherwise Q is 0.
+    """
+    moving = slice(OFFSET_TERMS, None)
+    information = np.einsum("gid,gij,gje->de", J, A[:, moving, moving], J, optimize=True)
+    slope = np.einsum("gid,gi->d", J, b[:, moving])
+    if not offset:
+        return NormalEquations(energy, information, slope)
+    own = A[:, :OFFSET_TERMS, :OFFSET_TERMS].sum(axis=0) + 2 * EVENNESS * np.eye(OFFSET_TERMS)
+    push = b[:, :OFFSET_TERMS].sum(axis=0)
+    shared = np.einsum("gki,gid->kd", A[:, :OFFSET_TERMS, moving], J)
+    solved = np.linalg.solve(own, np.column_stack([shared, push]))
+    return NormalEquations(
+        energy - float(push @ solved[:, -1]),
+        information - shared.T @ solved[:, :-1],
+        slope - shared.T @ solved[:, -1],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class PairDistances:
+    """Points of a model's surface on the points that they were paired with, metres.
+
+    paired_at, surface: the pose at which they were paired, and the model's surface there; along its
+        normals the surface may stand out.
+    plane: 1 along the observed normals, 0 in all directions.  offset: whether it may stand out.
+    """
+
+    model: SurfaceModel
+    pairs: Pairs
+    paired_at: Posed
+    surface: PosedSurface
+    plane: float
+    offset: bool
+
+    def cost(self, posed: Posed) -> float:
+        """Half of the energy, at the best offset."""
+        return self.equations(posed).cost
+
+    def equations(self, posed: Posed) -> Equations:
+        """With the offset marginalised."""
+        model, pairs, size = self.model, self.pairs, OFFSET_TERMS + 12
+        A, b = np.empty((len(model.pairs), size, size)), np.empty((len(model.pairs), size))
+        at = self.surface if posed is self.paired_at else model.posed(posed.Ts_camera_part)
+        energy = pull(
+            at.p_each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
+            pairs.weights, self.surface.normals, self.plane, A, b,
+        )  # fmt: skip
+        found = normal_equations(A, b, self._twists(posed), energy, self.offset)
+        return Equations(found.information, found.slope, 0.5 * found.energy)
+
+    def _twists(self, posed: Posed) -> Array:
+        """(G, 12, D): those of both parts of every group, for a change of each dof."""
+        skeleton, groups = posed.skeleton, self.model.pairs
+        carried = skeleton.below[groups][:, :, skeleton.dof_part]  # (G, 2, D)
+        of_parts = carried[:, :, None, :] * posed.twists.T[None, None]
+        return np.asarray(of_parts.reshape(len(groups), 12, skeleton.dof_count))
+
 
 STIFFNESS = 3e-6
 """Of the weak pull, per radian² and per (surface size)²: a step turns a part by a tenth of a radian

@@ -22,10 +22,15 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
-from keypose.tracker.solver.body_points import BodyPoints, with_free_parts
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
-from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.posed import (
+    BodyPoints,
+    Posed,
+    image_jacobian,
+    image_points,
+    with_free_parts,
+)
 from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.sides import exchanged_sides

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
 from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Smoothness, second_differences

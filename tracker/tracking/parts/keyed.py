@@ -20,10 +20,10 @@ from keypose.tracker.body.body import ROTATIONS
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInSpace, PosePrior
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 from keypose.tracker.solver.terms import Term
 
 SAME = 1e-9

@@ -17,7 +17,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 START_M_S, STAY_M_S = 0.30, 0.55
 """A stance begins below the first speed and lasts until the second is passed."""

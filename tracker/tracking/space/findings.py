@@ -15,7 +15,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.space.mirrored import mirrored_limbs
 
 SLIDES_M = 0.05

@@ -10,7 +10,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 from keypose.tracker.tracking.space.contacts import speed_m_s
 
 SIGMAS: Final = {

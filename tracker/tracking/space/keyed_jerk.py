@@ -15,7 +15,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 
 FEWEST: Final = 4

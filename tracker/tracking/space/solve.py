@@ -28,7 +28,6 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints, with_free_parts
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.pose_terms import (
     DepthFromRoot,
@@ -37,7 +36,7 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
-from keypose.tracker.solver.posed import Posed, image_points
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points, with_free_parts
 from keypose.tracker.solver.robust import SQUARED, Huber
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor

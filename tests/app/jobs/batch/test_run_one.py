@@ -11,8 +11,7 @@ import pytest
 
 from keypose.app.export.motion_formats import FORMATS, formats_of
 from keypose.app.jobs.batch import run_one
-from keypose.app.jobs.batch.exporting import export_of, places
-from keypose.app.jobs.batch.run_one import run_task
+from keypose.app.jobs.batch.run_one import export_of, places, run_task
 from keypose.app.jobs.batch.task import Step, Summary, Task
 from keypose.app.jobs.rerun import rerun
 from keypose.tracker.storage.files import load_session, save_session

@@ -16,7 +16,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.solver.body_points import BodyPoint, BodyPoints
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, image_points
 from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceProblem
 from tests.rendering.scenes import Scene, scene
 

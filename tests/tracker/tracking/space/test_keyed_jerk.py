@@ -9,7 +9,7 @@ import pytest
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.solver.body_points import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.space.jerk_sigmas import jerk_points
 from keypose.tracker.tracking.space.keyed_jerk import with_jerk_of_keyed

@@ -11,9 +11,15 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.surface.files.parsing.polygons import fan, runs
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
-from keypose.tracker.surface.files.parsing.text import numbers, table
+from keypose.tracker.surface.files.parsing.raw import (
+    RawMesh,
+    Refused,
+    fan,
+    numbers,
+    require_counts,
+    runs,
+    table,
+)
 
 _VERTEX_OR_FACE = re.compile(rb"^[ \t]*([vf][ \t][^\n]*)", re.MULTILINE)
 _BEGINNING = 64 * 1024

@@ -1,0 +1,202 @@
+"""Admit browsers by one-time tokens, and know those admitted after a restart.
+
+A browser holds two secrets: a cookie, and a key in the storage of the page's origin. Cookies ignore
+ports, so every server on the same host is sent the cookie; the key stays with this one. The file
+holds digests of both, which let nobody in.
+
+Those of a workspace outlast the server that printed them, so that a link that was not used yet
+still works after a restart. The file holds digests, which let nobody in.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.files import read_private
+from keypose.tracker.storage.atomic import make_folder, write_file
+
+MOST = 50
+LONGEST_S = 30 * 24 * 3600.0
+AHEAD_S = 3600.0
+"""By which another computer's clock may be ahead."""
+LARGEST_BYTES = 1 << 16
+NAME = "browsers.json"
+
+
+@dataclass(frozen=True)
+class Secrets:
+    """What a browser is given: `cookie` for every request, `key` for all that matters."""
+
+    cookie: str
+    key: str
+
+
+class _Browser(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+    cookie_sha256: str = Field(max_length=64)
+    key_sha256: str = Field(max_length=64)
+    since_s: float
+
+
+class _Known(BaseModel):
+    browsers: tuple[_Browser, ...] = ()
+
+
+class Browsers:
+    """file: where they are stored; None: they are forgotten with the process."""
+
+    def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
+        self._file, self._now = file, now
+        self._known = self._valid(self._read())
+
+    def let_in(self) -> Secrets:
+        """The secrets of one more browser."""
+        given = Secrets(secrets.token_urlsafe(24), secrets.token_urlsafe(24))
+        added = _Browser(
+            cookie_sha256=_digest(given.cookie),
+            key_sha256=_digest(given.key),
+            since_s=self._now(),
+        )
+        # Another Keypose of the same workspace may have let others in meanwhile.
+        self._known = self._valid(dict.fromkeys((added, *self._known, *self._read())))
+        self._write()
+        return given
+
+    def has_cookie(self, cookie: str) -> bool:
+        """Whether a browser with this cookie was let in."""
+        return self._of_cookie(cookie) is not None
+
+    def has_key(self, cookie: str, key: str) -> bool:
+        """Whether the browser with this cookie was given this key."""
+        browser = self._of_cookie(cookie)
+        return browser is not None and _is_same(browser.key_sha256, _digest(key))
+
+    def _of_cookie(self, cookie: str) -> _Browser | None:
+        digest, found = _digest(cookie), None
+        for browser in self._valid(self._known):
+            if _is_same(browser.cookie_sha256, digest):
+                found = browser
+        return found
+
+    def _valid(self, browsers: Iterable[_Browser]) -> tuple[_Browser, ...]:
+        """The newest, as long as they are let in without a new link. One of the future would be for
+        as long as a clock was wrong."""
+        now = self._now()
+        recent = [b for b in browsers if now - LONGEST_S <= b.since_s <= now + AHEAD_S]
+        return tuple(sorted(recent, key=lambda b: -b.since_s)[:MOST])
+
+    def _read(self) -> tuple[_Browser, ...]:
+        """None where the file is not there, or others could have written it."""
+        if self._file is None:
+            return ()
+        try:
+            content = read_private(self._file, LARGEST_BYTES)
+            return _Known.model_validate_json(content).browsers
+        except (OSError, ValidationError):
+            return ()
+
+    def _write(self) -> None:
+        if self._file is None:
+            return
+        content = _Known(browsers=self._known).model_dump_json(indent=1).encode()
+        with suppress(KeyposeError):  # after a restart the new link would be needed
+            make_folder(self._file.parent)
+            write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode("utf-8", "replace")).hexdigest()
+
+
+def _is_same(one: str, other: str) -> bool:
+    return hmac.compare_digest(one.encode(), other.encode())
+
+
+TOKEN_LONGEST_S = 24 * 3600.0
+
+TOKENS_NAME = "links.json"
+
+_BYTES = 24
+
+
+class _Token(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+    sha256: str = Field(max_length=64)
+    since_s: float
+
+
+class _KnownToken(BaseModel):
+    tokens: tuple[_Token, ...] = ()
+
+
+class OneTimeTokens:
+    """Those that can still be used.
+
+    file: where they are stored; None: they end with the process.
+    """
+
+    def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
+        self._file, self._now = file, now
+        self._valid = self._recent(self._read() or ())
+
+    def issue(self) -> str:
+        """A new one."""
+        token = secrets.token_urlsafe(_BYTES)
+        added = _Token(sha256=_token_digest(token), since_s=self._now())
+        self._valid = self._recent((added, *self._present()))
+        self._write()
+        return token
+
+    def spend(self, given: str) -> bool:
+        """Whether it was valid; it is no longer, for other servers of the workspace either."""
+        digest, present = _token_digest(given).encode(), self._recent(self._present())
+        left = [t for t in present if not hmac.compare_digest(digest, t.sha256.encode())]
+        self._valid = tuple(left)
+        if len(left) == len(present):
+            return False
+        self._write()
+        return True
+
+    def _present(self) -> Iterable[_Token]:
+        """What the file says goes: another server of the workspace may have issued or spent."""
+        stored = self._read()
+        return self._valid if stored is None else stored
+
+    def _recent(self, tokens: Iterable[_Token]) -> tuple[_Token, ...]:
+        now = self._now()
+        return tuple(t for t in tokens if now - TOKEN_LONGEST_S <= t.since_s <= now + AHEAD_S)[
+            :MOST
+        ]
+
+    def _read(self) -> tuple[_Token, ...] | None:
+        """None where there is no file, or others could have written it."""
+        if self._file is None:
+            return None
+        try:
+            return _KnownToken.model_validate_json(read_private(self._file, LARGEST_BYTES)).tokens
+        except (OSError, ValidationError):
+            return None
+
+    def _write(self) -> None:
+        if self._file is None:
+            return
+        content = _KnownToken(tokens=self._valid).model_dump_json(indent=1).encode()
+        with suppress(KeyposeError):  # then they end with the process
+            make_folder(self._file.parent)
+            write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)
+
+
+def _token_digest(token: str) -> str:
+    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()

@@ -1,0 +1,269 @@
+"""Work behind all else: look for damaged frames, find keypoints, learn from keyframes."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol, TypeAlias
+
+from keypose.app.document.open import OpenSession
+from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
+from keypose.app.editor.state import EditorState
+from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.store.runner import Runner
+from keypose.app.store.sections.json_value import unchanged
+from keypose.app.store.state import AppState, KnownKeypoints
+from keypose.tracker.errors import KeyposeError, VideoError
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.cache import found_before
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.sidecars import keypoints_of_session
+from keypose.tracker.video import Video, VideoInfo
+
+_NICENESS = 10
+_PAUSE_S = 2.0
+"""Before it begins: the page that a person waits for comes first, and a low priority does not free
+the interpreter. And before it looks again: reading may show that frames are numbered otherwise."""
+_SECONDS_TO_END = 5.0
+
+
+class Examiner:
+    """Decodes the whole video once, in a thread of its own, and again where reading numbers its
+    frames anew; `found` receives what is damaged."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, video: Video, found: Callable[[VideoInfo], None]
+    ) -> None:
+        """`found` is called on the loop, as often as more is known to be damaged or missing."""
+        self._loop, self._video, self._found = loop, video, found
+        self._ended, self._reported = threading.Event(), video.info
+        self._thread = threading.Thread(target=self._run, name="examining", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it, soon; nothing is reported any more."""
+        self._ended.set()
+        self._thread.join(_SECONDS_TO_END)
+
+    def _run(self) -> None:
+        _lower_priority()
+        while not self._ended.wait(_PAUSE_S):
+            try:
+                self._examine()
+            except VideoError:
+                return  # closed or gone meanwhile: whoever reads frames gets the error
+
+    def _examine(self) -> None:
+        """What is not examined yet: at first everything, then nothing or what has become of it.
+
+        Until all of that is, what was found before still counts.
+        """
+        for _ in self._video.examine(0, self._video.info.frame_count - 1):
+            if self._ended.is_set():
+                return
+            if _unusable(self._video.info) > _unusable(self._reported):
+                self._pass_on(self._video.info)
+        if _unusable(self._video.info) != _unusable(self._reported):
+            self._pass_on(self._video.info)
+
+    def _pass_on(self, info: VideoInfo) -> None:
+        self._reported = info
+        self._loop.call_soon_threadsafe(self._report, info)
+
+    def _report(self, info: VideoInfo) -> None:
+        if not self._ended.is_set():
+            self._found(info)
+
+
+def _unusable(info: VideoInfo) -> frozenset[int]:
+    return frozenset((*info.damaged, *info.missing))
+
+
+def _lower_priority() -> None:
+    """Let others go first, where threads have a priority of their own."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
+
+
+MOST_REMEMBERED = 8
+"""Answers that are kept."""
+
+_Read: TypeAlias = Callable[[], Keypoints | None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """Which keypoints; the same where all that decides it is unchanged."""
+
+    made_of: tuple[Any, ...]
+    read: _Read
+
+
+class KeypointFinder:
+    """Reads in a thread, one after the other; `found` is called on the loop with all that is known
+    about the newest state."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, found: Callable[[KnownKeypoints], None]
+    ) -> None:
+        self._loop, self._found = loop, found
+        self._answers: list[tuple[_Question, Keypoints | None]] = []
+        self._wanted: tuple[_Question, ...] = ()
+        self._shown: tuple[_Question, ...] = ()
+        self._reading: asyncio.Task[None] | None = None
+
+    def closed(self) -> None:
+        """No session is open any more."""
+        self._answers, self._wanted, self._shown = [], (), ()
+
+    def tracked(self) -> None:
+        """More was found: what was not there may be now."""
+        self._answers = [each for each in self._answers if each[1] is not None]
+        self._shown = ()
+
+    def look(self, opened: OpenSession, edit: EditorState) -> None:
+        """The state is another one, perhaps at another frame."""
+        doc, folder = edit.settled, opened.session_path.parent
+        self._wanted = (_of_file(doc, folder), _of_segment(doc, _span_at(doc, edit.frame)))
+        if self._reading is None:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Show what is wanted, once all of it has been read."""
+        if len(self._shown) == len(self._wanted) and all(map(_is_same, self._shown, self._wanted)):
+            return
+        answers = [self._answer(question) for question in self._wanted]
+        for question, answer in zip(self._wanted, answers, strict=True):
+            if answer is None:
+                self._reading = self._loop.create_task(self._read(question))
+                return
+        self._shown = self._wanted
+        of_file, of_segment = (found for answer in answers for found in answer or ())
+        self._found(KnownKeypoints(of_segment, of_file))
+
+    def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
+        """None where it was not asked yet."""
+        return next(((found,) for known, found in self._answers if _is_same(known, question)), None)
+
+    async def _read(self, question: _Question) -> None:
+        found = await asyncio.to_thread(_or_none, question.read)
+        self._answers = [*self._answers, (question, found)][-MOST_REMEMBERED:]
+        self._reading = None
+        self._go_on()
+
+
+def _is_same(one: _Question, other: _Question) -> bool:
+    return unchanged(one.made_of, other.made_of)
+
+
+def _or_none(read: _Read) -> Keypoints | None:
+    """Tracking says what is wrong with a file; here nothing of it is shown."""
+    try:
+        return read()
+    except KeyposeError:
+        return None
+    except Exception:  # noqa: BLE001 — a fault of ours, or no other frame's would be looked for
+        traceback.print_exc()
+        return None
+
+
+def _of_file(doc: Session, folder: Path) -> _Question:
+    name = "" if doc.keypoints is None else str(folder / doc.keypoints.file)
+    return _Question(("file", name), partial(keypoints_of_session, doc, folder))
+
+
+def _of_segment(doc: Session, span: Span | None) -> _Question:
+    """What decides where a network looked in a segment."""
+    if span is None:
+        return _Question(("segment",), lambda: None)
+    ends = [keyframe for keyframe in doc.keyframes if keyframe.frame in span]
+    made_of = ("segment", *span, *ends, doc.body, doc.camera, doc.settings.network)
+    return _Question(made_of, partial(found_before, doc, span))
+
+
+def _span_at(doc: Session, frame: int) -> Span | None:
+    """The segment around a frame whose keypoints a network finds; None where none does."""
+    wanted = "keypoints" in doc.settings.cues_used and doc.given_keypoints is None
+    if doc.surface is not None or not wanted or not is_persons(doc.body):
+        return None
+    return next((span for span in doc.spans if span[0] <= frame <= span[1]), None)
+
+
+class Host(Protocol):
+    """Who owns the state."""
+
+    @property
+    def app_state(self) -> AppState: ...
+
+    @property
+    def opened(self) -> OpenSession | None: ...
+
+    def show_learned(self, edit: EditorState) -> None: ...
+
+    def note(self, kind: str, words: str) -> None: ...
+
+
+class DraftLearner:
+    """Waits while something else is at work or dragged. What a person posed is never changed, and
+    what they undo is not learned from."""
+
+    def __init__(self, runner: Runner, host: Host) -> None:
+        self._runner = runner
+        self._host = host
+        self._waiting: frozenset[int] = frozenset()
+        self._found: tuple[Session, Learned] | None = None
+        self._announced = False
+
+    def closed(self) -> None:
+        """No session is open any more."""
+        self._waiting, self._found, self._announced = frozenset(), None, False
+
+    def edited(self, before: EditorState, after: EditorState) -> None:
+        """An edit is done; keyframes may be new."""
+        self._waiting |= newly_posed(before, after)
+
+    def go_on(self) -> None:
+        """Take over what was found, or begin, unless somebody drags."""
+        opened, edit = self._host.opened, self._host.app_state.edit
+        if opened is None or edit is None or edit.stroke is not None:
+            return
+        if self._found is not None:
+            self._take(edit)
+            return
+        around = self._waiting.intersection(edit.keys)
+        if not around:
+            return
+        doc, folder = edit.doc, str(opened.session_path.absolute().parent)
+        content = near_frames(doc, around).model_dump_json().encode()
+        order = LearnOrder(content, str(opened.video.info.path), tuple(sorted(around)), folder)
+        self._runner.learn(order, lambda found: self._on_end(doc, around, found))
+
+    def _on_end(self, doc: Session, around: frozenset[int], found: Learned | None) -> None:
+        self._waiting -= around
+        if found is not None:
+            self._found = doc, found
+        self.go_on()
+
+    def _take(self, edit: EditorState) -> None:
+        assert self._found is not None
+        (used, found), self._found = self._found, None
+        try:
+            after = with_learned(edit, used, found.poses)
+        except KeyposeError:
+            return  # drafts that cannot be stay as they are
+        if after is edit or after.doc.drafts == edit.doc.drafts:
+            return
+        self._host.show_learned(after)
+        if not self._announced:
+            self._announced = True
+            words = f"{len(found.poses)} drafts learned from your keyframe and were moved."
+            self._host.note("info", words)

@@ -1,0 +1,195 @@
+"""Give what the body is compared with as JSON: cues, keypoints, observed surfaces."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import PurePath
+from typing import Any, Final
+
+import numpy as np
+
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
+from keypose.app.render.tints import LEGENDS, Tint, css_stops
+from keypose.app.store.sections.json_value import Json, doc_of
+from keypose.app.store.state import AppState
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.model_files import FULL, MODELS
+from keypose.tracker.keypoints.on_body import HEAD_POINTS, is_persons, points_on_body
+from keypose.tracker.session.annotations import KeypointCorrection
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import ALL_CUES, Cue
+
+_TITLES: Final[Mapping[str, str]] = {
+    "brightness": "Follow how the body’s brightness moves from frame to frame",
+    "keypoints": "Compare the body’s joints with those found in each frame",
+    "silhouette": "Compare where the body is with what moves before the background",
+}
+_PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
+"""Those that only a person's body can be compared with."""
+
+
+def cues(app_state: AppState) -> Json:
+    """Every cue there is: whether it is chosen, and why it does not count here."""
+    doc = doc_of(app_state)
+    if doc is None:
+        return []
+    return [
+        {
+            "id": cue,
+            "label": part_label(cue),
+            "title": _TITLES.get(cue, ""),
+            "on": cue in doc.settings.cues_used,
+            "off": _why_off(doc, cue),
+            "leads": cue != "silhouette",
+        }
+        for cue in ALL_CUES
+    ]
+
+
+def _why_off(doc: Session, cue: Cue) -> str:
+    """Why a cue does not count here, whatever is chosen; or empty."""
+    if cue == "brightness":
+        return ""
+    if cue in _PERSONS and not is_persons(doc.body):
+        return "Needs a person’s body"
+    if doc.settings.method == "paper":
+        return "Not in the published method"
+    if cue == "silhouette" and not doc.has_static_camera:
+        return "Needs a still camera"
+    return ""
+
+
+def networks_here(_app_state: AppState) -> tuple[Any, ...]:
+    """Which networks are on the disk: one can be added while the page is open."""
+    return tuple(model.is_here for model in MODELS)
+
+
+def networks(app_state: AppState) -> Json:
+    """The networks that find keypoints: which is chosen, and how to add one that is not here."""
+    doc = doc_of(app_state)
+    chosen = (doc.settings.network if doc else None) or FULL.name
+    return [
+        {
+            "id": model.name,
+            "label": part_label(model.name),
+            "mb": model.size_mb,
+            "chosen": model.name == chosen,
+            "remedy": "" if model.is_here else f"keypose models add {model.name}",
+        }
+        for model in MODELS
+    ]
+
+
+SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
+
+
+def keypoints(app_state: AppState) -> Json:
+    """Where each is, in pixels of the main view, how sure that is, and what a person said of it;
+    null where nothing is known of this frame.
+
+    Of an ignored one it is given where it was found, so that it can be put back.
+    """
+    edit = app_state.edit
+    if edit is None or edit.doc.surface is not None:
+        return None
+    found = app_state.keypoints.at(edit.frame)
+    said = {c.joint: c for c in edit.doc.keypoint_corrections if c.frame == edit.frame}
+    if found is None and not said:
+        return None
+    on_body = points_on_body(edit.doc.body, SHOWN).indices
+    names = [SHOWN[k] for k in on_body]
+    at = {name: k for k, name in enumerate(found.names)} if found is not None else {}
+    points = []
+    for name in names:
+        uv, sure = np.full(2, np.nan), 0.0
+        if found is not None and name in at:
+            uv, sure = found.uv[0, at[name]], float(found.visibility[0, at[name]])
+        points.append(_point(name, uv, sure, said.get(name), edit.doc.camera))
+    return {"frame": edit.frame, "points": [point for point in points if point is not None]}
+
+
+def _point(
+    name: str, uv: Array, sure: float, said: KeypointCorrection | None, camera: Camera
+) -> Json:
+    state = "found" if said is None else "ignored" if said.uv is None else "corrected"
+    if said is not None and said.uv is not None:
+        uv, sure = np.array(said.uv), 1.0
+    if camera.is_distorted:
+        uv = camera.without_distortion().project(camera.back_project(uv, 1.0))
+    if not np.isfinite(uv).all():
+        return None
+    return {
+        "joint": name,
+        "label": part_label(name),
+        "at": uv.round(2).tolist(),
+        "sure": round(0.0 if state == "ignored" else sure, 3),
+        "state": state,
+    }
+
+
+def surface(app_state: AppState) -> Json:
+    """None where the session has no surfaces."""
+    edit, seen = app_state.edit, app_state.surface
+    if edit is None or not edit.doc.evidence.has_surface:
+        return None
+    given, model = surface_of(edit.doc), edit.doc.model_keyframe
+    return {
+        **given.model_dump(include={"units", "up", "fps", "weights", "distance", "binding"}),
+        "cameras": PurePath(given.cameras).name if given.cameras else None,
+        "model_frame": None if model is None else model.frame,
+        "problem": seen.problem if seen.frame == edit.frame else "",
+        "unusable": app_state.unusable,
+        "faces": seen.faces,
+        "middle": None if seen.middle is None else list(seen.middle),
+        "rims": seen.rims,
+        "tints": [_tint(app_state, kind) for kind in LEGENDS],
+        "ramp": css_stops(),
+    }
+
+
+def _tint(app_state: AppState, kind: Tint) -> Json:
+    legend = LEGENDS[kind]
+    return {
+        "id": kind,
+        "label": legend.label,
+        "title": legend.title,
+        "low": legend.clay,
+        "high": legend.plum,
+        "off": _unavailable(app_state, kind),
+    }
+
+
+def _unavailable(app_state: AppState, kind: Tint) -> str:
+    """Why a surface cannot be coloured so, or ''."""
+    assert app_state.edit is not None
+    if kind == "photo":
+        return "" if app_state.surface.photo else "These surfaces come without pictures of cameras"
+    posed = kind == "clay" or bool(app_state.edit.doc.keyframes)
+    return "" if posed else "Pose the first keyframe first"
+
+
+def surface_version(edit: EditorState) -> str:
+    """What pictures of the surfaces differ by: where they lie, and what colours them.
+
+    A gesture under way does not count, nor do poses that a fit is still on its way to.
+    """
+    doc = edit.settled
+    if not doc.evidence.has_surface:
+        return ""
+    given, camera = surface_of(doc), doc.camera
+    made_of: list[object] = [given.units, given.up, given.p_camera_surface]
+    made_of += [given.cameras, given.cameras_fingerprint]
+    made_of += [camera.fx, camera.fy, camera.cx, camera.cy]
+    kind = edit.display.tint
+    if kind in ("contact", "distance"):
+        fitting = edit.results.fitting(doc)
+        done = [track for track in fitting.values() if track.finished]
+        found = sorted(f"{t.key}{t.quality}{t.missing}" for t in done)
+        made_of += [given, doc.keyframes, doc.drafts, doc.body, found]
+    made_of.append(kind)
+    return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]

@@ -1,0 +1,163 @@
+"""Write the motion as markers: TRC tables, and C3D by ezc3d.
+
+Points are those of the recording's markers (`keypose.tracker.formats.marker_sets`), on the ground
+as in TRC and MOT: x ahead, y up, z right. Millimetres, as POINT:UNITS says. Points are single
+precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
+residual −1, "invalid" in C3D. The events are heel strikes and toe offs of a person who walks
+(`keypose.tracker.tracking.space.gait`). There are no analog channels. Frames are evenly spaced, as
+C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
+motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
+
+Markers are those of the recording (`keypose.tracker.formats.marker_sets`), on the ground as in MOT
+and C3D: x ahead, y up, z right. `Units` are those of the program whose markers they are. Columns
+are parted by tabs, and no tab ends a row: readers take it for one more column. Frames that are not
+tracked have `nan`, as OpenSim writes it, which refuses a row that ends with empty places. `Time`
+counts in seconds from the video's first frame and `Frame#` from 0; the rates in the header are the
+mean where times are uneven.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.conventions import fixed_decimals, single_words
+from keypose.tracker.formats.marker_sets import marked
+from keypose.tracker.formats.recording import MarkerSetName, Recording
+
+MM_PER_M = 1000.0
+
+LAST_FRAME = 65_534
+MOST_POINTS = 255
+"""The file's numbers for these have two bytes and one; the largest frame means more than that."""
+
+LONGEST_LABEL = 127
+"""Bytes of a point's name: some readers take a longer length for a negative one."""
+
+
+def c3d(recording: Recording) -> bytes:
+    """The bytes of the file.
+
+    FormatError where ezc3d is not installed, where the format has no room, or without two times.
+    """
+    labels, places = marked(recording)
+    _require_room(recording, labels)
+    file = _library().c3d()
+    file["header"]["points"]["first_frame"] = recording.frames[0]
+    point = file["parameters"]["POINT"]
+    point["RATE"]["value"] = [recording.frames_per_second]
+    point["UNITS"]["value"] = ["mm"]
+    point["LABELS"]["value"] = list(labels)
+    point["DESCRIPTIONS"]["value"] = [""] * len(labels)
+    file.add_parameter("POINT", "X_SCREEN", ["+X"])
+    file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
+    if recording.filter_hz is not None:
+        file.add_parameter("KEYPOSE", "LOW_PASS_HZ", [recording.filter_hz])
+    _add_events(file, recording)
+    ps = np.moveaxis(places * MM_PER_M, -1, 0).swapaxes(1, 2)
+    missing = np.isnan(ps).any(axis=0)
+    file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
+    marks = file["data"]["meta_points"]
+    marks["residuals"] = np.where(missing, -1.0, 0.0)[None]
+    marks["camera_masks"] = np.zeros((7, *missing.shape), dtype=np.bool_)
+    with tempfile.TemporaryDirectory() as folder:  # ezc3d writes to a path and nowhere else
+        path = Path(folder) / "motion.c3d"
+        file.write(str(path))
+        return path.read_bytes()
+
+
+def _add_events(file: Any, recording: Recording) -> None:
+    """EVENT, as programs for gait read it: what, of which side, and when, from frame 1 on."""
+    found = [
+        (frame, label, icon, _side(stance.part))
+        for stance in recording.gait.stances
+        for frame, label, icon in (
+            (stance.heel_strike, "Foot Strike", 1),
+            (stance.toe_off, "Foot Off", 2),
+        )
+        if frame is not None
+    ]
+    if not found:
+        return
+    found.sort()
+    frames, labels, icons, sides = (list(column) for column in zip(*found, strict=True))
+    seconds = np.array(frames) / recording.frames_per_second
+    for name, values in (
+        ("USED", [len(found)]), ("CONTEXTS", sides), ("LABELS", labels), ("ICON_IDS", icons),
+        ("DESCRIPTIONS", [""] * len(found)), ("SUBJECTS", [""] * len(found)),
+        ("TIMES", np.stack([seconds // 60, seconds % 60])),
+        ("GENERIC_FLAGS", [0] * len(found)),
+    ):  # fmt: skip
+        file.add_parameter("EVENT", name, values)
+
+
+def _side(part: str) -> str:
+    """Left, Right or General, as contexts of events are called."""
+    side = part.partition("_")[0]
+    return side.capitalize() if side in ("left", "right") else "General"
+
+
+def _library() -> Any:
+    try:
+        import ezc3d
+    except ImportError:
+        raise FormatError("C3D files need ezc3d: pip install 'keypose[c3d]'.") from None
+    return ezc3d
+
+
+def _require_room(recording: Recording, labels: tuple[str, ...]) -> None:
+    if recording.frames[-1] + 1 > LAST_FRAME:
+        raise FormatError(
+            f"C3D numbers frames up to {LAST_FRAME} and this motion goes beyond: choose CSV or NPZ."
+        )
+    if len(labels) > MOST_POINTS:
+        raise FormatError(
+            f"C3D holds {MOST_POINTS} points and the body has {len(labels)} joints and landmarks: "
+            "choose CSV or NPZ."
+        )
+    longest = max(labels, key=lambda label: len(label.encode()))
+    if len(longest.encode()) > LONGEST_LABEL:
+        raise FormatError(
+            f"C3D has no room for the name {longest!r} of {len(longest.encode())} bytes; "
+            f"{LONGEST_LABEL} are the most."
+        )
+
+
+UNITS: Final[Mapping[MarkerSetName, tuple[str, float, int]]] = {
+    "keypose": ("mm", 1000.0, 4),
+    "halpe26": ("m", 1.0, 7),
+}
+"""By markers the unit, how many a metre has, and decimals: a tenth of a micrometre."""
+
+_HEADER = (
+    *("DataRate", "CameraRate", "NumFrames", "NumMarkers"),
+    *("Units", "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"),
+)
+
+
+def trc(recording: Recording, file_name: str) -> str:
+    """The text of the file, which says its own name. FormatError without two times."""
+    labels, places = marked(recording)
+    names = single_words(labels)
+    unit, per_metre, decimals = UNITS[recording.marker_set]
+    rate, count = f"{recording.frames_per_second:.6f}".rstrip("0").rstrip("."), str(len(recording))
+    first = str(recording.frames[0])
+    axes = (f"{axis}{i + 1}" for i in range(len(names)) for axis in "XYZ")
+    lines = [
+        "\t".join(("PathFileType", "4", "(X/Y/Z)", file_name)),
+        "\t".join(_HEADER),
+        "\t".join((rate, rate, count, str(len(names)), unit, rate, first, count)),
+        "\t".join(("Frame#", "Time", *(cell for name in names for cell in (name, "", "")))),
+        "\t".join(("", "", *axes)),
+        "",
+    ]
+    ps = places * per_metre
+    for frame, time_s, positions in zip(recording.frames, recording.times_s, ps, strict=True):
+        cells = (cell or "nan" for cell in fixed_decimals(positions.ravel(), decimals))
+        lines.append("\t".join((str(frame), f"{time_s:.6f}", *cells)))
+    return "\n".join(lines) + "\n"
