@@ -1,14 +1,80 @@
-// Copying and pasting a pose or keyframes, by way of the browser's clipboard, so that they reach other
-// tabs and sessions. What cannot be written there is still copied within this session, by the server.
+// Copying and pasting a pose or keyframes, and the library of kept poses. What cannot be written there
+// is still copied within this session, by the server.
 
 import { toast } from '../controls/toasts.js';
 import { count } from '../controls/words.js';
 import { ask, send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
-import { readText, writeText } from './clipboard.js';
-import { listed, met } from './key_ranges.js';
+import { listed, met, occupied, selectedKeys, selectKeys } from './selection.js';
 import { frame } from './playhead.js';
-import { occupied, selectedKeys, selectKeys } from './selection.js';
+
+/** Put a text there that is still on its way; whether it could be. @param {Promise<string>} text */
+export async function writeText(text) {
+  try {
+    if (window.ClipboardItem && navigator.clipboard?.write) {
+      // Given as a promise, so that the key that was pressed still counts when it comes.
+      const blob = text.then((known) => new Blob([known], { type: 'text/plain' }));
+      blob.catch(() => {}); // reported by the clipboard, too
+      await navigator.clipboard.write([new ClipboardItem({ 'text/plain': blob })]);
+    } else {
+      await navigator.clipboard.writeText(await text);
+    }
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+/** What is there; null where it cannot be read. */
+export async function readText() {
+  try {
+    return await navigator.clipboard.readText();
+  } catch {
+    return null;
+  }
+}
+
+export const MOST = 200;
+const LONGEST = 60;
+
+/** @typedef {import('../store/shapes.js').KeptPose} KeptPose */
+
+/** @returns {KeptPose[]} */
+export const keptPoses = () => server.poses ?? [];
+
+/** "Pose 3": the first of these that no kept pose has. */
+export function freeName(poses = keptPoses()) {
+  const names = new Set(poses.map(({ name }) => name));
+  let number = poses.length + 1;
+  while (names.has(`Pose ${number}`)) number += 1;
+  return `Pose ${number}`;
+}
+
+/** A name as it is kept; null where nothing is left of it. */
+const readableName = (text) => text.replace(/\p{Cc}/gu, ' ').trim().slice(0, LONGEST) || null;
+
+export const whyNotKeep = () => (keptPoses().length >= MOST ? `The library holds ${MOST} poses. Delete some first` : '');
+
+export const keepMessage = () => ({ do: 'keep_pose', name: freeName() });
+
+/** @param {KeptPose | undefined} pose */
+export const whyNotInsert = (pose) => (pose && !pose.fits ? `This pose is of another body, ${pose.body}, without a part of this one` : '');
+
+/** @param {KeptPose | undefined} pose */
+export const insertTitle = (pose) => `Insert ${pose?.name ?? 'the pose'} at frame ${frame()}, where the body stands`;
+
+/** @param {KeptPose} pose */
+export function renamePose(pose, text) {
+  const name = readableName(text);
+  if (name && name !== pose.name) send({ do: 'rename_pose', id: pose.id, name });
+}
+
+/** @param {KeptPose} pose */
+export function deletePose({ id, name }) {
+  send({ do: 'delete_pose', id });
+  const button = { label: 'Undo', run: () => send({ do: 'restore_pose', id }) };
+  toast({ kind: 'info', words: `${name} deleted from the library.`, button, brief: true });
+}
 
 /** What the server takes in a message, and how many keyframes at a time. */
 const LARGEST_BYTES = 1_000_000;

@@ -4,8 +4,7 @@
 import { server, setUi, ui } from '../store/state.js';
 import { clamp } from '../controls/arithmetic.js';
 import { count, joined, range } from '../controls/words.js';
-import { lastFrame } from '../store/clip.js';
-import { isSurface } from '../store/subject.js';
+import { isSurface, lastFrame } from '../store/clip.js';
 import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */

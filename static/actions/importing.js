@@ -3,10 +3,10 @@
 
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
-import { keyHeader } from '../store/key.js';
+import { keyHeader } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
-import { fetchOk } from './export.js';
-import { beginReduction } from './reducing.js';
+import { fetchOk } from './exporting.js';
+import { beginReduction } from './proposals.js';
 
 const LOOK_MS = 300;
 const PATIENCE = 20; // looks in a row without an answer, before it is given up

@@ -4,7 +4,7 @@ import { lastFrame } from '../store/clip.js';
 import { isNewest } from '../store/edits.js';
 import { send } from '../store/link.js';
 import { toast } from '../controls/toasts.js';
-import { partKeyAt } from './limbs.js';
+import { partKeyAt } from './parts.js';
 import { draftFrames, frame, goTo, isKey, keyBeside, keyFrames } from './playhead.js';
 
 /** K: the pose here is this frame's keyframe. Where it is one already, nothing is lost. */

@@ -2,21 +2,14 @@
 // done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it. Here
 // it is put together: a module for each kind of action stands in `table/`.
 
-import { words } from '../store/subject.js';
-import { DRAGGING } from './table/dragging.js';
+import { words } from '../store/clip.js';
+import { DRAGGING, TOOLS, VIEW } from './table/view.js';
 import { EXPORT, MOTION } from './table/export.js';
 import { FRAMES } from './table/frames.js';
-import { HISTORY } from './table/history.js';
-import { KEYFRAMES } from './table/keyframes.js';
-import { NOTES } from './table/notes.js';
-import { PINS } from './table/pins.js';
+import { HISTORY, SESSION, THEME } from './table/session.js';
+import { KEYFRAMES, NOTES, PINS } from './table/keyframes.js';
 import { POSE } from './table/pose.js';
-import { REVIEW } from './table/review.js';
-import { SESSION } from './table/session.js';
-import { THEME } from './table/theme.js';
-import { TOOLS } from './table/tools.js';
-import { TRACK } from './table/track.js';
-import { VIEW } from './table/view.js';
+import { REVIEW, TRACK } from './table/track.js';
 
 const FILE = { ...SESSION, ...MOTION, ...EXPORT, ...THEME };
 

@@ -1,9 +1,51 @@
-// Buttons, boxes to tick and choices. A control that cannot be used now says why in its
-// tooltip and stays reachable, so that the reason can be read (hence aria-disabled, not disabled).
+// Buttons, boxes to tick, choices and lines of text; a control that cannot be used says why. A control
+// that cannot be used now says why in its tooltip and stays reachable, so that the reason can be read
+// (hence aria-disabled, not disabled).
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
-import { say, shake } from './refuse.js';
+import { belowOrAbove, standAt } from './menu.js';
+
+const STAY_MS = 4000;
+let bubble = null;
+let timer = 0;
+
+/** Shake, unless the person asked for less motion. */
+export function shake(element) {
+  if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
+  const moves = [0, -2, 2, -2, 2, 0].map((x) => ({ transform: `translateX(${x}px)` }));
+  element.animate(moves, { duration: 240 });
+}
+
+/** Say one sentence below an element until the next input, or four seconds. */
+export function say(element, words) {
+  hush();
+  bubble ??= createBubble();
+  bubble.textContent = words;
+  bubble.showPopover();
+  place(element);
+  timer = setTimeout(hush, STAY_MS);
+}
+
+export function hush() {
+  clearTimeout(timer);
+  if (bubble?.matches(':popover-open')) bubble.hidePopover();
+}
+
+function createBubble() {
+  const element = document.createElement('div');
+  element.className = 'refusal';
+  element.popover = 'manual';
+  element.setAttribute('role', 'alert');
+  document.body.append(element);
+  return element;
+}
+
+function place(element) {
+  const at = element.getBoundingClientRect();
+  const own = bubble.getBoundingClientRect();
+  standAt(bubble, at.right - own.width, belowOrAbove(own.height, at.bottom + 4, at.top - 4));
+}
 
 /**
  * A square button with an icon. off: why it cannot be used, or ''.
@@ -101,4 +143,29 @@ export function segmented({ label, value, options, act, off = '' }) {
     </button>`;
   };
   return html`<div class="seg" role="group" aria-label=${label}>${options.map(one)}</div>`;
+}
+
+/** value and act(text); the server's echo does not write into it while it is typed in. */
+export function textField({ label, value, placeholder = '', act, most = 200 }) {
+  const key = (event) => {
+    if (event.key !== 'Enter' && event.key !== 'Escape') return;
+    event.stopPropagation();
+    if (event.key === 'Escape') event.target.value = value;
+    event.target.blur();
+  };
+  const leave = (event) => {
+    const text = event.target.value.trim();
+    if (text !== value) act(text);
+  };
+  // lit-html writes the property only when the server's value is another than before.
+  return html`<input
+    class="n text"
+    .value=${value}
+    maxlength=${most}
+    placeholder=${placeholder}
+    aria-label=${label}
+    title=${label}
+    @keydown=${key}
+    @blur=${leave}
+  />`;
 }

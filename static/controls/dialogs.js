@@ -1,7 +1,7 @@
 // Sheets over the page. The browser's own dialog keeps the focus inside and closes on Esc.
 
 import { nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from './elements.js';
+import { addOnTop } from './focus.js';
 import { loadLibrary } from '../store/library.js';
 import { setUi, ui, watch } from '../store/state.js';
 

@@ -5,7 +5,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
-import { standAt } from './popup.js';
+import { standAt } from './menu.js';
 
 class DropDown extends HTMLElement {
   static count = 0;

@@ -4,6 +4,6 @@
 export { numberField } from './number.js';
 export { slider } from './slider.js';
 export { dropdown } from './dropdown.js';
-export { textField } from './text.js';
+export { textField } from './buttons.js';
 export { checkbox, segmented, switchField, button, iconButton } from './buttons.js';
 export { shortNumber } from './arithmetic.js';

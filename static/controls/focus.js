@@ -1,5 +1,21 @@
-// Whose keys they are. A control reached with Tab keeps the keys it needs until Esc; one that was
-// clicked gives the focus back to the page, so that keys always reach the frame.
+// Whose keys they are, and the elements that are there for as long as the page is. A control reached
+// with Tab keeps the keys it needs until Esc; one that was clicked gives the focus back to the page,
+// so that keys always reach the frame.
+
+/**
+ * Make an element over everything else, where sheets, menus and messages are drawn.
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {string} id
+ * @param {Tag} tag
+ */
+export function addOnTop(id, tag) {
+  const place = document.getElementById('screens');
+  if (!place) throw new Error('The page has no #screens');
+  const element = document.createElement(tag);
+  element.id = id;
+  place.append(element);
+  return element;
+}
 
 const OWN = new Set([
   ...['Space', 'Enter', 'Home', 'End', 'PageUp', 'PageDown', 'ArrowLeft', 'ArrowRight'],

@@ -1,5 +1,7 @@
 // One gesture of a pointer, from the press until it is released; and the pace at which it acts.
 
+import { newStroke, send } from '../store/link.js';
+
 const RIGHT_DOWN = 2;
 
 /**
@@ -84,4 +86,32 @@ export function paced(act, restMs = null) {
     else later(wait);
   };
   return Object.assign(call, { flush, drop: () => void (waiting = null) });
+}
+
+export class Stroke {
+  /** edit(value) → the action that sets the value. */
+  constructor(kind, edit) {
+    this.name = newStroke(kind);
+    this.sent = false;
+    this.move = paced((value) => {
+      this.sent = true;
+      send({ ...edit(value), stroke: this.name });
+    });
+  }
+
+  /** Closes the undo step; gives the number of the last message. */
+  end() {
+    this.move.flush();
+    return this.close('end_stroke');
+  }
+
+  /** Restores what was before. */
+  cancel() {
+    this.move.drop();
+    return this.close('cancel_stroke');
+  }
+
+  close(word) {
+    return this.sent ? send({ do: word, stroke: this.name }) : null;
+  }
 }

@@ -1,18 +1,76 @@
-// Menus: one hangs from a button, another stands at the pointer. One is open at a time; a choice, a
-// press elsewhere, Esc and a window that loses the focus close it.
-//
-// Entries: { icon, label, right, run, off: why not, title, checked, kind: a class of its own }
-//          { icon, label, run(frame), ask: { value, last, answer } }  asks for a frame: Enter or the
-//          button `answer` acts
-//          and `line`, `heading`, `note`, `content`
+// Menus: one hangs from a button, another stands at the pointer, by typing one finds an entry. One is
+// open at a time; a choice, a press elsewhere, Esc and a window that loses the focus close it.
+// Entries: { icon, label, right, run, off: why not, title, checked, kind: a class of its own } { icon,
+// label, run(frame), ask: { value, last, answer } }  asks for a frame: Enter or the button `answer`
+// acts and `line`, `heading`, `note`, `content`
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from './elements.js';
+import { setUi, ui } from '../store/state.js';
+import { clamp } from './arithmetic.js';
+import { addOnTop, reachedByKey } from './focus.js';
 import { icon } from './icons.js';
-import { ui, setUi } from '../store/state.js';
-import { reachedByKey } from './focus.js';
-import { belowOrAbove, standAt } from './popup.js';
-import { beginTyping, typedTo } from './typeahead.js';
+
+const MARGIN = 8;
+
+/**
+ * The top of something so high: below, or above where the window has no room below.
+ * @param {number} height
+ * @param {number} below
+ * @param {number} above
+ * @param {number} [margin]
+ */
+export function belowOrAbove(height, below, above, margin = MARGIN) {
+  return below + height > innerHeight - margin ? above - height : below;
+}
+
+/**
+ * Put an element of `position: fixed` at this place, as far as the window is wide enough for it.
+ * @param {HTMLElement} element
+ * @param {number} left
+ * @param {number} top
+ */
+export function standAt(element, left, top) {
+  const { width } = element.getBoundingClientRect();
+  element.style.left = `${clamp(left, MARGIN, innerWidth - width - MARGIN)}px`;
+  element.style.top = `${top}px`;
+}
+
+const PAUSE_MS = 700;
+
+/** What was typedLetters until now, and when last. */
+let typedLetters = '';
+let last = -Infinity;
+
+/** Another menu has opened: what was typedLetters in the one before does not count. */
+export function beginTyping() {
+  last = -Infinity;
+}
+
+/**
+ * The entry that is meant by one more letter, or -1.
+ * @param {string[]} labels
+ * @param {number} at  The entry that has the focus, or -1.
+ * @param {string} letter
+ * @param {number} now  Milliseconds.
+ */
+export function typedTo(labels, at, letter, now) {
+  const goesOn = now - last < PAUSE_MS;
+  last = now;
+  const whole = (goesOn ? typedLetters : '') + letter.toLowerCase();
+  const to = meant(labels, at, whole);
+  // What no entry begins with is a new word.
+  typedLetters = to < 0 ? letter.toLowerCase() : whole;
+  return to < 0 && goesOn ? meant(labels, at, typedLetters) : to;
+}
+
+function meant(labels, at, wanted) {
+  // The same letter again and again goes through all that begin with it.
+  const isOne = [...wanted].every((each) => each === wanted[0]);
+  const begins = isOne ? wanted[0] : wanted;
+  const start = isOne ? at + 1 : Math.max(at, 0);
+  const order = labels.map((_, i) => (start + i) % labels.length);
+  return order.find((i) => labels[i].toLowerCase().startsWith(begins)) ?? -1;
+}
 
 const LEAST_TOP = 8;
 

@@ -4,7 +4,7 @@
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { read, shortNumber } from './arithmetic.js';
-import { hush, say, shake } from './refuse.js';
+import { hush, say, shake } from './buttons.js';
 import { followValue, ValueElement } from './value.js';
 
 const DRAG_STARTS_PX = 3;

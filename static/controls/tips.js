@@ -3,8 +3,8 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { onRedraw, ui } from '../store/state.js';
-import { addOnTop } from './elements.js';
-import { belowOrAbove, standAt } from './popup.js';
+import { addOnTop } from './focus.js';
+import { belowOrAbove, standAt } from './menu.js';
 
 const REST_MS = 450;
 const AGAIN_MS = 300; // from one control to the next the words come at once

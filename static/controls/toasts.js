@@ -1,7 +1,7 @@
 // Messages: what the server notes or refuses, and those of the page itself.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from './elements.js';
+import { addOnTop } from './focus.js';
 import { icon } from './icons.js';
 import { steadily } from './steady.js';
 import { isNewest } from '../store/edits.js';

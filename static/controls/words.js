@@ -1,4 +1,15 @@
-// Numbers and times as the page says them.
+// Numbers, times and verdicts as the page says them.
+
+/** @type {Record<string, { colour: string, sign: string, word: string }>} */
+export const VERDICTS = {
+  good: { colour: 'good', sign: 'check', word: 'Good' },
+  check: { colour: 'check', sign: 'warn', word: 'Check' },
+  lost: { colour: 'lost', sign: 'lost', word: 'Lost' },
+  outdated: { colour: 'old', sign: 'old', word: 'Outdated' },
+  waiting: { colour: 'old', sign: 'old', word: 'Waiting' },
+  tracking: { colour: 'track', sign: 'run', word: '' },
+  none: { colour: 'old', sign: 'old', word: '' },
+};
 
 /** "39–50": an interval of frames. */
 export const range = (first, last) => `${first}–${last}`;

@@ -1,18 +1,135 @@
-// The guide for a new film: its lens, the person in it, a draft of every frame, what to confirm.
+// The guide for a new film: its lens, the person in it, a draft of every frame, what to confirm. Six
+// kinds of camera with keys 1 to 6, the focal length on a slider, what the file says.
 
-import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { labelOf, whyNot } from '../actions/actions.js';
 import { placesWords, smallWords } from '../actions/drafting.js';
-import { keepLens } from '../actions/lens.js';
+import {
+  addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
+  kindHere, KINDS, millimetres, useFile,
+} from '../actions/lens.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { isReviewing, toggleReview } from '../actions/review.js';
+import { shortNumber } from '../controls/arithmetic.js';
+import { numberField, slider } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
+import { pendingOr } from '../controls/value.js';
 import { sizeWords } from '../handles/box.js';
 import { draftFromBox } from '../handles/sketch.js';
 import { send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
-import { fan } from './fan.js';
-import { lensCard, lensKey } from './lens_step.js';
+import { view } from '../views/views.js';
+
+export function lensCard() {
+  const here = kindHere();
+  const [min, max] = FOCAL_MM;
+  return html`<div class="lenses" role="radiogroup" aria-label="Kind of camera">
+      ${KINDS.map((kind, i) => kindButton(kind, kind === here, i))}
+    </div>
+    <div class="row focal">
+      <label class="mut">35 mm equivalent</label>
+      ${slider({ ...focalSpec(), min, max, zero: min, tick: false, log: true, rolls: true })}${numberField(focalSpec())}
+    </div>
+    ${fileLine()}${stabilised()}`;
+}
+
+/** @param {import('../actions/lens.js').Kind} kind */
+function kindButton(kind, isHere, i) {
+  return html`<button type="button" class="lens ${isHere ? 'on' : ''}" role="radio" aria-checked=${isHere}
+    title=${kind.mm ? `${kind.label} (${i + 1})` : `Fitted with the first two keyframes (${i + 1})`} @click=${() => chooseKind(kind)}>
+    <b>${icon(kind.icon)}${kind.label}</b><span>${kind.detail}</span>
+  </button>`;
+}
+
+function fileLine() {
+  const { lens } = server.file;
+  if (!lens) return nothing;
+  if (isFileOther()) {
+    return html`<div class="row filesays">
+      <span class="mut">File says ${millimetres(lens.focal_mm)}</span><span class="sp"></span>
+      <button type="button" class="btn sm" @click=${useFile}>Use</button>
+    </div>`;
+  }
+  return html`<div class="row filesays good">${icon('check')}<span><b>From the file</b> ${fileWords()}</span></div>`;
+}
+
+/** Where the file or a person named the lens itself, not what the film shows of it. */
+function stabilised() {
+  const { lens_source: source } = server.camera;
+  const isNamed = source === 'file' || KINDS.some(({ mm }) => mm === Math.round(server.camera.focal_mm));
+  if (!isNamed || server.camera.lens_is_guess) return nothing;
+  return html`<div class="row filesays">
+    <span class="mut">Stabilised film shows less than the lens. Add about 10 %.</span><span class="sp"></span>
+    <button type="button" class="btn sm" @click=${addForStabiliser}>Add</button>
+  </div>`;
+}
+
+/** Keys 1 to 6; whether it was one. */
+export function lensKey(key) {
+  const kind = KINDS[Number(key) - 1];
+  if (kind) chooseKind(kind);
+  return Boolean(kind);
+}
+
+const WIDTH = 264;
+const HEIGHT = 246;
+/** From the view's lower right corner, above its zoom. */
+const ROOM = { right: 12, bottom: 56 };
+const MIDDLE = 140;
+const FOOT = 206;
+const RADIUS = 172;
+/** Half of what there is room for at the widest. */
+const WIDEST = 122;
+/** Where the person stands, as a share of the radius. */
+const THERE = 0.62;
+/** Lenses to compare with, mm. */
+const WIDE = 13;
+const TELE = 77;
+const USUAL = 26;
+
+/** The panel, over the lower right of the picture. */
+export function fan() {
+  const { right, bottom } = view('main').el.getBoundingClientRect();
+  const mm = pendingOr('lens', server.camera.focal_mm);
+  const other = Math.abs(mm - TELE) < 8 ? USUAL : TELE;
+  const metres = distance() * (mm / server.camera.focal_mm);
+  const place = `left:${right - ROOM.right - WIDTH}px;top:${bottom - ROOM.bottom - HEIGHT}px`;
+  return html`<div class="glass fan" style=${place} role="img" aria-label=${`${millimetres(mm)} seen from above`}>
+    <svg width=${WIDTH} height=${HEIGHT} aria-hidden="true">
+      <text class="h" x="12" y="20">Field of view</text><text class="s" x=${WIDTH - 8} y="20" text-anchor="end">from above</text>
+      ${slice(WIDE, 'other', 0.87)}${slice(mm, 'here', 1)}${slice(other, 'other', 1)}
+      <rect class="camera" x=${MIDDLE - 7} y=${FOOT - 3} width="14" height="10" rx="2" />
+      ${person(metres)}
+      <text class="here" x=${MIDDLE} y=${FOOT - RADIUS + 18} text-anchor="middle">${millimetres(mm)} · ${Math.round(degrees('across', mm))}°</text>
+      <text class="s" x="12" y=${FOOT - 40}>${WIDE} mm</text>
+      <text class="o" x=${MIDDLE} y=${FOOT - 52} text-anchor="middle">${other} mm</text>
+      <text class="s" x="12" y=${FOOT + 30}>Same picture with ${other} mm: ${shortNumber((metres * other) / mm, 1)} m away.</text>
+    </svg>
+  </div>`;
+}
+
+function slice(mm, kind, share) {
+  const half = ((degrees('across', mm) / 2) * Math.PI) / 180;
+  const r = Math.min(RADIUS, WIDEST / Math.sin(half)) * share;
+  const [x, y] = [Math.sin(half) * r, Math.cos(half) * r];
+  return svg`<path class=${kind} d="M${MIDDLE} ${FOOT}l${-x} ${-y}a${r} ${r} 0 0 1 ${2 * x} 0z" />`;
+}
+
+function person(metres) {
+  const [x, , z] = isPosed() ? server.pose.root : [0, 0, 1];
+  const angle = Math.atan2(x, z);
+  const [at, up] = [MIDDLE + Math.sin(angle) * THERE * RADIUS, FOOT - Math.cos(angle) * THERE * RADIUS];
+  return svg`<ellipse class="shade" cx=${at} cy=${up} rx="9" ry="4.5" /><circle class="person" cx=${at} cy=${up} r="4" />
+    <text class="m" x=${at + 14} y=${up + 4}>${shortNumber(metres, 1)} m</text>`;
+}
+
+const isPosed = () => Boolean(server.pose && !['opening', 'rest'].includes(server.pose.source));
+
+/** Metres to the body as it is posed; before that, to one that is as tall as the picture. */
+function distance() {
+  if (isPosed()) return server.pose.root[2];
+  return ((server.body.height_cm / 100) * server.camera.fy) / server.camera.height;
+}
 
 /** What counts as an answer to the question of the lens. */
 const ANSWERS = ['person', 'calibration', 'fitted', 'guess'];

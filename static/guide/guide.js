@@ -3,18 +3,17 @@
 // keyframe it is at its end, whichever step was shown.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from '../controls/elements.js';
+import { addOnTop, keepsKey } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { isHeld } from '../controls/steady.js';
-import { keepsKey } from '../controls/focus.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
-import { isSurface } from '../store/subject.js';
+import { isSurface } from '../store/clip.js';
 import { onViews, view } from '../views/views.js';
 import { interaction, onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
-import { isDragCoveredBy } from '../handles/covered_by.js';
+import { isDragCoveredBy } from '../handles/floating.js';
 import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
 import { REVIEW } from './film_steps.js';
 import { ending, isByHand, isDone, isKept, pathByHand, steps, takeWaist } from './steps.js';

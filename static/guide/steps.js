@@ -5,7 +5,7 @@
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
-import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
+import { fewestKeys, isSurface, words as subject } from '../store/clip.js';
 import { IN_FILM } from './film_steps.js';
 
 const SIZE = `Hold D and drag the point between the arrows until head and feet match. Dragging up

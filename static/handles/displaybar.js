@@ -1,15 +1,80 @@
-// How the body is drawn: wire, solid or both, how opaque; ghosts and trail.
+// How the body is drawn and by what tools it is posed, as bars over the large view.
 
-import { clamp } from '../controls/arithmetic.js';
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server, ui } from '../store/state.js';
-import { send } from '../store/link.js';
-import { isSurface } from '../store/subject.js';
 import { iconOf, isOn, keyOf, labelOf, perform } from '../actions/actions.js';
+import { clamp } from '../controls/arithmetic.js';
 import { icon } from '../controls/icons.js';
-import { freebar } from './freebar.js';
+import { menuButton, menuHolder } from '../controls/menu.js';
+import { send } from '../store/link.js';
+import { server, ui, watch } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
+import { isSurface } from '../store/clip.js';
+import { view as viewNamed } from '../views/views.js';
+import { orbitEntries } from './viewmenu.js';
 import { largeView } from './scale.js';
-import { tipOf } from './toolbar.js';
+
+const TOOLS = /** @type {const} */ (['select', 'rotate', 'move', 'ends', 'size']);
+const PAN_KEY = 'Space'; // while it is down, whatever the tool
+
+export function toolbar() {
+  return html`<div class="glass" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools" @keydown=${walk}>
+    ${TOOLS.map((id) => toolButton(id, keyOf(id)))}
+    <hr />
+    ${toolButton('pan', PAN_KEY)}
+  </div>`;
+}
+
+/** @param {import('../actions/actions.js').ActionId} id */
+function toolButton(id, key) {
+  const letter = key.length === 1 ? html`<span class="k">${key}</span>` : nothing;
+  return html`<button class="ib" data-tool=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
+    @click=${() => perform(id)}>${icon(iconOf(id))}${letter}${tipOf(id, key)}</button>`;
+}
+
+/** The words and the key of a button on a bar, shown beside it. */
+export const tipOf = (id, key) => html`<span class="tip" aria-hidden="true">${labelOf(id)} <kbd>${key}</kbd></span>`;
+
+/** Up and down walk along the bar, as in every toolbar. */
+function walk(event) {
+  const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+  if (!step) return;
+  const buttons = [...event.currentTarget.querySelectorAll('button')];
+  const at = buttons.indexOf(document.activeElement);
+  buttons[(at + step + buttons.length) % buttons.length].focus();
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+const LEARNT = 'keypose.orbited';
+
+export function freebar() {
+  const view = viewNamed('free');
+  const { camera } = view.habits;
+  return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
+    ${freeToggle('ghosts')}${freeToggle('trail')}
+    <button class="ib s" data-toggle="film" aria-label="Film camera" aria-pressed=${camera}
+      @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip" aria-hidden="true">Film camera</span></button>
+    <span class="vsep"></span>
+    ${menuHolder('orbit', () => menuButton('orbit', { kind: 'btn ghost sm', title: 'How the view turns', face: html`Orbit${icon('chev')}` }), () => orbitEntries(view), 'right')}
+    <button class="btn ghost sm" title="Reset the view" @click=${() => perform('fitView')}>Reset<kbd>${keyOf('fitView')}</kbd></button>
+  </div>`;
+}
+
+function freeToggle(id) {
+  return html`<button class="ib s" data-toggle=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
+    @click=${() => perform(id)}>${icon(iconOf(id))}${tipOf(id, keyOf(id))}</button>`;
+}
+
+/** How to turn the view, until somebody did for the first time. */
+export function orbitHint() {
+  if (inBrowser.read(LEARNT)) return nothing;
+  return html`<div class="glass low" id="morbit" role="status">${icon('rot')}<span>Right-drag to orbit
+    <span class="mut">· right-click a part for its menu</span></span></div>`;
+}
+
+export function mountOrbitHint() {
+  watch(['u:orbited'], () => ui.orbited && inBrowser.write(LEARNT, 'yes'));
+}
 
 const MODES = /** @type {const} */ (['wire', 'solid', 'both']);
 const STEP = 0.05;
@@ -101,4 +166,42 @@ function setOpacity(value) {
   server.view = { ...server.view, opacity: kept };
   send({ do: 'display', opacity: kept });
   redraw();
+}
+
+export function tintbar() {
+  if (!server.surface) return nothing;
+  return html`<div class="glass" id="mtint" role="group" aria-label="Colours of the surface">
+      <div class="seg">${server.surface.tints.map(choice)}</div>
+      ${legend()}
+    </div>
+    ${problem()}`;
+}
+
+function choice({ id, label, title, off }) {
+  return html`<button
+    class=${off ? 'off' : ''}
+    data-tint=${id}
+    aria-pressed=${server.view.tint === id}
+    aria-disabled=${off ? 'true' : nothing}
+    title=${off || title}
+    @click=${() => off || send({ do: 'display', tint: id })}
+  >
+    ${label}
+  </button>`;
+}
+
+function legend() {
+  const chosen = server.surface.tints.find(({ id }) => id === server.view.tint);
+  if (!chosen?.high) return nothing;
+  const stops = server.surface.ramp.join(',');
+  return html`<div class="ramp" role="img" aria-label=${`From ${chosen.low} to ${chosen.high}`}>
+    <span>${chosen.low}</span>
+    <i style="background:linear-gradient(90deg,${stops})"></i>
+    <span>${chosen.high}</span>
+  </div>`;
+}
+
+function problem() {
+  if (!server.surface.problem) return nothing;
+  return html`<div class="glass" id="mproblem" role="status">${icon('warn')}<span>${server.surface.problem}</span></div>`;
 }

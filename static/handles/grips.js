@@ -5,7 +5,7 @@ import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
 import { interaction, isDragged, isHot } from './interaction.js';
-import { isOfPlace } from './reviewmarks.js';
+import { isOfPlace } from './marks.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';
 

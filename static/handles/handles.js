@@ -3,14 +3,12 @@
 import { ui, setUi, watch } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
-import { sendSoon } from './drag.js';
+import { letterOf, mountOffline, onKeys, sendSoon, watchKeys } from './drag.js';
 import { mountFloating } from './floating.js';
 import { interaction, onInteraction, redrawSoon } from './interaction.js';
 import { leave, refresh, renameHandle } from './hover.js';
-import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
-import { mountOffline } from './offline.js';
 import { cancelPress, isPressed, listenTo } from './press.js';
 import { selectBehind } from './select.js';
 import { prepareSketch, sketchKey } from './sketch.js';

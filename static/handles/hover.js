@@ -5,8 +5,7 @@ import { server, ui, setUi } from '../store/state.js';
 import { ask } from '../store/link.js';
 import { interaction, redrawSoon } from './interaction.js';
 import { isDrawingTool } from './sketch.js';
-import { whichOf } from './overlap.js';
-import { stackAt, targetAt } from './targets.js';
+import { stackAt, targetAt, whichOf } from './targets.js';
 
 const PAUSE_MS = 30;
 const NAME_MS = 400;

@@ -9,7 +9,7 @@ import { drawBoxSize } from './box.js';
 import { boxCornersIn } from './boxcorners.js';
 import { interaction } from './interaction.js';
 import { drawKeypointName } from './keypoints.js';
-import { drawPlaceName } from './reviewmarks.js';
+import { drawPlaceName } from './marks.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady, targetsIn } from './targets.js';
 

@@ -10,16 +10,14 @@ import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
-import { drawOffline } from './offline.js';
-import { drawPinMarks, drawSoles } from './pinmarks.js';
-import { drawPlace } from './reviewmarks.js';
+import { drawOffline } from './drag.js';
+import { drawPinMarks, drawPlace, drawSoles, drawTrail } from './marks.js';
 import { drawRings } from './rings.js';
 import { isLarge } from './scale.js';
 import { drawSizes } from './sizes.js';
 import { drawSketch } from './sketch.js';
 import { pathOf } from './space.js';
 import { isReady, targetsIn } from './targets.js';
-import { drawTrail } from './trail.js';
 
 /** Draw the overlays of all views that are shown. */
 export function paint() {

@@ -11,11 +11,10 @@
 
 import { server, ui } from '../store/state.js';
 import { beginOnSurface, beginOnTarget } from './begin.js';
-import { cancelDrag, endDrag, moveDrag } from './drag.js';
+import { cancelDrag, endDrag, isKeyDown, moveDrag, noteModifiers } from './drag.js';
 import { interaction } from './interaction.js';
 import { hover, leave, pick, renameHandle } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
-import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';

@@ -5,9 +5,8 @@ import { send } from '../store/link.js';
 import { select as selectPart } from '../store/parts.js';
 import { chooseMask, deleteCorner, maskAt } from './masks.js';
 import { choose } from './interaction.js';
-import { after } from './overlap.js';
+import { after, stackAt, targetAt } from './targets.js';
 import { distance } from './space.js';
-import { stackAt, targetAt } from './targets.js';
 
 const DOUBLE_MS = 350;
 const SAME_PX = 5;

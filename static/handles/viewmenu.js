@@ -1,7 +1,9 @@
-// The menu of what lies in a view: of a part, of the picture where there is none. At the pointer on the
-// right button; from the keyboard of the selected part, beside it.
+// The menu of what lies in a view: of a part, of the picture where there is none. At the pointer on
+// the right button; from the keyboard of the selected part, beside it.
 
+import { menuItem } from '../actions/buttons.js';
 import { contextEntries } from '../actions/context_menus.js';
+import { allPins, framesOf, isEnd, pinHere, pinTitle } from '../actions/pins.js';
 import { frame } from '../actions/playhead.js';
 import { heading, line, openMenuAt } from '../controls/menu.js';
 import { partNamed, selectedPart } from '../store/parts.js';
@@ -9,12 +11,54 @@ import { server, ui } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
 import { pick } from './hover.js';
 import { interaction } from './interaction.js';
-import { freeEntries } from './partmenu.js';
-import { pinEntries } from './pinmenu.js';
 import { largeView } from './scale.js';
 import { partOf, select } from './select.js';
 import { isDrawingTool } from './sketch.js';
 import { isReady, targetAt } from './targets.js';
+
+/** Entries about the eye; `part` is what was pressed on, if anything. */
+export function freeEntries(view, part = null) {
+  const look = (words, axis) => ({ label: words, icon: 'camc', run: () => view.alongAxis(axis) });
+  return [
+    ...orbitEntries(view, part?.name), line,
+    look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
+    ...contextEntries('eye'),
+  ];
+}
+
+/** About what one orbits, and what the eye does by itself. */
+export function orbitEntries(view, part) {
+  const { about, follows, turns } = view.habits;
+  return [
+    { label: part ? `About ${partNamed(part).label.toLowerCase()}` : 'About the part', icon: 'rot', checked: about === 'part', run: () => view.choose('about', 'part') },
+    { label: 'About the body', icon: 'rot', checked: about === 'body', run: () => view.choose('about', 'body') },
+    { label: 'Follow the body', icon: 'move', checked: follows, run: () => view.choose('follows', !follows) },
+    { label: 'Turntable while playing', icon: 'play', checked: turns, run: () => view.choose('turns', !turns) },
+  ];
+}
+
+/**
+ * What a menu of a part says about pins; nothing for parts that are neither ends nor pinned, but for
+ * the corners of boxes: `at` is where the menu opens, in pixels of the camera's view.
+ */
+export function pinEntries(part, at = null) {
+  const here = pinHere(part);
+  if (!part) return [];
+  if (!isEnd(part) && here === undefined) {
+    const corner = at && part.shape === 'box' ? menuItem('pinCorner', { part: part.name, at }) : null;
+    return corner ? [heading(pinTitle(part)), corner] : [];
+  }
+  const pin = allPins()[here];
+  if (!pin) return [heading(pinTitle(part)), menuItem('pin', part), menuItem('pinToFloor', part)];
+  const now = server.view.frame;
+  return [
+    heading(pinTitle(part)),
+    pin.floor ? null : menuItem('pinToFloor', part),
+    now > pin.first ? menuItem('beginPin', part) : null,
+    now < pin.last ? menuItem('endPin', part) : null,
+    line, menuItem('unpin', here, { right: framesOf(pin) }),
+  ];
+}
 
 const BESIDE_PX = 16;
 

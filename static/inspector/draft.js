@@ -8,7 +8,7 @@ import {
   boxFrameFor, draftRange, nobodyWords, reasonOf, setDraftRange, smallWords, whyNotDraftable,
 } from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
-import { textField } from '../controls/text.js';
+import { textField } from '../controls/buttons.js';
 import { icon } from '../controls/icons.js';
 import { sizeWords } from '../handles/box.js';
 import { draftFromBox, drawBoxAt } from '../handles/sketch.js';

@@ -4,12 +4,11 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
-import { isSurface } from '../store/subject.js';
-import { bodyTab } from './body_tab.js';
+import { isSurface } from '../store/clip.js';
+import { bodyTab, freedom } from './body_tab.js';
 import { cues } from './cues.js';
 import { draft } from './draft.js';
-import { film } from './film.js';
-import { freedom } from './freedom.js';
+import { film, upright } from './film.js';
 import { keypoints } from './keypoints.js';
 import { lens, virtualCamera } from './lens.js';
 import { masks } from './masks.js';
@@ -20,7 +19,6 @@ import { reviewPanel, revealRow } from './review.js';
 import { segment } from './segment.js';
 import { space } from './space.js';
 import { surfaces } from './surfaces.js';
-import { upright } from './upright.js';
 
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },

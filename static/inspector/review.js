@@ -1,5 +1,4 @@
-// The review in the inspector's place: the goal, how far one is, a row for every place, and what is
-// done with the current one.
+// The review in the inspector's place: the goal, how far one is, a row for every place.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
@@ -9,9 +8,47 @@ import { dropdown } from '../controls/dropdown.js';
 import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
 import { count, roughError } from '../controls/words.js';
+import { fetchOwn } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
-import { words } from '../store/subject.js';
-import './review_crop.js';
+import { words } from '../store/clip.js';
+
+const SIDE = 104; // device pixels, for 52 of the page
+
+class FrameCrop extends HTMLElement {
+  shown = '';
+
+  /** @param {{ frame: number, at: [number, number], crop: number }} spec  Pixels of the video. */
+  set spec({ frame, at, crop }) {
+    const version = server.camera?.image_version ?? '';
+    const now = `${server.file?.path}|${version}|${frame}|${at}|${crop}`;
+    if (now === this.shown) return;
+    this.shown = now;
+    this.load(now, `/frame/${frame}.jpg?v=${encodeURIComponent(version)}`, at, crop);
+  }
+
+  async load(asked, url, [x, y], crop) {
+    const answer = await fetchOwn(url).catch(() => null);
+    if (asked !== this.shown) return;
+    if (!answer?.ok) {
+      this.shown = ''; // asked for again when the list is drawn next
+      return;
+    }
+    const picture = await createImageBitmap(await answer.blob());
+    if (asked === this.shown) this.draw(picture, x, y, crop);
+    picture.close();
+  }
+
+  draw(picture, x, y, crop) {
+    // A frame may come smaller than the video is.
+    const scale = picture.width / (server.camera?.width ?? picture.width);
+    const canvas = Object.assign(document.createElement('canvas'), { width: SIDE, height: SIDE });
+    const [left, top] = [x + 0.5 - crop / 2, y + 0.5 - crop / 2].map((at) => at * scale);
+    canvas.getContext('2d')?.drawImage(picture, left, top, crop * scale, crop * scale, 0, 0, SIDE, SIDE);
+    this.replaceChildren(canvas);
+  }
+}
+
+customElements.define('frame-crop', FrameCrop);
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
 

@@ -1,19 +1,53 @@
-// The segment of the present frame: its verdict in words, the error expected of its parts, and its
-// error after every pass.
+// The segment of the present frame: its verdict, the error expected of its parts.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { server, ui, setUi } from '../store/state.js';
 import { keyOf } from '../actions/actions.js';
-import { segmentsHere } from '../actions/tracking.js';
 import { actionButton } from '../actions/buttons.js';
-import { icon } from '../controls/icons.js';
-import { VERDICTS } from '../controls/verdicts.js';
-import { range } from '../controls/words.js';
+import { goTo, stopPlaying } from '../actions/playhead.js';
+import { segmentsHere } from '../actions/tracking.js';
+import { clamp } from '../controls/arithmetic.js';
 import { segmented, shortNumber } from '../controls/fields.js';
-import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
+import { icon } from '../controls/icons.js';
+import { range, roughError, VERDICTS } from '../controls/words.js';
+import { partNamed, select } from '../store/parts.js';
+import { server, setUi, ui } from '../store/state.js';
+import { fewestKeys, isSurface, words as subject } from '../store/clip.js';
 import { hasKeypoints } from './cues.js';
-import { expectedErrors } from './expected.js';
 import { fact, section } from './section.js';
+
+/** A bar this long is full. */
+const FULL_PX = 10;
+
+/** The rows of a segment; nothing where nothing is known. */
+export function expectedErrors({ first }) {
+  const rows = (server.errors ?? []).filter((error) => error.first === first && partNamed(error.part));
+  if (rows.length === 0) return nothing;
+  return html`<div class="errors" role="group" aria-label="Expected error">
+    <h3 aria-level="2">Expected error</h3>
+    ${rows.map(row)}
+  </div>`;
+}
+
+function row({ part: name, frame, px, cm }) {
+  const { label, side } = partNamed(name);
+  const share = clamp(px / FULL_PX, 0, 1);
+  return html`<button
+    type="button"
+    class="error ${name === server.view.selected ? 'sel' : ''}"
+    title=${`Largest at frame ${frame}. Select ${label.toLowerCase()} and go there`}
+    @click=${() => visit(name, frame)}
+  >
+    <span class="cut">${label}</span>
+    <span class="bar"><i style="width:${(100 * share).toFixed(0)}%;background:var(--${side})"></i></span>
+    <span class="num">${roughError(px, cm)}</span>
+  </button>`;
+}
+
+function visit(name, frame) {
+  stopPlaying();
+  select(name);
+  goTo(frame);
+}
 
 export function segment() {
   const here = segmentsHere();

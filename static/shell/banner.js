@@ -1,16 +1,41 @@
-// A banner over the large view for what concerns everything one does: the server is gone, edits were
-// not sent, nothing can be saved, or the browser draws no bodies.
+// A banner over the large view for what concerns everything: the server is gone, edits wait.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from '../controls/elements.js';
-import { steadily } from '../controls/steady.js';
+import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
-import { isNarrow, onWidth } from './more.js';
-import { backlog, discard, release } from '../store/edits.js';
-import { hasKey } from '../store/key.js';
-import { send, sendDue } from '../store/link.js';
-import { server, ui, setUi, watch } from '../store/state.js';
+import { steadily } from '../controls/steady.js';
 import { count } from '../controls/words.js';
+import { backlog, discard, release } from '../store/edits.js';
+import { hasKey } from '../store/storage.js';
+import { lastReceived, send, sendDue } from '../store/link.js';
+import { server, setUi, ui, watch } from '../store/state.js';
+import { isNarrow, onWidth } from './more.js';
+
+const LOST_MS = 2000;
+const LONG_MS = 8000;
+
+let downSince = 0;
+ui.line = null;
+
+export function mountLine() {
+  watch(['u:connected', 'u:line', 'u:turnedAway'], () => {
+    document.documentElement.classList.toggle('no-line', ui.line !== null);
+    tick();
+  });
+  setInterval(tick, 500);
+}
+
+function tick() {
+  if (ui.connected) {
+    downSince = 0;
+    setUi('line', null);
+    return;
+  }
+  downSince ||= lastReceived();
+  const down = performance.now() - downSince;
+  if (down <= LOST_MS) return;
+  setUi('line', ui.turnedAway ? 'ended' : down > LONG_MS ? 'long' : 'lost');
+}
 
 ui.readOnlyRead = null; // the file whose banner was put away
 ui.flatRead = false;

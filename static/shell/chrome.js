@@ -1,16 +1,14 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
 import { mountAddress } from './address.js';
-import { mountBanner } from './banner.js';
+import { mountBanner, mountLine } from './banner.js';
 import { mountExportDialog } from './export_dialog.js';
 import { mountImportDialog } from './import_dialog.js';
 import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
-import { mountKeys } from './keys.js';
+import { mountKeys, mountSheet } from './keys.js';
 import { mountReview } from '../actions/review.js';
-import { mountSheet } from './keys_sheet.js';
-import { mountLine } from './line.js';
 import { mountMenus } from '../controls/menu.js';
 import { mountSearch } from './search.js';
 import { mountStatus } from './status.js';
@@ -20,7 +18,7 @@ import { mountTips } from '../controls/tips.js';
 import { mountToasts } from '../controls/toasts.js';
 import { mountTopbar } from './topbar.js';
 import { mountChooser } from '../start/chooser.js';
-import { mountDropping } from '../start/dropping.js';
+import { mountDropping } from '../start/uploading.js';
 import { mountStart } from '../start/screen.js';
 
 export function mount() {

@@ -3,13 +3,12 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
-import { words } from '../store/subject.js';
+import { words } from '../store/clip.js';
 import { frame } from '../actions/playhead.js';
-import { askWhatIsMissing, notInstalled } from '../actions/exporting.js';
+import { askWhatIsMissing, hasMotion, notInstalled, viewShown } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
 import { MOTION } from '../actions/table/export.js';
-import { hasMotion, viewShown } from '../actions/export.js';
 import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';
 import { count, joined, range } from '../controls/words.js';

@@ -2,14 +2,14 @@
 // its words, what was before as long as a button is pressed, and Undo. The next edit takes it away.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from '../controls/elements.js';
+import { addOnTop } from '../controls/focus.js';
 import { actionButton } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, watch } from '../store/state.js';
 import { onViews } from '../views/views.js';
 import { onInteraction } from '../handles/interaction.js';
-import { isDragCoveredBy } from '../handles/covered_by.js';
+import { isDragCoveredBy } from '../handles/floating.js';
 import { placeInCorner } from '../guide/places.js';
 
 let corner = null; // where the card stands

@@ -1,16 +1,19 @@
-// The keyboard: a chord is looked up in the table of actions, wherever the focus is.
+// The keyboard: a chord is looked up in the table of actions; the sheet of keys.
 
-import { server, ui, setUi } from '../store/state.js';
-import { BY_CHORD, perform, WHILE_PLAYING } from '../actions/actions.js';
-import { closeSheets } from '../controls/dialogs.js';
-import { keepsKey, leaveControl } from '../controls/focus.js';
-import { closeMenu } from '../controls/menu.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { BY_CHORD, keySheet, perform, spell, WHILE_PLAYING } from '../actions/actions.js';
 import { awaitPaste, mountPaste } from '../actions/copying.js';
-import { clearSelection } from '../actions/selection.js';
-import { closeGuide } from '../guide/guide.js';
-import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
-import { discardReduction, onReductionKey } from '../actions/reducing.js';
+import {
+  discardReduction, discardSizes, lookBack, onPreviewKey, onReductionKey,
+} from '../actions/proposals.js';
 import { closeReview, onReviewKey } from '../actions/review.js';
+import { clearSelection } from '../actions/selection.js';
+import { closeSheets, mountDialog, toggleSheet } from '../controls/dialogs.js';
+import { keepsKey, leaveControl } from '../controls/focus.js';
+import { icon } from '../controls/icons.js';
+import { closeMenu } from '../controls/menu.js';
+import { closeGuide, openGuide } from '../guide/guide.js';
+import { server, setUi, ui } from '../store/state.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
 
@@ -110,4 +113,38 @@ function onKeyUp(event) {
   if (event.key !== ' ' || !ui.space) return;
   setUi('space', false);
   if (!space.isUsed) perform('play');
+}
+
+export function mountSheet() {
+  mountDialog({ id: 'keys-sheet', label: 'Keys', name: 'sheet', names: ['file'], draw: sheet });
+}
+
+function sheet() {
+  return html`<div class="in">
+    <div class="row sheethead">
+      <span class="title">Keys</span><span class="sp"></span>
+      ${server.file
+        ? html`<button class="btn sm ghost" @click=${showGuide}>Show the first-pose guide</button>`
+        : nothing}
+      <button class="ib" title="Close" data-key="Esc" aria-label="Close" autofocus @click=${toggleSheet}>
+        ${icon('x')}
+      </button>
+    </div>
+    <div class="th3">${keySheet().map(group)}</div>
+  </div>`;
+}
+
+function group({ title, lines }) {
+  return html`<div>
+    <h3>${title}</h3>
+    ${lines.map(
+      ({ words, keys }) =>
+        html`<div class="kl"><span>${words}</span>${keys.map((chord) => html`<kbd>${spell(chord)}</kbd>`)}</div>`,
+    )}
+  </div>`;
+}
+
+function showGuide() {
+  setUi('sheet', null);
+  openGuide();
 }

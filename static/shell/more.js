@@ -5,7 +5,7 @@ import { menuItem } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
 import { heading, line, menuButton, menuHolder } from '../controls/menu.js';
 import { server } from '../store/state.js';
-import { words } from '../store/subject.js';
+import { words } from '../store/clip.js';
 
 const NARROW = matchMedia('(max-width: 799px)');
 const TINY = matchMedia('(max-width: 439px)');

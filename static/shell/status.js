@@ -7,7 +7,7 @@ import { icon } from '../controls/icons.js';
 import { backlog } from '../store/edits.js';
 import { server, ui, watch } from '../store/state.js';
 import { selectedPart } from '../store/parts.js';
-import { pinHints } from '../timeline/edit/pin_drags.js';
+import { pinHints } from '../timeline/edit/mark_drags.js';
 import { reviewHints } from '../actions/review.js';
 import { rangeHints } from '../timeline/edit/range_drags.js';
 import { guideHints } from '../guide/guide.js';

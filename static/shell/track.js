@@ -8,7 +8,7 @@ import { changedSegments, isFirstTrack, namesOf, whyNotTrack } from '../actions/
 import { icon } from '../controls/icons.js';
 import { line, menuHolder, toggleMenu } from '../controls/menu.js';
 import { range } from '../controls/words.js';
-import { words } from '../store/subject.js';
+import { words } from '../store/clip.js';
 
 export function liveSwitch() {
   return html`<button

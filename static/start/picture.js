@@ -2,7 +2,7 @@
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { fetchOwn } from '../store/key.js';
+import { fetchOwn } from '../store/storage.js';
 
 const MOST_AT_A_TIME = 3;
 const MOST_KEPT = 400;

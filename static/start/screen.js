@@ -1,7 +1,7 @@
 // The start screen: what to see while nothing is open.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { addOnTop } from '../controls/elements.js';
+import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';

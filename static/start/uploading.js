@@ -1,14 +1,15 @@
-// Bringing a video from elsewhere on the computer into Keypose's folder, with progress and Cancel.
+// Bringing a video from elsewhere into Keypose's folder: chosen, or dropped on the window.
 
-import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { importFile, importOpenPose, isImported, isOpenPose } from '../actions/importing.js';
+import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
-import { keyHeader } from '../store/key.js';
-import { send } from '../store/link.js';
-import { server, ui, setUi } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
+import { keyHeader } from '../store/storage.js';
 import { isVideoName } from '../store/library.js';
+import { send } from '../store/link.js';
+import { server, setUi, ui, watch } from '../store/state.js';
 
 const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like';
 
@@ -118,3 +119,70 @@ function tooLarge({ name, size }, most) {
   const words = `${name} is too large to copy. It has ${bytes(size)}, ${bytes(most)} are allowed: put it into a folder that Keypose sees, then Choose a video…`;
   toast({ kind: 'check', words });
 }
+
+export function mountDropping() {
+  const place = addOnTop('drop', 'div');
+  watch(['file', 'u:dropping', 'u:upload'], () => render(overlay(), place));
+  addEventListener('dragenter', over);
+  addEventListener('dragover', over);
+  addEventListener('dragleave', (event) => event.relatedTarget === null && setUi('dropping', false));
+  addEventListener('drop', onDrop);
+}
+
+/** On the start screen the drop zone itself answers. */
+function overlay() {
+  if (!server.file) return nothing;
+  if (ui.upload) return html`<div class="copying">${uploadCard()}</div>`;
+  if (!ui.dropping) return nothing;
+  return html`<div class="veil"><div>Drop a video to open it, or motion, keypoints or a camera to import them into ${server.file.name}.</div></div>`;
+}
+
+function over(event) {
+  if (!hasFiles(event)) return;
+  event.preventDefault();
+  event.dataTransfer.dropEffect = 'copy';
+  setUi('dropping', true);
+}
+
+function onDrop(event) {
+  if (!hasFiles(event)) return;
+  event.preventDefault();
+  setUi('dropping', false);
+  const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
+  const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
+  if (folder) {
+    if (server.file) openFolder(folder);
+    else refuseFolder(folder);
+    return;
+  }
+  takeFiles([...event.dataTransfer.files]);
+}
+
+/** What OpenPose wrote is imported; any other folder is opened where it lies. */
+async function openFolder(folder) {
+  const files = (await entriesOf(folder)).filter((entry) => entry.isFile && isOpenPose(entry));
+  if (!files.length) {
+    refuseFolder(folder);
+    return;
+  }
+  const read = files.map((entry) => new Promise((resolve, reject) => entry.file(resolve, reject)));
+  importOpenPose(folder.name, await Promise.all(read));
+}
+
+/** All that lies in a folder; a browser gives it piece by piece. */
+async function entriesOf(folder) {
+  const reader = folder.createReader();
+  const found = [];
+  for (;;) {
+    const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (!some.length) return found;
+    found.push(...some);
+  }
+}
+
+function refuseFolder({ name }) {
+  const words = `${name} is a folder. A folder of images or meshes is opened where it lies: choose it in the list.`;
+  toast({ kind: 'check', words });
+}
+
+const hasFiles = (event) => event.dataTransfer?.types.includes('Files') ?? false;

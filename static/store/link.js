@@ -2,7 +2,7 @@
 // edits.js until the server has them on its disk, also while the line is down.
 
 import { acknowledge, due, keep, settle } from './edits.js';
-import { fetchOwn, keyProtocols } from './key.js';
+import { fetchOwn, keyProtocols } from './storage.js';
 import { setUi, applySections, ui } from './state.js';
 
 const SILENT_MS = 3000; // the server says something every second

@@ -1,5 +1,6 @@
-// What a browser keeps for this page: over visits, or for one tab over a reload. A browser that keeps
-// nothing, or has no room left, has it at least as long as the page is.
+// What a browser keeps for this page: over visits, or for one tab; and the key of its origin. A
+// browser that keeps nothing, or has no room left, has it at least as long as the page is. Cookies go
+// to every server on this host, whatever its port; what is stored for the origin stays here.
 
 import { ui, watch } from './state.js';
 
@@ -50,3 +51,23 @@ export function mountMemory() {
 }
 
 const keyOf = (name) => `keypose.${name}`;
+
+const NAME = 'keypose.key';
+
+/** The newest: another tab may have been let in anew. */
+function key() {
+  return inBrowser.read(NAME) ?? ''; // without one this browser is not let in
+}
+
+/** Fetch from this page's own server. */
+export function fetchOwn(path, options = {}) {
+  return fetch(path, { ...options, headers: { ...options.headers, ...keyHeader() } });
+}
+
+/** Whether it has one: a browser whose stored data was cleared has not. */
+export const hasKey = () => key() !== '';
+
+export const keyHeader = () => ({ 'X-Keypose-Key': key() });
+
+/** The subprotocols of the line of events: a page can give a socket no header. */
+export const keyProtocols = () => ['keypose', `keypose-key.${key()}`];

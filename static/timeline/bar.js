@@ -4,7 +4,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
-import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
+import { applySizes, isPreview, outdatedWords } from '../actions/proposals.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { isElsewhere, isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
@@ -12,13 +12,11 @@ import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.j
 import { isUnderWay, noMotionYet } from '../actions/tracking.js';
 import { contradicted, contradictions, proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
-import { count } from '../controls/words.js';
+import { count, VERDICTS } from '../controls/words.js';
 import { dropdown } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
-import { VERDICTS } from '../controls/verdicts.js';
-import { frameCount, lastFrame } from '../store/clip.js';
+import { frameCount, isSurface, lastFrame, words as subject } from '../store/clip.js';
 import { server, setUi, ui } from '../store/state.js';
-import { isSurface, words as subject } from '../store/subject.js';
 import { drawZoomHint } from './edit/opening.js';
 
 /** @param {import('../actions/actions.js').ActionId} id */

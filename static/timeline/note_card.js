@@ -8,7 +8,7 @@ import { lastFrame } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { icon } from '../controls/icons.js';
-import { standAt } from '../controls/popup.js';
+import { standAt } from '../controls/menu.js';
 import { GUTTER, right, x } from './draw/scale.js';
 
 const ABOVE_PX = 6;

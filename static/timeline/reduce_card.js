@@ -4,10 +4,10 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import {
   applyReduction, discardReduction, isReducing, limbToReduce, reductionMessage, USUAL,
-} from '../actions/reducing.js';
+} from '../actions/proposals.js';
 import { checkbox, numberField, segmented, slider } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
-import { standAt } from '../controls/popup.js';
+import { standAt } from '../controls/menu.js';
 import { count, range } from '../controls/words.js';
 import { partNamed } from '../store/parts.js';
 import { send } from '../store/link.js';

@@ -2,7 +2,7 @@
 
 import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
-import { isSurface } from '../store/subject.js';
+import { isSurface } from '../store/clip.js';
 import { cameraEye } from './cameras.js';
 import { dropped, gridPaths } from './floor.js';
 import { feetMiddle } from './freescene.js';

@@ -2,7 +2,7 @@
 
 import { server, ui, setUi, watch } from '../store/state.js';
 import { clampFrame } from '../store/clip.js';
-import { fetchOwn } from '../store/key.js';
+import { fetchOwn } from '../store/storage.js';
 import { listen, send } from '../store/link.js';
 import { changedAt, dueAt, framesAhead, rangeToPlay } from './clock.js';
 

@@ -1,8 +1,82 @@
-// viser's page in an iframe, reduced to a picture: it draws and does nothing else. It is of our own
-// origin, so the page reaches in through the handle viser leaves on its window.
+// viser's page in an iframe, reduced to a picture: it draws and does nothing else. Applied before
+// every picture, since viser may have made a node anew.  Over the film the body is one translucent
+// sheet: its opaque solids are drawn first, without colour, so that of everything else only what lies
+// in front is seen.  In the small views an observed surface is such a sheet too, after the body that
+// stands in it: its nearest layer is drawn without colour, and then that layer alone with its colours.
+// Left alone, each page would try once a second and break off the attempt before. But a browser puts
+// attempts off by seconds once many have failed, so that none would ever succeed. Hence the page lets
+// them try: seldom, and only while it is connected itself. It is of our own origin, so the page
+// reaches in through the handle viser leaves on its window.
 
-import { applyLooks } from './looks.js';
-import { reconnectSeldom } from './reconnect.js';
+import { ui, watch } from '../store/state.js';
+
+const FIRST = -1;
+const [BEHIND_SHEET, SHEET] = [1, 2];
+
+/** By view and by the kind of node, which is one of the last three words of its name. */
+const LOOKS = {
+  main: {
+    solid: { order: FIRST, colorWrite: false },
+    wires: { transparent: true, opacity: 0.38, depthWrite: false },
+    ghost: { transparent: true, opacity: 0.75, depthWrite: false },
+    trail: { depthTest: false, transparent: true, depthWrite: false },
+  },
+  small: {
+    ghost: { transparent: true, opacity: 0.6, depthWrite: false },
+    trail: { depthTest: false, transparent: true, depthWrite: false },
+    surface: {
+      depth: { order: BEHIND_SHEET, transparent: true, colorWrite: false, depthWrite: true },
+      sheet: { order: SHEET, transparent: true, opacity: 0.42, depthWrite: false },
+    },
+  },
+};
+
+/** Apply the looks to the nodes of one view; `nodes` are three.js objects by name. */
+export function applyLooks(role, nodes) {
+  const looks = LOOKS[role] ?? LOOKS.small;
+  for (const name in nodes) {
+    const words = name.split('/');
+    const look = looks[words.at(-1)] ?? looks[words.at(-2)] ?? looks[words.at(-3)];
+    if (look) nodes[name]?.traverse((object) => applyLook(object, look));
+  }
+}
+
+/** A look may differ by the name of what an object is made of. */
+function applyLook(object, look) {
+  if (!object.material) return;
+  const { order = 0, ...values } = look[object.material.name] ?? look;
+  object.renderOrder = order;
+  for (const [key, value] of Object.entries(values)) {
+    if (object.material[key] !== value) object.material[key] = value;
+  }
+}
+
+/** Longer than an attempt can take: viser ends it after five seconds. */
+const AGAIN_MS = 7000;
+
+/** Reconnect viser's page in this window; returns how to stop. */
+export function reconnectSeldom(window) {
+  let tried = performance.now(); // a new page tries by itself
+  let may = false;
+  // viser asks for the focus only when it is not connected.
+  window.document.hasFocus = () => {
+    if (may) tried = performance.now();
+    return may;
+  };
+  const reconnect = () => {
+    if (!ui.connected || performance.now() - tried < AGAIN_MS) return;
+    may = true;
+    window.dispatchEvent(new Event('focus')); // tries now, and would again each second
+    may = false;
+    window.dispatchEvent(new Event('blur')); // but does not
+  };
+  const unwatch = watch(['u:connected'], reconnect);
+  const timer = setInterval(reconnect, AGAIN_MS);
+  return () => {
+    unwatch();
+    clearInterval(timer);
+  };
+}
 
 const BARE = `
   html, body, body * { background: transparent !important; }

@@ -5,9 +5,8 @@ import { CameraView } from './cameraview.js';
 import { FreeView } from './freeview.js';
 import { mountFrames } from './frames.js';
 import { mountLayout, showLarge } from './layout.js';
-import { mountPace } from './pace.js';
+import { ALL_VIEWS, mountPace, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 import { SideView } from './sideview.js';
-import { ALL_VIEWS, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 
 export { ALL_VIEWS, onViews, showLarge, VIEW_KEYS, VIEW_NAMES, VIEWS };
 

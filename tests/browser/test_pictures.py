@@ -28,7 +28,7 @@ async () => {
 
 MOTION = """
 async () => {
-  const { fetchOwn } = await window.keypose.module('store/key.js');
+  const { fetchOwn } = await window.keypose.module('store/storage.js');
   return (await fetchOwn('/motion?format=bvh')).text();
 }
 """

@@ -6,7 +6,7 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { beforeEach, test } from 'node:test';
 import { BY_CHORD, keySheet, labelOf, perform, titleOf, whyNot } from '../../static/actions/actions.js';
 import { ACTIONS, GROUPS } from '../../static/actions/table.js';
-import { isFine, modifiers, watchKeys } from '../../static/handles/pressed_keys.js';
+import { isFine, modifiers, watchKeys } from '../../static/handles/drag.js';
 import { server, ui } from '../../static/store/state.js';
 
 const ABOUT = {
@@ -123,7 +123,7 @@ test('menus and buttons refer to actions of the table', () => {
 });
 
 test('a menu is made of the table, and no entry is written by hand', () => {
-  const menus = ['shell/file_menu.js', 'shell/export_menu.js', 'shell/topbar.js', 'shell/track.js', 'timeline/edit/menus.js'];
+  const menus = ['shell/export_menu.js', 'shell/topbar.js', 'shell/track.js', 'timeline/edit/menus.js'];
   for (const name of menus) {
     const text = readFileSync(new URL(name, STATIC), 'utf8');
     assert.match(text, /menuItem\(/, name);

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { CONTEXTS, contextEntries, menusWith } from '../../static/actions/context_menus.js';
 import { ACTIONS } from '../../static/actions/table.js';
-import { beginTyping, typedTo } from '../../static/controls/typeahead.js';
+import { beginTyping, typedTo } from '../../static/controls/menu.js';
 import { server } from '../../static/store/state.js';
 
 beforeEach(() => {

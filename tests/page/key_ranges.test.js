@@ -3,7 +3,7 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import * as ranges from '../../static/actions/key_ranges.js';
+import * as ranges from '../../static/actions/selection.js';
 
 const KEYS = [0, 12, 24, 48, 72];
 

@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
 import { noteBeside, noteLine, noteMessage } from '../../static/actions/notes.js';
 import { server } from '../../static/store/state.js';
-import { noteMarkAt } from '../../static/timeline/draw/notes.js';
+import { noteMarkAt } from '../../static/timeline/draw/rulermarks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {

@@ -5,7 +5,7 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { neighboursOf } = await import('../../static/handles/offline.js');
+const { neighboursOf } = await import('../../static/handles/drag.js');
 
 const PARTS = [
   { name: 'chest', parent: null, landmarks: [] },

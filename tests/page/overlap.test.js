@@ -3,7 +3,7 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { after, asBefore, likeliestFirst, meant, whichOf } from '../../static/handles/overlap.js';
+import { after, asBefore, likeliestFirst, meant, whichOf } from '../../static/handles/targets.js';
 
 const handle = (part) => ({ key: `grip:${part}`, part });
 const [hand, hip, knee] = ['hand', 'hip', 'knee'].map(handle);

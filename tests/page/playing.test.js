@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import * as playing from '../../static/actions/playing.js';
 import { WHILE_PLAYING, BY_CHORD } from '../../static/actions/actions.js';
 import { server, ui } from '../../static/store/state.js';
-import { spanEndAt } from '../../static/timeline/draw/span.js';
+import { spanEndAt } from '../../static/timeline/draw/rulermarks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {

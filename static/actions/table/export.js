@@ -1,9 +1,10 @@
 // Motion, films, pictures and reports as files.
 
 import { server, setUi, ui } from '../../store/state.js';
-import { words } from '../../store/subject.js';
-import { askWhatIsMissing, usualOptions } from '../exporting.js';
-import { FILTER_HZ, hasMotion, saveMotion, saveReport } from '../export.js';
+import { words } from '../../store/clip.js';
+import {
+  askWhatIsMissing, FILTER_HZ, hasMotion, saveMotion, saveReport, usualOptions,
+} from '../exporting.js';
 
 /** @typedef {import('./action.js').Action} Action */
 

@@ -5,7 +5,7 @@ import { goTo, middle, next, step, suggestedFrame, toFirst, toKey, toLast } from
 import {
   clearSpan, playBack, playFaster, playSlower, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay,
 } from '../playing.js';
-import { atFirst, atLast, noKeyframe } from '../reasons.js';
+import { atFirst, atLast, noKeyframe } from '../tracking.js';
 import { isZoomed, zoomTo, zoomToInterval } from '../window.js';
 
 /** @typedef {import('./action.js').Action} Action */

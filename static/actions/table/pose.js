@@ -2,17 +2,18 @@
 
 import { selectedPart } from '../../store/parts.js';
 import { server } from '../../store/state.js';
-import { words } from '../../store/subject.js';
+import { words } from '../../store/clip.js';
 import { count } from '../../controls/words.js';
-import { copy, copyWords, nothingCopied, pasteWith, whyNotCopy } from '../copying.js';
+import {
+  copy, copyWords, insertTitle, keepMessage, nothingCopied, pasteWith, whyNotCopy, whyNotInsert,
+  whyNotKeep,
+} from '../copying.js';
 import { copyKey, whyNotCopyHere } from '../keying.js';
 import { fitsFocal } from '../lens.js';
 import { frame, keyBeside } from '../playhead.js';
-import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from '../poses.js';
 import { addPart, carrier, deleteTitle, whyNotDeletePart } from '../parts.js';
-import { noKeyframe, whyNotFitPose, whyNotFitSizes, whyNotSwap } from '../reasons.js';
+import { noKeyframe, whyNotFitPose, whyNotFitSizes, whyNotSwap, whyNotTracked } from '../tracking.js';
 import { keysLimb } from '../review.js';
-import { whyNotTracked } from '../tracking.js';
 
 /** @typedef {import('./action.js').Action} Action */
 

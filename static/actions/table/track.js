@@ -1,17 +1,53 @@
-// Tracking, drafting, reducing; what is wrong; commands and keys.
+// Tracking, drafting, reducing, reviewing; what is wrong; commands and keys.
 
 import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
-import { server, setUi } from '../../store/state.js';
-import { words } from '../../store/subject.js';
 import { count } from '../../controls/words.js';
+import { server, setUi } from '../../store/state.js';
+import { words } from '../../store/clip.js';
 import { draftCount, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
-import { beginReduction, whyNotReduce } from '../reducing.js';
+import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
-  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged, whyNotTrackThis,
+  answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
+} from '../review.js';
+import {
+  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged,
+  whyNotTrackThis,
 } from '../tracking.js';
 
 /** @typedef {import('./action.js').Action} Action */
+
+/** @satisfies {Record<string, Action>} */
+export const REVIEW = {
+  review: {
+    also: 'worst errors problems check correct verify quality inspect',
+    label: 'Review', icon: 'flag', keys: ['Shift R'], on: isReviewing, off: whyNotReview, run: toggleReview,
+    title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
+  },
+  acceptPlace: {
+    also: 'confirm ok right review', alone: 'Accept this place',
+    label: () => (isElsewhere() ? `Back to ${place().frame}` : 'Accept'),
+    title: () => (isElsewhere() ? 'Go to the place that is reviewed' : 'The motion is right here'), keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
+    run: () => answer('accepted'),
+  },
+  nextPlace: {
+    label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(1),
+    also: 'review skip later', alone: 'Next place to review',
+  },
+  previousPlace: {
+    label: 'Previous', keys: ['Shift N'], row: 'In review: next, previous', handledBy: 'review', off: whyNoPlace, run: () => turn(-1),
+    also: 'review back', alone: 'Previous place to review',
+  },
+  cannotTell: {
+    also: 'review unclear hidden unknown skip', alone: 'Cannot tell at this place',
+    label: 'Cannot tell', title: 'The picture does not show it: leave this place open and do not ask again', keys: ['Shift Enter'],
+    row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace, run: () => answer('unclear'),
+  },
+  continueReview: {
+    also: 'resume review left', alone: 'Continue the review',
+    label: 'Continue', icon: 'flag', title: () => `Review: ${count(places().length, 'place')} left`, off: whyNotReview, run: toggleReview,
+  },
+};
 
 /** @satisfies {Record<string, Action>} */
 export const TRACK = {

@@ -1,12 +1,54 @@
-// Views and what is drawn in them.
+// Views, tools and the part that is selected; keys pressed during a drag.
 
+import { partNamed, selectedPart } from '../../store/parts.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../../views/views.js';
-import { copyPicture, savePicture } from '../export.js';
+import { copyPicture, savePicture } from '../exporting.js';
 import { ringsAreShown } from '../keypoints.js';
-import { foldLanes } from '../lanes.js';
+import { alongChain, endOfChain, otherSide, outward } from '../parts.js';
+import { hasNoChild, isRoot, noOtherSide } from '../tracking.js';
+import { foldLanes } from '../window.js';
 
 /** @typedef {import('./action.js').Action} Action */
+
+/** @satisfies {Record<string, Action>} */
+export const TOOLS = {
+  select: { also: 'pointer cursor tool arrow', alone: 'Select tool', label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
+  rotate: { also: 'turn spin tool rings gizmo', alone: 'Rotate tool', label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
+  move: {
+    label: 'Move body', title: 'Move or turn the whole body, hands and feet go along', icon: 'move', keys: ['G'], ...tool('move'),
+    also: 'translate position root grab whole body',
+  },
+  ends: { also: 'ik inverse kinematics pull limbs tool', label: 'Drag hands and feet', icon: 'ik', keys: ['E'], ...tool('ends') },
+  size: { also: 'scale resize lengths tool bones', alone: 'Sizes tool', label: 'Sizes', icon: 'size', keys: ['S'], ...tool('size') },
+  pan: { also: 'hand scroll tool', alone: 'Pan tool', label: 'Pan and zoom', icon: 'hand', ...tool('pan') },
+  otherSide: {
+    also: 'mirror opposite left right select',
+    label: 'Other side of the body', icon: 'mirror', keys: ['Q'], repeats: true, off: noOtherSide, run: otherSide,
+  },
+  inward: {
+    also: 'parent up chain select',
+    label: () => towards('body', partNamed(selectedPart()?.parent)), icon: 'sb', keys: ['['], row: 'Along the limb',
+    repeats: true, off: isRoot, run: () => alongChain(-1),
+  },
+  outward: {
+    also: 'child down chain select',
+    label: outwardLabel, icon: 'sf', keys: [']'],
+    row: 'Along the limb', repeats: true, off: hasNoChild, run: () => alongChain(1),
+  },
+};
+
+function tool(name) {
+  return { on: () => ui.tool === name, run: () => setUi('tool', name) };
+}
+
+const towards = (end, part) => `Towards the ${end}${part ? `: ${part.label.toLowerCase()}` : ''}`;
+
+function outwardLabel() {
+  const part = selectedPart();
+  const child = part && outward(part);
+  return child ? towards(endOfChain(part).short.toLowerCase(), child) : 'Towards the end of the limb';
+}
 
 /** @satisfies {Record<string, Action>} */
 export const VIEW = {
@@ -78,3 +120,15 @@ function mode(label) {
 }
 
 const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];
+
+/** @satisfies {Record<string, Action>} */
+export const DRAGGING = {
+  fine: { also: 'slow precise precision', label: 'Fine, one tenth', keys: ['Shift'], handledBy: 'drag' },
+  snapAngle: { also: 'snap step degrees increments', label: '5° steps', keys: ['Ctrl'], row: '5° or 1 cm steps', handledBy: 'drag' },
+  snapLength: { also: 'snap step grid increments', label: '1 cm steps', keys: ['Ctrl'], row: '5° or 1 cm steps', handledBy: 'drag' },
+  depth: { also: 'distance z push pull', label: 'Nearer or farther', keys: ['D'], handledBy: 'drag' },
+  carry: { also: 'unlock release ends follow', label: 'Take the rest along', keys: ['Alt'], handledBy: 'drag' },
+  free: { also: 'unlock limits joint range', label: 'Ignore joint limits', keys: ['U'], handledBy: 'drag' },
+  oneAxis: { also: 'constrain lock axis xyz', label: 'One axis', keys: ['X', 'Y', 'Z'], handledBy: 'drag' },
+  cancelDrag: { alone: 'Cancel the drag', label: 'Cancel', keys: ['Escape'], handledBy: 'drag' },
+};

@@ -3,22 +3,20 @@
 
 import { render } from '../../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../../store/state.js';
-import { isSurface } from '../../store/subject.js';
+import { isSurface } from '../../store/clip.js';
 import { frame, segmentAt, suggestedFrame } from '../../actions/playhead.js';
 import { selectedKeys } from '../../actions/selection.js';
 import { selectFrom } from '../edit/drags.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
-import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
+import {
+  drawCurrent, drawCurrentPart, drawKeys, drawNeed, drawPartKeys, drawSuggestion,
+} from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
-import { drawReduced } from './reduced.js';
-import { drawReviewPlaces } from './places.js';
-import { drawCurrentPart, drawPartKeys } from './partmarks.js';
+import { drawNotes, drawReduced, drawReviewPlaces, drawSpan } from './rulermarks.js';
 import { drawSegments } from './segments.js';
-import { drawNotes } from './notes.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawGrips, drawSelectionBand } from './selection.js';
-import { drawSpan } from './span.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';

@@ -3,8 +3,7 @@
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server, ui } from '../../store/state.js';
-import { isSurface } from '../../store/subject.js';
-import { damageWords, frameCount, lastFrame } from '../../store/clip.js';
+import { damageWords, frameCount, isSurface, lastFrame } from '../../store/clip.js';
 import { GUTTER, pxPerFrame, right, RULER, rulerStep, visible, x } from './scale.js';
 import { hasCurve } from './curve.js';
 

@@ -1,15 +1,74 @@
-// The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus; and along the foot of
-// their row, as a low hill, what one keyframe more would mend at each frame.
+// The keyframes as diamonds, those of parts half filled.
 
-import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { partKeyAt, partKeys } from '../../actions/parts.js';
+import { isSoft } from '../../actions/pins.js';
+import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
+import { isReviewing } from '../../actions/review.js';
+import { clamp } from '../../controls/arithmetic.js';
 import { server } from '../../store/state.js';
 import { singleDrafts } from './drafts.js';
 import { GUTTER, right, visible, x } from './scale.js';
-import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
-import { isSoft } from '../../actions/pins.js';
-import { isReviewing } from '../../actions/review.js';
 import { extent, numbers } from './series.js';
+
+const PART_RADIUS = 7.5;
+const PART_REACH = 11;
+
+/**
+ * How a part keyframe is filled: below the middle in its limb's colour, of two limbs left and right in
+ * theirs, of more in that of the trunk. [side, path] for each colour, about a point.
+ * @param {{ side: string }[]} limbs
+ * @returns {['L' | 'R' | 'C', string][]}
+ */
+export function fillsOf(limbs, cx, cy, r) {
+  const side = (limb) => /** @type {'L' | 'R' | 'C'} */ (limb.side);
+  if (limbs.length === 2) {
+    return [
+      [side(limbs[0]), `M${cx} ${cy - r}l${-r} ${r} ${r} ${r}z`],
+      [side(limbs[1]), `M${cx} ${cy - r}l${r} ${r}-${r} ${r}z`],
+    ];
+  }
+  return [[limbs.length === 1 ? side(limbs[0]) : 'C', `M${cx - r} ${cy}h${2 * r}l${-r} ${r}z`]];
+}
+
+/** The outline in as many colours: whole, or a half for each of two limbs. */
+function outlinesOf(fills, cx, cy, r) {
+  if (fills.length === 1) return [[fills[0][0], `M${cx} ${cy - r}l${r} ${r}-${r} ${r}-${r}-${r}z`]];
+  return [
+    [fills[0][0], `M${cx} ${cy - r}l${-r} ${r} ${r} ${r}`],
+    [fills[1][0], `M${cx} ${cy - r}l${r} ${r}-${r} ${r}`],
+  ];
+}
+
+/** One mark about a point. */
+function partMark(limbs, cx, cy, kind = '') {
+  const fills = fillsOf(limbs, cx, cy, PART_RADIUS);
+  return svg`<g class=${`partkey ${kind}`}>
+    <path class="ground" d=${`M${cx} ${cy - PART_RADIUS}l${PART_RADIUS} ${PART_RADIUS}-${PART_RADIUS} ${PART_RADIUS}-${PART_RADIUS}-${PART_RADIUS}z`} />
+    ${fills.map(([side, d]) => svg`<path class=${`fill ${side}`} d=${d} />`)}
+    ${outlinesOf(fills, cx, cy, PART_RADIUS).map(([side, d]) => svg`<path class=${`line ${side}`} d=${d} />`)}</g>`;
+}
+
+/** All of them, but for those that are on their way elsewhere. */
+export function drawPartKeys(rows, without = []) {
+  const { first, last } = visible();
+  const seen = partKeys().filter((key) => key.frame >= first - 1 && key.frame <= last + 1);
+  return seen.filter((key) => !without.includes(key.frame)).map((key) => partMark(key.limbs, x(key.frame), rows.keys.middle));
+}
+
+/** The one under the playhead, ringed in the accent. */
+export function drawCurrentPart(rows) {
+  const key = partKeyAt(frame());
+  return key ? partMark(key.limbs, x(key.frame), rows.keys.middle, 'current') : null;
+}
+
+/** The frame of the part keyframe at a pixel, or null. */
+export function partNear(px) {
+  if (px < GUTTER || px > right() + PART_RADIUS) return null;
+  const apart = (key) => Math.abs(x(key.frame) - px);
+  const near = partKeys().filter((key) => apart(key) <= PART_REACH).sort((a, b) => apart(a) - apart(b));
+  return near[0]?.frame ?? null;
+}
 
 const RADIUS = 6.5;
 const CURRENT = 8;

@@ -4,11 +4,11 @@ import { clamp } from '../../controls/arithmetic.js';
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { suggestedFrame } from '../../actions/playhead.js';
-import { partKeys } from '../../actions/limbs.js';
+import { partKeys } from '../../actions/parts.js';
 import { singleDrafts } from './drafts.js';
 import { BAR, GUTTER, right, visible, x } from './scale.js';
 import { lastFrame } from '../../store/clip.js';
-import { VERDICTS } from '../../controls/verdicts.js';
+import { VERDICTS } from '../../controls/words.js';
 
 const BESIDE_DIAMOND = 8;
 const FILLS = { check: 'url(#tl-check)', lost: 'url(#tl-lost)' };

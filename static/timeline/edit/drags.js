@@ -2,14 +2,14 @@
 
 import { server } from '../../store/state.js';
 import { send } from '../../store/link.js';
-import { Stroke } from '../../controls/stroke.js';
+import { Stroke } from '../../controls/gesture.js';
 import { select } from '../../store/parts.js';
 import { clampFrame } from '../../store/clip.js';
 import { frameAt, x } from '../draw/scale.js';
 import {
   glideTo, goTo, isKey, keyFrames, stopPlaying, settle, suggestedFrame, draftFrames,
 } from '../../actions/playhead.js';
-import { partKeyAt, partKeys } from '../../actions/limbs.js';
+import { partKeyAt, partKeys } from '../../actions/parts.js';
 import { grabbed, setGrabbed } from './pointer.js';
 import { nearest } from '../draw/keymarks.js';
 import { partMeant } from '../draw/lanes.js';

@@ -1,37 +1,34 @@
-// What the pointer does on the drawing: what is under it, and the gesture that begins there.
+// What the pointer and the keys do on the drawing, and the gesture that begins there.
 
-import { server, ui } from '../../store/state.js';
-import { follow } from '../../controls/gesture.js';
-import { isSurface } from '../../store/subject.js';
 import { perform } from '../../actions/actions.js';
-import { clampFrame } from '../../store/clip.js';
-import { BAR, frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
-import { isZoomed, scrollBy } from '../../actions/window.js';
-import { barOf } from '../draw/segments.js';
-import { visitOrOpen } from '../../actions/review.js';
-import { placeNear } from '../draw/drafts.js';
-import { reviewPlaceNear } from '../draw/places.js';
-import { keyNear } from '../draw/keymarks.js';
-import { partNear } from '../draw/partmarks.js';
-import { partKeyAt } from '../../actions/limbs.js';
-import { curveKeyNear } from '../draw/curve.js';
-import { laneAt } from '../draw/lanes.js';
-import { pinAt, proposalOf } from '../draw/pins.js';
-import { noteMarkAt } from '../draw/notes.js';
-import { grabNote } from './note_drags.js';
-import { gripNear } from '../draw/selection.js';
-import { spanEndAt } from '../draw/span.js';
-import { grabSpanEnd, openSpanMenu } from './span_drags.js';
-import { grabOverview } from '../draw/overview.js';
-import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
-import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
-import {
-  openFramesMenu, openKeyMenu, openNoteMenu, openPinMenu, openProposalMenu, openSegmentMenu, openSelectionMenu,
-} from './menus.js';
-import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
-import { chooseOnly, clearSelection, extendTo, isSelected, selectedKeys, toggleKey } from '../../actions/selection.js';
+import { partKeyAt } from '../../actions/parts.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from '../../actions/playhead.js';
+import { visitOrOpen } from '../../actions/review.js';
+import {
+  chooseOnly, clearSelection, extendTo, isSelected, selectedKeys, toggleKey,
+} from '../../actions/selection.js';
+import { isZoomed, scrollBy } from '../../actions/window.js';
+import { follow } from '../../controls/gesture.js';
+import { clampFrame, isSurface, lastFrame } from '../../store/clip.js';
+import { server, ui } from '../../store/state.js';
+import { curveKeyNear } from '../draw/curve.js';
+import { placeNear } from '../draw/drafts.js';
+import { keyNear, partNear } from '../draw/keymarks.js';
+import { laneAt } from '../draw/lanes.js';
+import { grabOverview } from '../draw/overview.js';
+import { pinAt, proposalOf } from '../draw/pins.js';
+import { noteMarkAt, reviewPlaceNear, spanEndAt } from '../draw/rulermarks.js';
+import { BAR, frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
+import { barOf } from '../draw/segments.js';
+import { gripNear } from '../draw/selection.js';
+import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
+import {
+  openFramesMenu, openKeyMenu, openNoteMenu, openPinMenu, openProposalMenu, openSegmentMenu,
+  openSelectionMenu,
+} from './menus.js';
+import { acceptAt, grabNote, grabPin, grabProposal, grabSpanEnd, openSpanMenu } from './mark_drags.js';
 import { setHovered } from './pointer.js';
+import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
 
 const CLICK_PX = 3;
 const LONG_PRESS_MS = 500;
@@ -300,4 +297,27 @@ function wheel(event, scrollLanes) {
     return;
   }
   scrollBy(((event.deltaX || event.deltaY) * unit) / pxPerFrame());
+}
+
+const STEPS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 };
+
+/** The playhead reached with Tab: arrows, Page keys, Home and End move it, Enter opens its menu. */
+export function headKeys(drawing) {
+  drawing.addEventListener('keydown', (event) => {
+    if (!event.target.closest?.('.playhead') || event.ctrlKey || event.altKey) return;
+    if (!moveByKey(event)) return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+}
+
+function moveByKey(event) {
+  const by = STEPS[event.key];
+  stopPlaying();
+  if (by !== undefined) goTo(frame() + (event.shiftKey ? 10 * by : by));
+  else if (event.key === 'Home') goTo(0);
+  else if (event.key === 'End') goTo(lastFrame());
+  else if (event.key === 'Enter') openMenuAtHead();
+  else return false;
+  return true;
 }

@@ -5,16 +5,14 @@ import { menuItem } from '../../actions/buttons.js';
 import { contextEntries } from '../../actions/context_menus.js';
 import { noteAt, noteLine } from '../../actions/notes.js';
 import { placeForCopy } from '../../actions/keying.js';
-import { partKeyAt } from '../../actions/limbs.js';
+import { partKeyAt } from '../../actions/parts.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { selectedKeys } from '../../actions/selection.js';
 import { allPins, framesOf } from '../../actions/pins.js';
 import { icon } from '../../controls/icons.js';
 import { content, heading, line, openMenuAt } from '../../controls/menu.js';
-import { VERDICTS } from '../../controls/verdicts.js';
-import { count, range } from '../../controls/words.js';
-import { lastFrame } from '../../store/clip.js';
-import { words as subject } from '../../store/subject.js';
+import { count, range, VERDICTS } from '../../controls/words.js';
+import { lastFrame, words as subject } from '../../store/clip.js';
 
 export function openKeyMenu(at, page) {
   if (partKeyAt(at)) {

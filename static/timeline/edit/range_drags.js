@@ -2,8 +2,9 @@
 // selection stretch it. An edit is sent when the pointer is released.
 
 import { clampFrame, lastFrame } from '../../store/clip.js';
-import { selectBetween, retime, selectedKeys, selectKeys, whyNotAt } from '../../actions/selection.js';
-import { shifted, stretched } from '../../actions/key_ranges.js';
+import {
+  retime, selectBetween, selectedKeys, selectKeys, shifted, stretched, whyNotAt,
+} from '../../actions/selection.js';
 import { frame, stopPlaying } from '../../actions/playhead.js';
 import { keyOf } from '../../actions/actions.js';
 import { reveal } from '../../actions/window.js';

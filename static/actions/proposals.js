@@ -1,12 +1,49 @@
-// The motion reduced to keyframes: begun, with another tolerance, applied or discarded. Until then its
-// keyframes are shown on the timeline only.
+// What is shown until it is applied or discarded: new sizes, and a reduction to keyframes. Until then
+// its keyframes are shown on the timeline only.
 
-import { selectedPart } from '../store/parts.js';
 import { send } from '../store/link.js';
+import { selectedPart } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
-import { isSurface } from '../store/subject.js';
-import { isTracked } from './tracking.js';
-import { isRoot } from './reasons.js';
+import { isSurface } from '../store/clip.js';
+import { isRoot, isTracked } from './tracking.js';
+
+let isPressed = false; // whether a button or a key is held, here
+
+export const isPreview = () => Boolean(server.sizes_preview);
+
+export const applySizes = () => send({ do: 'apply_sizes' });
+
+/** Returns whether there was anything to discard. */
+export function discardSizes() {
+  if (!isPreview()) return false;
+  lookBack(false);
+  send({ do: 'discard_sizes' });
+  return true;
+}
+
+/** The body as it is, as long as something is held. */
+export function lookBack(on) {
+  if (isPressed === on) return;
+  isPressed = on;
+  if (!on || isPreview()) send({ do: 'look_before', on });
+}
+
+/** Enter and B, while new sizes are shown. */
+export function onPreviewKey(chord, event) {
+  if (!isPreview() || ui.sheet || ui.chooser || (chord !== 'Enter' && chord !== 'B')) return false;
+  event.preventDefault();
+  if (event.repeat) return true;
+  if (chord === 'Enter') applySizes();
+  else lookBack(true);
+  return true;
+}
+
+/** How many segments have to be tracked again, as a sentence. */
+export function outdatedWords() {
+  const { outdated } = server.sizes_preview;
+  if (!outdated) return '';
+  return `Apply makes ${outdated} ${outdated === 1 ? 'segment' : 'segments'} outdated.`;
+}
 
 /** What to begin with: one keyframe in so many frames, a tolerance in space, or in the picture. */
 export const USUAL = { every: 20, cm: 2, px: 5 };

@@ -1,18 +1,41 @@
-// Pins on the timeline: an end trims, the middle moves; a click chooses one, Delete unpins it, a double
-// click accepts what is proposed.
+// Notes, pins, and the in and the out point, dragged along the timeline.
 
-import { server, setUi, ui } from '../../store/state.js';
-import { send } from '../../store/link.js';
-import { Stroke } from '../../controls/stroke.js';
-import { clampFrame, lastFrame } from '../../store/clip.js';
+import { menuItem } from '../../actions/buttons.js';
+import { noteAt } from '../../actions/notes.js';
 import { acceptMessage, allPins, showPin, unpin } from '../../actions/pins.js';
-import { draftFrames, keyFrames, stopPlaying } from '../../actions/playhead.js';
-import { keepsKey } from '../../controls/focus.js';
+import { draftFrames, goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
+import { clearEnd, keepSpan, withEndDragged } from '../../actions/playing.js';
 import { clamp } from '../../controls/arithmetic.js';
+import { keepsKey } from '../../controls/focus.js';
+import { Stroke } from '../../controls/gesture.js';
+import { openMenuAt } from '../../controls/menu.js';
+import { clampFrame, lastFrame } from '../../store/clip.js';
+import { send } from '../../store/link.js';
+import { server, setUi, ui } from '../../store/state.js';
 import { nearest } from '../draw/keymarks.js';
 import { proposalOf } from '../draw/pins.js';
 import { frameAt, x } from '../draw/scale.js';
-import { setGrabbed } from './pointer.js';
+import { grabbed, setGrabbed } from './pointer.js';
+
+/** Grab the note at a frame; it is sent where it is let go, unless another one is there. */
+export function grabNote(from, start) {
+  const offset = x(from) - start.x;
+  stopPlaying();
+  return {
+    edits: true,
+    move(place) {
+      const to = clampFrame(frameAt(place.x + offset));
+      setGrabbed({ kind: 'note', from, to, taken: to !== from && Boolean(noteAt(to)) });
+    },
+    click: () => goTo(from),
+    end() {
+      const { to, taken } = grabbed();
+      setGrabbed(null);
+      if (!taken && to !== from) send({ do: 'move_note', frame: from, to });
+    },
+    cancel: () => setGrabbed(null),
+  };
+}
 
 const SNAP_PX = 4;
 
@@ -119,4 +142,39 @@ export function watchPointer() {
     onRelease = () => {};
   };
   for (const kind of ['pointerup', 'pointercancel']) addEventListener(kind, up, true);
+}
+
+const SPAN_SNAP_PX = 4;
+
+/** Grab the in point ("first") or the out point ("last"). It snaps to keyframes; Alt: it does not. */
+export function grabSpanEnd(end, start) {
+  const before = ui.span;
+  const offset = x(before[end]) - start.x;
+  return {
+    move(place) {
+      const at = place.x + offset;
+      const snapped = place.alt ? null : nearest(keyFrames(), at, SPAN_SNAP_PX);
+      setUi('span', withEndDragged(before, end, snapped ?? frameAt(at)));
+      setGrabbed({ kind: 'span', end });
+    },
+    click: () => {},
+    end() {
+      setGrabbed(null);
+      keepSpan(ui.span);
+    },
+    cancel() {
+      setGrabbed(null);
+      setUi('span', before);
+    },
+  };
+}
+
+export function openSpanMenu(end, page) {
+  const word = end === 'first' ? 'In' : 'Out';
+  openMenuAt(`${word} point ${ui.span[end]}`, [
+    menuItem('goTo', ui.span[end]),
+    { icon: 'x', label: `Clear the ${word.toLowerCase()} point`, run: () => clearEnd(end) },
+    menuItem('clearSpan'),
+    menuItem('loop'),
+  ], page);
 }
