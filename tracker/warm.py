@@ -42,12 +42,12 @@ _DONE, _HULLS_DONE = "warm", "warm-hulls"
 
 
 def is_warm() -> bool:
-    """Whether the loops, as their files lie here, have been compiled on this machine before."""
+    """Return whether the loops, as their files lie here, were compiled on this machine before."""
     return _is_marked(_DONE)
 
 
 def preparing_words() -> str:
-    """What is said before `warm` compiles the loops."""
+    """Return what is said before `warm` compiles the loops."""
     problem = kernels.FOLDER.problem
     if problem:
         return (
@@ -84,7 +84,7 @@ def warm() -> None:
 
 
 def are_hulls_warm() -> bool:
-    """Whether the loops that make surfaces from silhouettes have been compiled here before."""
+    """Return whether the loops of visual hulls were compiled on this machine before."""
     return _is_marked(_HULLS_DONE)
 
 

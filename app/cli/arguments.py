@@ -205,7 +205,7 @@ def add_taken(command: argparse.ArgumentParser) -> None:
 
 
 def taken_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What was said of it, by the fields of the session's video."""
+    """Return what was said of it, by the fields of the session's video."""
     known = {"recorded_fps": arguments.recorded_fps}
     if arguments.deinterlace is not None:
         known["deinterlace"] = arguments.deinterlace == "yes"

@@ -225,7 +225,7 @@ def _workers(arguments: argparse.Namespace) -> int:
 def _tasks(
     sessions: Sequence[Path], out: Path | None, arguments: argparse.Namespace, journal: Journal
 ) -> list[Task]:
-    """What is to be done with every session; FormatError where a file is in the way."""
+    """Return what is to be done with every session; FormatError where a file is in the way."""
     from keypose.app.jobs.batch.finding import common_folder
     from keypose.app.jobs.batch.run_one import export_of, places
     from keypose.app.jobs.batch.task import Task
@@ -306,5 +306,5 @@ class _Batch:
 
     @property
     def is_good(self) -> bool:
-        """Whether all are done and nothing was lost."""
+        """Return whether all are done and nothing was lost."""
         return all(s.is_done and not s.count("lost") for s in self.summaries.values())

@@ -185,7 +185,7 @@ def folders(workspace: Path | None = None) -> Iterator[Finding]:
 
 
 def _folder(name: str, folder: Path, state: State, remedy: str) -> Finding:
-    """Whether it, or the nearest folder above that exists, can be written to."""
+    """Return whether it, or the nearest folder above that exists, can be written to."""
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     try:
         with tempfile.TemporaryFile(dir=nearest) as probe:

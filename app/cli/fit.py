@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _usual_place(meshes: Path | None) -> Path:
-    """Where the session lies when nobody says."""
+    """Return where the session lies when nobody says."""
     if meshes is None:
         return Path(SESSION)
     stem = meshes.name if meshes.is_dir() else meshes.stem
@@ -156,7 +156,7 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 
 
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
-    """How the surfaces are to be fitted. What the poses were set by is not changed."""
+    """Return how the surfaces are to be fitted. What the poses were set by is not changed."""
     from keypose.app.document.new import path_from
     from keypose.tracker.session.evidence import surface_of
     from keypose.tracker.surface.cameras.rig import Rig

@@ -339,7 +339,7 @@ def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Name
 
 
 def _places(arguments: argparse.Namespace) -> dict[str, str]:
-    """What --map says."""
+    """Return what --map says."""
     wanted = dict(arguments.map or ())
     if len(wanted) < len(arguments.map or ()):
         raise FormatError("--map names a keypoint twice.")

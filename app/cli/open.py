@@ -162,7 +162,7 @@ def _open(
 def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
-    """What to open, once its film or meshes are read as a person says."""
+    """Return what to open, once its film or meshes are read as a person says."""
     if taken := taken_of(arguments):
         if path is None:
             raise KeyposeError("--recorded-fps and --deinterlace need a video or a session.")
@@ -269,7 +269,7 @@ def _is_own(host: str) -> bool:
 
 
 def _names(host: str) -> tuple[str, ...]:
-    """What a request may call this server besides the address at which it arrives."""
+    """Return what a request may call this server besides the address at which it arrives."""
     from keypose.app.server.addresses import host_in_url, is_wildcard
 
     return (socket.gethostname(),) if is_wildcard(host) else (host_in_url(host),)

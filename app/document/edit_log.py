@@ -70,8 +70,9 @@ class EditLog:
     # --- on the loop's thread
 
     def note(self, edit: EditorState, received: Received | None = None) -> bool:
-        """Whether something was decided, which has to be written. received: whose edits are in
-        what is settled of it, where that has changed."""
+        """Return whether something was decided, which has to be written. received: whose edits are
+        in what is settled of it, where that has changed.
+        """
         if edit.settled is self._last.doc and edit.history is self._last.history:
             return False
         moment = _moment(edit, received or self._last.received)
@@ -132,11 +133,11 @@ class EditLog:
             return self._pending[0][0].doc if self._pending else doc
 
     def is_written(self) -> bool:
-        """Whether the journal has everything."""
+        """Return whether the journal has everything."""
         return self._noted == self._written
 
     def is_own(self, path: Path) -> bool:
-        """Whether a session file is as this program read it or left it."""
+        """Return whether a session file is as this program read it or left it."""
         try:
             return read_regular(path, LARGEST_SESSION_BYTES) in self._ours
         except OSError:
@@ -154,7 +155,7 @@ class EditLog:
         return theirs
 
     def _there(self, path: Path) -> tuple[bytes, ...]:
-        """What lies there now, ours or set aside; all that may, where it cannot be read."""
+        """Return what lies there now, ours or set aside; all that may, where it cannot be read."""
         try:
             return (read_regular(path, LARGEST_SESSION_BYTES),)
         except OSError:

@@ -119,8 +119,9 @@ def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | Non
 
 
 def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]:
-    """How much a keyframe would mend: by the joint that is farthest off where joints are observed,
-    else by what may have drifted."""
+    """Return how much a keyframe would mend: by the joint that is farthest off where joints are
+    observed, else by what may have drifted.
+    """
     found = problem_of(known, track)
     has_parts = part_errors_px(track) is not None
     px = found.px if has_parts and found is not None and found.px is not None else 0.0
@@ -128,13 +129,13 @@ def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]
 
 
 def _is_open(known: Judged, track: SegmentResult) -> bool:
-    """Whether something is wrong with a segment to which nobody has said anything yet."""
+    """Return whether something is wrong with a segment to which nobody has said anything yet."""
     found = problem_of(known, track)
     return found is not None and found.answer is None
 
 
 def _about(known: Judged, track: SegmentResult) -> Suggestion:
-    """What a segment needs."""
+    """Return what a segment needs."""
     found = problem_of(known, track)
     assert found is not None
     frame, why = found.frame, detail_of(found)
@@ -146,7 +147,7 @@ def _about(known: Judged, track: SegmentResult) -> Suggestion:
 
 
 def _need(track: SegmentResult) -> int:
-    """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
+    """Return how many frames a keyframe there would mend: those in doubt, or all that are lost."""
     verdict = track.verdict
     if verdict is not None and verdict.kind == "check" and verdict.frames is not None:
         return verdict.frames[1] - verdict.frames[0]
@@ -287,7 +288,7 @@ def _is_off(track: SegmentResult) -> bool:
 
 
 def _is_surface_open(known: Judged, track: SegmentResult) -> bool:
-    """Whether something is wrong with a segment to which nobody has said anything yet."""
+    """Return whether something is wrong with a segment to which nobody has said anything yet."""
     found = problem_of(known, track)
     return found is not None and found.answer is None
 
@@ -312,7 +313,7 @@ _THERE: Mapping[ProblemCause, str] = {
 
 
 def _doubtful(track: SegmentResult) -> int:
-    """How many frames are in doubt."""
+    """Return how many frames are in doubt."""
     frames = None if track.verdict is None else track.verdict.frames
     first, last = frames or track.span
     return last - first

@@ -32,7 +32,7 @@ def correct_keypoint(state: EditorState, action: do.CorrectKeypoint) -> Session:
 
 
 def ignore_keypoint(state: EditorState, action: do.IgnoreKeypoint) -> Session:
-    """What was found there does not count."""
+    """Return what was found there does not count."""
     return _with(state, action, KeypointCorrection(frame=action.frame, joint=action.joint))
 
 

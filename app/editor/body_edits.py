@@ -42,7 +42,7 @@ def set_size(state: EditorState, action: do.Size) -> Session:
 
 
 def set_joint(state: EditorState, action: do.Joint) -> Session:
-    """Where a part hangs on its parent."""
+    """Return where a part hangs on its parent."""
     part = state.doc.body.parts[state.doc.body.index(action.part)]
     wanted = (action.x, action.y, action.z)
     x, y, z = (
@@ -162,7 +162,7 @@ def reset_body(state: EditorState) -> Session:
 
 
 def set_tracked(state: EditorState, action: do.Tracked) -> Session:
-    """Which motions of a part are tracked."""
+    """Return which motions of a part are tracked."""
     body = state.doc.body
     part = body.parts[body.index(action.part)]
     changed = Part.model_validate({**part.model_dump(), "tracked": action.dofs})

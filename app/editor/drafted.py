@@ -53,7 +53,9 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
 
 
 def keeps_proportions(doc: Session) -> bool:
-    """Whether somebody has sized the body: keyframes are posed with it, or it is no preset's."""
+    """Return whether somebody has sized the body: keyframes are posed with it, or it is no
+    preset's.
+    """
     return bool(doc.keyframes) or without_clavicles(doc.body) not in map(preset, PRESETS)
 
 
@@ -93,7 +95,7 @@ def missing_frames(drafted: record.Drafted) -> list[int]:
 def _record(
     doc: Session, frames: tuple[int, int], poses: Mapping[int, Pose], proposals: Sequence[Proposal]
 ) -> record.Drafted:
-    """What was found in these frames, and before in others."""
+    """Return what was found in these frames, and before in others."""
     first, last = frames
     missing = set(range(first, last + 1)) - set(poses)
     places = [record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts) for p in proposals]
@@ -129,7 +131,7 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
 
 
 def _can_learn(doc: Session) -> bool:
-    """Whether there are drafts whose keypoints are known."""
+    """Return whether there are drafts whose keypoints are known."""
     found = doc.keypoints is not None and doc.given_keypoints is None
     return found and any(draft.drafted for draft in doc.drafts)
 

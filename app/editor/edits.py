@@ -159,7 +159,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
 
 
 def label_of(action: do.Edit) -> str:
-    """What undo offers to undo: "turn right forearm"."""
+    """Return what undo offers to undo: "turn right forearm"."""
     if isinstance(action, do.Drag):
         return _drag_label(action)
     kind = EDITS[type(action)]

@@ -102,7 +102,7 @@ def _feet_here(state: EditorState) -> list[Pin]:
 
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
-    """How high a pin's lowest point lies at a frame, metres along up from the camera."""
+    """Return how high a pin's lowest point lies at a frame, metres along up from the camera."""
     return round(float((_points_at(state, pin, frame) @ np.array(up_of(state.doc))).min()), 4)
 
 

@@ -67,7 +67,7 @@ class Judged:
 
     @cached_property
     def keyed_px(self) -> float:
-        """What seems to be gained in short intervals: the keyframes' own error."""
+        """Return what seems to be gained in short intervals: the keyframes' own error."""
         known = [t for t in self.tracks.values() if t.diagnostics.expected_gain is not None]
         short = [gain(t) for t in known if t.last - t.first <= KEYED_FRAMES]
         return float(np.median(short)) if short else 0.0
@@ -117,7 +117,7 @@ class Judged:
         return math.sqrt(self.camera.fx * self.camera.fy) / depth if depth > 0 else None
 
     def height_px(self, track: SegmentResult) -> float | None:
-        """How tall the body is in the picture in the middle of a segment; None where nobody
+        """Return how tall the body is in the picture in the middle of a segment; None where nobody
         knows."""
         if self.skeleton is None:
             return None
@@ -138,7 +138,8 @@ class Judged:
         return seen[0] if seen and self.index(seen[0]) not in limb else None
 
     def answer(self, part: str | None, frame: int, span: Span | None = None) -> Reviewed | None:
-        """What a person said of a part at a frame, where the motion is still that; the newest.
+        """Return what a person said of a part at a frame, where the motion is still that; the
+        newest.
 
         span: of the segment that was looked at; neighbours share a keyframe.
         """
@@ -151,7 +152,7 @@ class Judged:
         return None
 
     def counts(self, one: Reviewed) -> bool:
-        """Whether the motion is still as it was when a person answered."""
+        """Return whether the motion is still as it was when a person answered."""
         return one.part in self.parts and self._is_as_seen(one)
 
     def _is_as_seen(self, one: Reviewed) -> bool:

@@ -244,7 +244,7 @@ def _require_room(state: EditorState, span: int) -> None:
 
 
 def pasting(action: do.PastePose) -> str:
-    """What undo calls it: "paste the pose", "paste 3 keyframes"."""
+    """Return what undo calls it: "paste the pose", "paste 3 keyframes"."""
     if action.copied is None or action.copied.keypose == "pose":
         return "paste the pose" if action.name is None else f"insert the pose {action.name}"
     return f"paste {len(action.copied.keys)} keyframes"

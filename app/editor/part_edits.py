@@ -111,13 +111,14 @@ def keyed_limbs(body: Body, parts: Iterable[str]) -> list[tuple[str, tuple[str, 
 
 
 def keyed_words(body: Body, parts: Iterable[str]) -> str:
-    """What of the body is keyed: "right arm and left leg"."""
+    """Return what of the body is keyed: "right arm and left leg"."""
     return listed([label.lower() for label, _ in keyed_limbs(body, parts)])
 
 
 def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
-    """What a draft of the frame moved; none without a draft, or where more than limbs moved and a
-    part is selected."""
+    """Return what a draft of the frame moved; none without a draft, or where more than limbs moved
+    and a part is selected.
+    """
     if draft_at(state, frame) is None:
         return ()
     drafted = shown_pose(state, frame).pose

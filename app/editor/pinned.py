@@ -35,7 +35,7 @@ def corner_near(
 
 
 def shares_points(one: Pin, other: Pin) -> bool:
-    """Whether two pins hold a point in common, whatever their frames."""
+    """Return whether two pins hold a point in common, whatever their frames."""
     span = {"first_frame": one.first_frame, "last_frame": one.last_frame}
     return one.overlaps(other.model_copy(update=span))
 
@@ -55,7 +55,7 @@ def pinned_ends(session: Session, frame: int) -> frozenset[str]:
 
 
 def open_proposals(state: EditorState) -> tuple[Pin, ...]:
-    """What is proposed and neither pinned in some way nor dismissed."""
+    """Return what is proposed and neither pinned in some way nor dismissed."""
     answered = (*state.doc.pins, *state.dismissed_pins)
     return tuple(
         pin for pin in state.proposals if not any(pin.overlaps(known) for known in answered)
@@ -63,7 +63,7 @@ def open_proposals(state: EditorState) -> tuple[Pin, ...]:
 
 
 def pin_result(state: EditorState, pin: Pin) -> PinResult | None:
-    """How well this very pin holds where the motion is solved for; None where it is not yet."""
+    """Return how well this very pin holds where the motion is solved for; None before."""
     found = [one for stretch in state.results.space(state.settled) for one in stretch.pins]
     own = [
         one

@@ -145,13 +145,13 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
 
 
 def _held(before: EditorState, frame: int, pose: Pose) -> Held:
-    """What stays while something is dragged, and the poses of the frames beside."""
+    """Return what stays while something is dragged, and the poses of the frames beside."""
     doc = before.doc
     return Held(_placed(doc, pose), pinned_ends(doc, frame), beside=poses_beside(before, frame))
 
 
 def _is_posed_elsewhere(state: EditorState) -> bool:
-    """Whether a pose at another frame was found with the sizes as they are."""
+    """Return whether a pose at another frame was found with the sizes as they are."""
     posed = (*state.doc.keyframes, *state.doc.drafts)
     return any(one.frame != state.frame for one in posed)
 

@@ -71,8 +71,9 @@ class Problem:
 
 
 def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
-    """What is to be said of a segment: the first problem that nobody has answered, else one that
-    the picture was unclear; None where nothing is wrong."""
+    """Return what is to be said of a segment: the first problem that nobody has answered, else one
+    that the picture was unclear; None where nothing is wrong.
+    """
     found = problems_of(known, track)
     waiting = (one for one in found if one.answer is None)
     return next(waiting, None) or next((one for one in found if one.answer == "unclear"), None)
@@ -91,19 +92,19 @@ _PROBLEMS: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyD
 
 
 def is_worth_a_keyframe(known: Judged, track: SegmentResult) -> bool:
-    """Whether one is expected to mend something; asked only where that is known."""
+    """Return whether one is expected to mend something; asked only where that is known."""
     return track.kind == "lost" or gain(track) > known.keyed_px + WORTH_PX
 
 
 def blames_keys(track: SegmentResult) -> bool:
-    """Whether keyframes themselves are wrong, not what lies between them."""
+    """Return whether keyframes themselves are wrong, not what lies between them."""
     verdict = track.verdict
     wrong = verdict is not None and verdict.cause in WRONG_KEYS
     return wrong or (track.kind == "lost" and track.last - track.first < 2)
 
 
 def is_past_mending(track: SegmentResult) -> bool:
-    """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
+    """Return whether the interval is too short for a keyframe to help."""
     hidden = track.verdict is not None and track.verdict.cause == "not_seen"
     short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
     return not blames_keys(track) and track.last - track.first <= short
@@ -123,14 +124,14 @@ def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
 
 
 def _agrees(found: Problem, verdict: Verdict) -> bool:
-    """Whether a problem says what the verdict says."""
+    """Return whether a problem says what the verdict says."""
     return verdict.kind == "good" or (
         found.cause not in BY_MOTION and verdict.part in (None, found.part)
     )
 
 
 def _first(known: Judged, track: SegmentResult) -> Problem | None:
-    """What is wrong with a segment as a whole."""
+    """Return what is wrong with a segment as a whole."""
     verdict, is_good = track.verdict, track.kind == "good"
     assert verdict is not None
     if not is_good and blames_keys(track):
@@ -158,7 +159,7 @@ def _inside(track: SegmentResult, frame: int) -> int:
 
 
 def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Problem:
-    """Where the limb that is most in doubt is farthest off; without one at the frame where a
+    """Return where the limb that is most in doubt is farthest off; without one at the frame where a
     keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
     doubtful = next(iter(doubts(track, known.limbs, known.height_px(track))), None)
     row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
@@ -175,14 +176,16 @@ def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Pr
 
 
 def _is_about(verdict: Verdict, frame: int) -> bool:
-    """Whether a verdict says why a frame needs a keyframe; one on a part speaks of its frames."""
+    """Return whether a verdict says why a frame needs a keyframe; one on a part speaks of its
+    frames.
+    """
     if verdict.part is None or verdict.frames is None:
         return True
     return verdict.frames[0] <= frame <= verdict.frames[1]
 
 
 def _how_it_moves(known: Judged, track: SegmentResult, frame: int) -> tuple[ProblemCause, Span]:
-    """What is seen of the motion that makes a keyframe needed at a frame."""
+    """Return what is seen of the motion that makes a keyframe needed at a frame."""
     fast = fast_about(track, frame)
     if fast is not None:
         return "fast_motion", fast
@@ -249,7 +252,7 @@ def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
 
 
 def _is_same(known: Judged, one: Problem, other: Problem) -> bool:
-    """Whether both are about one limb at one time."""
+    """Return whether both are about one limb at one time."""
     if known.limb_of(one.part) != known.limb_of(other.part) or other.part is None:
         return False
     return one.frames[0] <= other.frame <= one.frames[1] or (

@@ -65,7 +65,7 @@ class Reducible:
     parts: frozenset[int] | None
 
     def has_pose(self, frame: int) -> bool:
-        """Whether the motion has one at this frame of the video."""
+        """Return whether the motion has one at this frame of the video."""
         n = frame - self.motion.first_frame
         return 0 <= n < len(self.motion) and bool(np.isfinite(self.motion.ps_camera_root[n]).all())
 

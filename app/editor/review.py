@@ -143,7 +143,7 @@ def _tracked(known: Judged, doc: Session, results: Results) -> list[Place]:
 
 
 def _is_same(known: Judged, one: Place, other: Place) -> bool:
-    """Whether two of different kinds are about one limb at one time."""
+    """Return whether two of different kinds are about one limb at one time."""
     if type(one.why) is type(other.why) or known.limb_of(one.part) != known.limb_of(other.part):
         return False
     return one.frames[0] <= other.frames[1] and other.frames[0] <= one.frames[1]
@@ -227,8 +227,9 @@ def drafts_to_confirm(doc: Session) -> tuple[int, ...]:
 
 
 def _is_unclear(doc: Session, place: Place) -> bool:
-    """Whether a person marked this draft as unclear. It may have learned from keyframes since, but
-    a draft that is elsewhere is another one."""
+    """Return whether a person marked this draft as unclear. It may have learned from keyframes
+    since, but a draft that is elsewhere is another one.
+    """
     elsewhere_m = ELSEWHERE * height(doc.body)
     return any(
         answer_given.frame == place.frame

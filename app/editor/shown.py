@@ -60,7 +60,7 @@ def _followed(state: EditorState, frame: int) -> ShownPose | None:
 
 
 def posed_at(state: EditorState, frame: int) -> ShownPose | None:
-    """What a person posed at a frame: a draft before the keyframe it would replace."""
+    """Return what a person posed at a frame: a draft before the keyframe it would replace."""
     draft, keyframe = draft_at(state, frame), find(state.doc.keyframes, frame)
     if draft is not None:
         return ShownPose(draft.pose(state.skeleton), "draft")
@@ -74,8 +74,9 @@ def draft_at(state: EditorState, frame: int) -> Keyframe | None:
 
 
 def counts(state: EditorState, posed: Keyframe) -> bool:
-    """Whether a keyframe or a draft is the pose of its frame: a draft that was found in the film
-    gives way to what is tracked there by now."""
+    """Return whether a keyframe or a draft is the pose of its frame: a draft that was found in the
+    film gives way to what is tracked there by now.
+    """
     return not posed.is_found or state.tracked(posed.frame) is None
 
 

@@ -151,7 +151,7 @@ class EditorState:
 
     @property
     def proposals(self) -> tuple[Pin, ...]:
-        """Where feet stand still, as the motion was last solved for in space."""
+        """Return where feet stand still, as the motion was last solved for in space."""
         known = self.results.space(self.settled)
         if not known:
             return self.proposed_pins
@@ -182,7 +182,7 @@ class EditorState:
         return replace(changed, opening=opening_pose(doc.body, doc.camera, up_of(doc)))
 
     def _opening_for(self, doc: Session) -> Pose:
-        """Where the body stands before it is posed: with another lens, as large as before."""
+        """Return where the body stands before it is posed: as large with another lens."""
         if doc.camera is self.doc.camera or doc.surface is not None:
             return self.opening
         return opening_pose(doc.body, doc.camera, up_of(doc))

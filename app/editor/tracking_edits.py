@@ -42,7 +42,7 @@ def set_surface(state: EditorState, action: do.Observe) -> Session:
 
 
 def _named(action: do.Observe) -> dict[str, Any]:
-    """What was given. None stands for what was left out, but for the model's frame."""
+    """Return what was given. None stands for what was left out, but for the model's frame."""
     given = action.model_dump(include=action.model_fields_set & set(_PLAIN))
     return {name: v for name, v in given.items() if v is not None or name == "model_frame"}
 

@@ -197,7 +197,9 @@ def _best_start(
     scale = median_ratio(bone_ratios(points, motion.ps_world_joint[:, indices]))
 
     def miss(start: int) -> tuple[int, float]:
-        """How many keyframes it reaches, and its root mean square distance from these, metres."""
+        """Return how many keyframes it reaches, and its root mean square distance from these,
+        metres.
+        """
         theirs = motion.at(at_keys - times_s[start])[:, indices]
         reached = np.isfinite(theirs).all(-1).sum(-1) >= LEAST_JOINTS
         if reached.sum() < 2:

@@ -83,8 +83,9 @@ def import_file(
     video: VideoInfo,
     progress: Progress | None = None,
 ) -> Import:
-    """What the file holds, brought to the session; FormatError in one sentence where it does not
-    suit it. progress: receives how many frames of how many are done."""
+    """Return what the file holds, brought to the session; FormatError in one sentence where it does
+    not suit it. progress: receives how many frames of how many are done.
+    """
     if isinstance(choices, MotionChoices):
         motion = as_chosen(path.name, load_motion(path), choices)
         times_s = session.evidence.times_s(video.times_s)
@@ -164,7 +165,7 @@ def import_keypoints(
 
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
-    """What keypoints are checked against; images have no rate of their own."""
+    """Return what keypoints are checked against; images have no rate of their own."""
     video = session.video
     has_rate = info.container != "images" and not info.variable_rate
     return VideoFacts(video.frame_count, video.width, video.height, info.fps if has_rate else None)
@@ -190,7 +191,7 @@ def _wanted_frames(session: Session, keypoints: Keypoints, choices: KeypointChoi
 
 
 def names_of(known: Matched, names: Sequence[str]) -> dict[str, Any]:
-    """Which of a file's names are known."""
+    """Return which of a file's names are known."""
     return {
         "convention": known.convention,
         "matched": {names[i]: ours for i, ours, _ in known.known},

@@ -96,7 +96,7 @@ def _between(recording: Recording, frames: Span) -> Recording:
 def sampling_words(
     recording: Recording, sampling: Sampling, formats: Sequence[MotionFormat]
 ) -> str | None:
-    """What a person should know of files in these formats; None where they are as tracked."""
+    """Return what a person should know of files in these formats; None if as tracked."""
     sentences = []
     if sampling.filter_hz is not None:
         metres, radians = moved_at_keyframes(low_passed(recording, sampling.filter_hz), recording)

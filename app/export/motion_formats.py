@@ -87,7 +87,7 @@ def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
 
 
 def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
-    """Which side each part is of, and the colours of the sides."""
+    """Return which side each part is of, and the colours of the sides."""
     from keypose.app.render.palette import SIDE_COLOURS, part_sides
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}

@@ -55,8 +55,9 @@ class Recognised:
 
 
 def kind_of(path: Path) -> Kind:
-    """What a file holds, by the ending of its name and, where several have that, by what is in it.
-    FormatError in one sentence where it is nothing that can be imported."""
+    """Return what a file holds, by the ending of its name and, where several have that, by what is
+    in it. FormatError in one sentence where it is nothing that can be imported.
+    """
     ending = path.suffix.lower()
     if path.is_dir():
         return "keypoints"
@@ -100,8 +101,9 @@ def _kind_of_json(file: str, content: bytes) -> Kind:
 
 
 def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """What a file holds and how much of it the session can take; FormatError in one sentence where
-    nothing."""
+    """Return what a file holds and how much of it the session can take; FormatError in one sentence
+    where nothing.
+    """
     kind = kind_of(path)
     if kind == "motion":
         return _recognised_motion(session, path)
@@ -130,8 +132,9 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
 
 
 def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """Where it must be said which of several is meant, those are listed, and the rest is reported
-    of the first."""
+    """Return where it must be said which of several is meant, those are listed, and the rest is
+    reported of the first.
+    """
     people, individuals = _people(path)
     facts_of = video_facts(session, video)
     layouts: tuple[str, ...] = ()

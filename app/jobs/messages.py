@@ -206,7 +206,7 @@ class PassFinished:
 
     @property
     def unit(self) -> Unit:
-        """What is counted: of surfaces it is the steps of time that are done."""
+        """Return what is counted: of surfaces it is the steps of time that are done."""
         return "step" if self.result.steps == ("fit",) else "pass"
 
     @property

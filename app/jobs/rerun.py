@@ -38,7 +38,7 @@ from keypose.tracker.video import Video
 
 
 def why_untrackable(session: Session, session_path: Path) -> str:
-    """What a session without segments lacks, in a sentence that names its file."""
+    """Return what a session without segments lacks, in a sentence that names its file."""
     return _LACKING.of(session)(session, session_path)
 
 
@@ -199,7 +199,9 @@ def _in_space(session: Session, results: Results) -> Results:
 
 
 def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) -> Results:
-    """What was found and, where that is not whole, what is on disk and fits, if it is better."""
+    """Return what was found and, where that is not whole, what is on disk and fits, if it is
+    better.
+    """
     spans = {track.span for track in found if not track.missing}
     if spans >= set(segment_keys(session)):
         return _collect(found)

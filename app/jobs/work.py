@@ -60,7 +60,7 @@ class WorkerCache:
         self._fitter: SurfaceFitter | None = None
 
     def tracker(self, session: Session, video_path: str, folder: Path = Path()) -> SegmentTracker:
-        """What tracks the segments of a session.
+        """Return what tracks the segments of a session.
 
         folder: of the session's file, where the motion lies that it may start from.
 
@@ -69,7 +69,9 @@ class WorkerCache:
         return _TRACKERS.of(session)(self, session, video_path, folder)
 
     def fitter(self, session: Session, path: str, folder: Path) -> SurfaceFitter:
-        """What fits the surfaces of a session; as the last one while nothing of it is another."""
+        """Return what fits the surfaces of a session; as the last one while nothing of it is
+        another.
+        """
         made_of = (session.body, session.surface, session.keyframes)
         video = self.video(session, path, folder)
         if self._fitter is None or self._fitted_for != made_of:
@@ -81,11 +83,11 @@ class WorkerCache:
         return steps_of(session, self.video(session, path, folder))
 
     def of_film(self, session: Session, path: str, folder: Path) -> SegmentTracker:
-        """What tracks the segments of a film."""
+        """Return what tracks the segments of a film."""
         return self._film_tracker(session, path, folder)
 
     def follower(self, session: Session, path: str, folder: Path) -> Tracker:
-        """What follows the body of a film, of which one keyframe is enough."""
+        """Return what follows the body of a film, of which one keyframe is enough."""
         return self._film_tracker(session, path, folder, fewest=1)
 
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:

@@ -53,7 +53,7 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
 
 
 def _corners(skeleton: Skeleton, found: list[BodyHandle]) -> list[BodyHandle]:
-    """Where the left and right limbs hang on the trunk, of a body that has a head."""
+    """Return where the left and right limbs hang on the trunk, of a body that has a head."""
     body = skeleton.body
     head = next((handle for handle in found if handle.kind == "head"), None)
     if head is None:
@@ -137,7 +137,7 @@ def _limbs(skeleton: Skeleton) -> list[tuple[str, ...]]:
 
 
 def _carries_more(skeleton: Skeleton, limb: tuple[str, ...]) -> bool:
-    """Whether other limbs hang on this one, as on the chest."""
+    """Return whether other limbs hang on this one, as on the chest."""
     inside = skeleton.below[:, skeleton.body.index(limb[0])].sum()
     return bool(inside > len(limb))
 

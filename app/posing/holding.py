@@ -104,7 +104,7 @@ def _is_turned(pose: Pose, part: int) -> bool:
 
 
 def with_held_ends(before: GestureContext, posed: Posed, held: Held, moved: Moved) -> Posed:
-    """What a drag has made of the pose before it, its held ends back in their places."""
+    """Return what a drag has made of the pose before it, its held ends back in their places."""
     kept = keep_ends(before, posed.pose, held, moved)
     if kept.pose is posed.pose:
         return posed
@@ -128,7 +128,7 @@ def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> 
 
 
 def _is_carried(handle: BodyHandle, moved: Moved) -> bool:
-    """Whether what moves carries the limb as a whole: the trunk, or a part before its bones."""
+    """Return whether the trunk moves, or a part before the limb's bones, which carries it as a whole."""
     limb = handle.limb
     return moved.part not in limb or limb.index(moved.part) < limb.index(handle.movers[0])
 
@@ -178,8 +178,9 @@ class _BroughtBack:
         return tuple(self.before.skeleton.body.index(name) for name in self.bending)
 
     def _bent(self, context: GestureContext, place: Array) -> Pose:
-        """Where the limb was moved as a whole, it begins as it lay in space, so that elbows and
-        knees do not turn with the trunk."""
+        """Return where the limb was moved as a whole, it begins as it lay in space, so that elbows
+        and knees do not turn with the trunk.
+        """
         before, parts = self.before, self._parts
         if _is_carried(self.handle, self.moved):
             R = context.R_camera_parent(parts[0]).T @ before.R_camera_part(parts[0])
@@ -200,11 +201,11 @@ class _BroughtBack:
         return context.turned(seen.with_end(*ats).rotations)
 
     def _drags(self, part: int) -> bool:
-        """Whether the joint of this part is what is dragged."""
+        """Return whether the joint of this part is what is dragged."""
         return self.moved.joint and self.before.skeleton.body.index(self.moved.part) == part
 
     def _missed_m(self, end: Array, place: Array) -> float:
-        """How far an end is from its place; where it stays in the picture, as that shows it."""
+        """Return how far an end is from its place; in the picture where it stays there."""
         view = self.held.seen
         if view is None or self.handle.name in self.held.pinned:
             return length(end - place)

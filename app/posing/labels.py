@@ -37,7 +37,7 @@ def kind_of(name: str) -> str:
 
 
 def axis_labels(body: Body, name: str) -> dict[str, str]:
-    """What turning the part about its x, y and z is called."""
+    """Return what turning the part about its x, y and z is called."""
     part = body.parts[body.index(name)]
     if part.parent is None:
         return dict(_ROOT_AXES)

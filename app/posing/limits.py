@@ -102,7 +102,7 @@ def triples(rotations: Array, box: Array | None = None) -> Array:
 
 
 def beyond(angles: Array, box: Array) -> Array:
-    """How far the worst of the angles (..., 3) lies outside the box, radians; 0 inside."""
+    """Return how far the worst of the angles (..., 3) lies outside the box, radians; 0 inside."""
     out = np.maximum(box[:, 0] - angles, angles - box[:, 1])
     return np.asarray(np.maximum(out, 0.0).max(axis=-1))
 
@@ -119,7 +119,7 @@ def fitting(rotations: Array, box: Array | None) -> Array:
 
 
 def is_within(rotation: Array, allowed: JointRange | None) -> bool:
-    """Whether the rotation is allowed."""
+    """Return whether the rotation is allowed."""
     return allowed is None or bool(allowed.beyond(rotation) <= SLACK)
 
 
@@ -168,7 +168,7 @@ def _untwisted(rotation: Array, twist: TwistLimits | None) -> Array:
 
 
 def _toward_middle(rotation: Array, allowed: JointRange) -> Array:
-    """Where angles and twist do not agree soon: on the way to the middle of the box."""
+    """Return where angles and twist do not agree soon: on the way to the middle of the box."""
     middle = of_angles(_middle(allowed.box))
     way = log_rotation(rotation.T @ middle)
     low, high = 0.0, 1.0
@@ -188,7 +188,7 @@ def _nearest_in_box(rotation: Array, box: Array) -> Array:
 
 
 def _beyond_either(rotations: Array, box: Array) -> Array:
-    """How far the better of both triples lies outside."""
+    """Return how far the better of both triples lies outside."""
     return np.asarray(beyond(triples(rotations, box), box).min(axis=-1))
 
 

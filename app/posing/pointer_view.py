@@ -54,7 +54,7 @@ class PointerView:
 
     @property
     def is_films(self) -> bool:
-        """Whether it is the film's own camera: what keeps its depth there keeps the body's."""
+        """Return whether it is the film's own camera, where what keeps its depth keeps the body's."""
         return self.camera is not None and self.name != "free"
 
     @property

@@ -115,8 +115,9 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
 def _least(
     taken: Callable[[float], Reached], least: float, is_there: Callable[[Reached], bool]
 ) -> Reached | None:
-    """What is taken with the least share, from `least` to 1, that leads there; None where all of it
-    does not."""
+    """Return what is taken with the least share, from `least` to 1, that leads there; None where
+    all of it does not.
+    """
     found = taken(least)
     if is_there(found):
         return found

@@ -98,8 +98,8 @@ def under_pointer(
 
 
 def keeps_level(view: PointerView, way: Array, radius: float) -> bool:
-    """Whether a drag in this view leaves the depth of a point alone, which lies `way` (3,) from the
-    centre of its sphere.
+    """Return whether a drag in this view leaves the depth of a point alone, which lies `way` (3,)
+    from the centre of its sphere.
 
     Each small view is there to set what the others do not show. Not on the picture, nor where so
     little of the sphere is at that depth that nothing could move.

@@ -111,7 +111,9 @@ def _turned(
 
 
 def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | None) -> float:
-    """How far a rotation can be turned about an axis on the way to an angle, inside its limits."""
+    """Return how far a rotation can be turned about an axis on the way to an angle, inside its
+    limits.
+    """
     if allowed is None or angle == 0.0:
         return angle
     if abs(angle) > TURN:  # what does not stop one turn stops none
@@ -128,7 +130,7 @@ def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | N
 def _words(
     context: GestureContext, part: int, axis: Axis | None, R_after: Array, angle: float
 ) -> tuple[str, str, str]:
-    """What to show: the angle's value where one angle alone has changed, else the turn."""
+    """Return what to show: the angle's value where one angle alone has changed, else the turn."""
     words = axis_labels(context.skeleton.body, context.skeleton.body.names[part])
     change = degrees_text(math.degrees(angle), sign=True)
     before = context.angles(part)

@@ -70,7 +70,7 @@ class FourViewLayout:
 
     @property
     def views(self) -> dict[ViewName, tuple[int, int]]:
-        """What the small ones show, from the top to the bottom, and their sizes."""
+        """Return what the small ones show, from the top to the bottom, and their sizes."""
         return dict(zip(VIEW_NAMES, self.small, strict=False))
 
     @property

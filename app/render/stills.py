@@ -48,7 +48,7 @@ class Still:
 
     @property
     def is_plain(self) -> bool:
-        """Whether the page draws it, too."""
+        """Return whether the page draws it, too."""
         return self.size is None and self.scale == 1.0 and not self.on_nothing
 
 
@@ -130,7 +130,7 @@ def _from_viewpoint(
 
 
 def _view(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[ViewCamera, Array]:
-    """What looks at the body's middle (3,), which comes with it."""
+    """Return what looks at the body's middle (3,), which comes with it."""
     level = studio.Rs["front"]
     points = posed_points(studio.skeleton, pose)
     centre = middle(points @ level.T) @ level

@@ -104,8 +104,9 @@ def background(
     frame: int,
     pose: Pose | None,
 ) -> Picture | None:
-    """What the camera sees behind the body: of observed surfaces the tinted one; None where the
-    frame is lost."""
+    """Return what the camera sees behind the body: of observed surfaces the tinted one; None where
+    the frame is lost.
+    """
     if layers is None or layers.is_clay:
         return rectified(session, video, frame)
     return layers.picture(frame, pose)

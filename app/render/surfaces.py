@@ -118,7 +118,7 @@ class SurfaceLayers:
 
     @property
     def is_clay(self) -> bool:
-        """Whether its picture by the camera is the video's own."""
+        """Return whether its picture by the camera is the video's own."""
         return self._tint == "clay"
 
     def at(self, frame: int, pose: Pose | None) -> SurfaceLayer | None:

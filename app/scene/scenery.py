@@ -26,7 +26,7 @@ class SceneryMaker:
         self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
     def of(self, edit: EditorState, trail: Any = None) -> Scenery:
-        """What is to be seen at the present frame; `trail` is the section of that name."""
+        """Return what is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
         around = (settled.body, settled.keyframes, edit.frame, looks)
         pose = shown_pose(edit).pose

@@ -74,11 +74,11 @@ class Browsers:
         return given
 
     def has_cookie(self, cookie: str) -> bool:
-        """Whether a browser with this cookie was let in."""
+        """Return whether a browser with this cookie was let in."""
         return self._of_cookie(cookie) is not None
 
     def has_key(self, cookie: str, key: str) -> bool:
-        """Whether the browser with this cookie was given this key."""
+        """Return whether the browser with this cookie was given this key."""
         browser = self._of_cookie(cookie)
         return browser is not None and _is_same(browser.key_sha256, _digest(key))
 
@@ -160,7 +160,7 @@ class OneTimeTokens:
         return token
 
     def spend(self, given: str) -> bool:
-        """Whether it was valid; it is no longer, for other servers of the workspace either."""
+        """Return whether it was valid; from then on it is not, at no server of the workspace."""
         digest, present = _token_digest(given).encode(), self._recent(self._present())
         left = [t for t in present if not hmac.compare_digest(digest, t.sha256.encode())]
         self._valid = tuple(left)
@@ -170,7 +170,7 @@ class OneTimeTokens:
         return True
 
     def _present(self) -> Iterable[_Token]:
-        """What the file says goes: another server of the workspace may have issued or spent."""
+        """Read the file, which counts: another server of the workspace may have issued or spent."""
         stored = self._read()
         return self._valid if stored is None else stored
 

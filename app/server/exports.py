@@ -157,7 +157,7 @@ class Exports:
         self._beginning = asyncio.Lock()
 
     def routes(self) -> list[Route]:
-        """Where the page asks for all this."""
+        """Return where the page asks for all this."""
         return [
             Route("/exports", self._possible),
             Route("/exports", self._begin, methods=["POST"]),
@@ -234,7 +234,7 @@ class Exports:
 
 
 def missing_here() -> dict[str, str]:
-    """What cannot be exported by this installation, with the command that mends it."""
+    """Return what cannot be exported by this installation, with the command that mends it."""
     missing = {
         name: f"pip install 'keypose[{name}]'"
         for name, module in LIBRARIES.items()

@@ -104,7 +104,7 @@ class Imports:
         self._beginning = asyncio.Lock()
 
     def routes(self) -> list[Route]:
-        """Where the page asks for all this."""
+        """Return where the page asks for all this."""
         return [
             Route("/imports", self._bring, methods=["POST"]),
             Route("/imports/{id}", self._state),

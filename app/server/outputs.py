@@ -106,7 +106,7 @@ class Outputs:
         self._store, self._surfaces = store, surfaces
 
     def routes(self) -> list[Route]:
-        """Where pictures and motion are to be had."""
+        """Return where pictures and motion are to be had."""
         return [
             Route("/picture.png", self._picture),
             Route("/motion", self._motion),

@@ -78,7 +78,7 @@ class FitRequest:
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, action: Asking) -> FitRequest:
-        """What is asked for; Refused with the reason where it cannot be had."""
+        """Return what is asked for; Refused with the reason where it cannot be had."""
         path = str(opened.video.info.path)
         if isinstance(action, do.Draft):
             return cls(_draft_order(path, edit, action), None, edit)
@@ -106,7 +106,7 @@ class FitRequest:
 
     @property
     def why_cancelled(self) -> str:
-        """What is said when it began from something that has changed."""
+        """Return what is said when it began from something that has changed."""
         if isinstance(self.order, DraftOrder):
             return "Draft cancelled because the body, the camera or a keyframe changed."
         if isinstance(self.order, AheadOrder):
@@ -117,14 +117,15 @@ class FitRequest:
         return f"Fit cancelled because the {what} changed."
 
     def is_current(self, edit: EditorState) -> bool:
-        """Whether what it began from still stands. A pose that is kept as a keyframe meanwhile is
-        the same pose."""
+        """Return whether what it began from still stands. A pose that is kept as a keyframe
+        meanwhile is the same pose.
+        """
         return unchanged(self._inputs(edit.doc), self._inputs(self.began.doc)) and (
             not isinstance(self.order, PoseOrder) or self._is_posed(edit, self.order)
         )
 
     def _is_posed(self, edit: EditorState, order: PoseOrder) -> bool:
-        """Whether the frame still has the pose that is fitted."""
+        """Return whether the frame still has the pose that is fitted."""
         known = _pose_at(edit.doc, order.frame), _pose_at(self.began.doc, order.frame)
         if known[0] is known[1]:
             return True
@@ -135,7 +136,7 @@ class FitRequest:
         )
 
     def is_like(self, other: FitRequest) -> bool:
-        """Whether the other asks for the same of what still stands."""
+        """Return whether the other asks for the same of what still stands."""
         whole = DraftOrder | AheadOrder | ReduceOrder
         if isinstance(self.order, whole) or isinstance(other.order, whole):
             return self.order == other.order
@@ -372,7 +373,7 @@ def apply_draft(
 
 
 def _keypoints_before(doc: Session, path: Path, network: str) -> Keypoints | None:
-    """What the same network found for an earlier draft, perhaps of other frames."""
+    """Return what the same network found for an earlier draft, perhaps of other frames."""
     if doc.keypoints is None or doc.keypoints.network != network:
         return None
     with suppress(KeypointError):  # they are found again when needed

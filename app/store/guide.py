@@ -44,7 +44,7 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
 
 
 def _is_under_way(stroke: str, action: do.Editing) -> bool:
-    """Whether this gesture is still under way after the action."""
+    """Return whether this gesture is still under way after the action."""
     if isinstance(action, do.EndStroke | do.CancelStroke):
         return action.stroke != stroke
     return isinstance(action, do.Looking) and not isinstance(action, do.Go)

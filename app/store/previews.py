@@ -59,7 +59,7 @@ class SizesPreview:
 
     @property
     def proposal(self) -> Proposal:
-        """What it was made from."""
+        """Return what it was made from."""
         chosen = self.found.with_poses if self.poses else self.found.alone
         assert chosen is not None
         return chosen

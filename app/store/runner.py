@@ -176,7 +176,7 @@ class Runner:
             self._notify(self, False)
 
     def _outdated(self, edit: EditorState) -> set[Span]:
-        """What has no whole result for the keyframes as they are."""
+        """Return what has no whole result for the keyframes as they are."""
         known = self.results.wanted(edit.settled) if self.results is not None else ()
         return {(first, last) for first, last, _ in known}
 
@@ -251,7 +251,7 @@ class Runner:
         self._notify(self, False)
 
     def _is_tracking(self, wanted: Sequence[Wanted]) -> bool:
-        """Whether this is what is being tracked already."""
+        """Return whether this is what is being tracked already."""
         at_work = self.job.state == "running" and self._fit_done is None
         return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
 
@@ -357,7 +357,7 @@ class Runner:
         self.running = {}
 
     def _found(self) -> list[SegmentResult | None]:
-        """What there is of the segments that were to be tracked."""
+        """Return what there is of the segments that were to be tracked."""
         known = self.results.by_key if self.results else {}
         return [known.get(key) for key in self._wanted.values()]
 

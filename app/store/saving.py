@@ -87,7 +87,7 @@ class WriteLock:
 
     @property
     def is_held(self) -> bool:
-        """Whether this program alone writes there."""
+        """Return whether this program alone writes there."""
         return self._lock is not None
 
     def require_writable(self) -> None:
@@ -138,7 +138,7 @@ class Saver:
             self._report(Saved("saving", self._at_s))
 
     def _try_again(self) -> bool:
-        """Whether there was something to try, and nothing newer is being written."""
+        """Return whether there was something to try, and nothing newer is being written."""
         if self._failed is None or self._next is not None or not self.is_idle:
             return False
         self._begin(self._failed[0])
@@ -167,7 +167,7 @@ class Saver:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is being written."""
+        """Return whether nothing is being written."""
         return self._task is None or self._task.done()
 
     async def wait(self) -> None:
@@ -234,7 +234,7 @@ class SessionWriter:
             self._edit_log = EditLog(self._path, edit, opened.journal)
 
     def log(self, edit: EditorState, received: Received) -> bool:
-        """Whether there is an edit to write."""
+        """Return whether there is an edit to write."""
         return self._edit_log is not None and self._edit_log.note(edit, received)
 
     def when_logged(self, call: Callable[[], None]) -> None:
@@ -246,7 +246,7 @@ class SessionWriter:
 
     @property
     def is_logged(self) -> bool:
-        """Whether all edits are on the disk, if only in the journal."""
+        """Return whether all edits are on the disk, if only in the journal."""
         return self._edit_log is not None and self._edit_log.is_written()
 
     def save(self) -> None:

@@ -100,7 +100,7 @@ class Store:
 
     @property
     def name(self) -> str:
-        """What its files are called, without what no file can be called."""
+        """Return what its files are called, without what no file can be called."""
         if self.opened is None or self._app_state.edit is None:
             return "keypose"
         title = self._app_state.edit.doc.title
@@ -349,7 +349,7 @@ class Store:
     # --- files from elsewhere
 
     def import_target(self) -> ImportTarget:
-        """What a file would be imported into now; Refused where nothing can be."""
+        """Return what a file would be imported into now; Refused where nothing can be."""
         edit, opened = self._app_state.edit, self.opened
         if edit is None or opened is None:
             raise Refused("Open a video first.")

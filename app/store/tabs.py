@@ -82,8 +82,9 @@ class Clients:
 
 
 def split_envelope(message: Any) -> tuple[str, int, Any]:
-    """Who sends a message, its number, and what is left of it. Without a number nothing is sent
-    about it, and without a client it is not remembered."""
+    """Return who sends a message, its number, and what is left of it. Without a number nothing is
+    sent about it, and without a client it is not remembered.
+    """
     if not isinstance(message, dict):
         return "", 0, message
     number, client = message.get("n", 0), message.get("client", "")
@@ -133,7 +134,7 @@ class Tab:
         self._news.set()
 
     def _is_behind(self) -> bool:
-        """Whether more is done, or on disk, than the page knows."""
+        """Return whether more is done, or on disk, than the page knows."""
         news = self._dones or self._acks
         return bool(news) or (self._done, self._ack) != self._reported
 

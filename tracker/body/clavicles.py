@@ -33,7 +33,7 @@ SIDES = ("left", "right")
 
 
 def can_have_clavicles(body: Body) -> bool:
-    """Whether both upper arms hang on one chest, and none is there yet."""
+    """Return whether both upper arms hang on one chest, and none is there yet."""
     arms = [_part(body, f"{side}_upper_arm") for side in SIDES]
     chests = {arm.parent for arm in arms if arm is not None}
     names = {f"{side}_clavicle" for side in SIDES} & set(body.names)
@@ -41,7 +41,7 @@ def can_have_clavicles(body: Body) -> bool:
 
 
 def has_clavicles(body: Body) -> bool:
-    """Whether both upper arms hang on a clavicle."""
+    """Return whether both upper arms hang on a clavicle."""
     arms = [(side, _part(body, f"{side}_upper_arm")) for side in SIDES]
     return all(arm is not None and arm.parent == f"{side}_clavicle" for side, arm in arms)
 

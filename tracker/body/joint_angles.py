@@ -249,7 +249,7 @@ def _within_half_turn(degrees: Array) -> Array:
 
 
 def _stands_as_a_person(body: Body) -> bool:
-    """Whether left is at +x and limbs hang along +y at rest, as in the presets."""
+    """Return whether left is at +x and limbs hang along +y at rest, as in the presets."""
     limbs: Sequence[tuple[str, str]] = (
         ("thigh", "shin"),
         ("shin", "foot"),

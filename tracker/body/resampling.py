@@ -68,7 +68,7 @@ def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
 
 
 def least_frames(cutoff_hz: float, rate: float) -> int:
-    """How many frames a motion must have to be filtered: a period of the cut-off."""
+    """Return how many frames a motion must have to be filtered: a period of the cut-off."""
     return max(int(np.ceil(rate / cutoff_hz)), 3) + 1
 
 

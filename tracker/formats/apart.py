@@ -36,7 +36,9 @@ LARGEST_COPY_BYTES: Final = 96 * 2**20
 
 
 def read_apart(reader: Callable[..., T], path: Path, *arguments: Any) -> T:
-    """What a reader makes of a file; FormatError in one sentence, whatever the file does to it."""
+    """Return what a reader makes of a file; FormatError in one sentence, whatever the file does to
+    it.
+    """
     with reading_apart(reader) as read:
         return read(path, *arguments)
 
@@ -74,7 +76,7 @@ def _answer(child: subprocess.Popen[bytes], path: Path, arguments: tuple[Any, ..
 
 
 def died_words(file: str) -> str:
-    """What is said of a file whose reader ended without a word."""
+    """Return what is said of a file whose reader ended without a word."""
     return f"{file} is damaged, or needs too much time or memory to be read: export it again."
 
 

@@ -70,7 +70,9 @@ class _Tree:
         return bone in (0, self.rig.mover)
 
     def _end(self, bone: int) -> Array:
-        """Where a bone without children ends, in its frame: at its farthest landmark, if any."""
+        """Return where a bone without children ends, in its frame: at its farthest landmark, if
+        any.
+        """
         marks = [k for k in range(len(self.rig)) if self.rig.parents[k] == bone]
         ends = self.rig.Ts_parent_bone[marks, :3, 3] if marks else self.rig.ends_bone[[bone]]
         return np.asarray(ends[np.linalg.norm(ends, axis=1).argmax()])

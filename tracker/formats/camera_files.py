@@ -89,7 +89,7 @@ def chan(recording: Recording) -> str:
 
 
 def fields_of_view_deg(camera: Camera) -> tuple[float, float]:
-    """What the picture spans across and down, as if the principal point were its middle."""
+    """Return what the picture spans across and down, as if the principal point were its middle."""
     across, down = camera.width / 2 / camera.fx, camera.height / 2 / camera.fy
     return 2 * math.degrees(math.atan(across)), 2 * math.degrees(math.atan(down))
 

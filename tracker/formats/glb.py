@@ -194,7 +194,7 @@ def _animation(
 
 
 def _facts(recording: Recording) -> dict[str, Any]:
-    """What the animation says of itself."""
+    """Return what the animation says of itself."""
     film = recording.film_frames[[0, -1]].round(4).tolist()
     facts: dict[str, Any] = {
         "first_frame": recording.frames[0], "frame_count": len(recording), "film_frames": film
@@ -234,7 +234,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
 
 
 def _vrm_animation(rig: Rig) -> dict[str, Any]:
-    """Which node is which humanoid bone, as VRMC_vrm_animation 1.0 has it."""
+    """Return which node is which humanoid bone, as VRMC_vrm_animation 1.0 has it."""
     if rig.name != "vrm":
         return {}
     named = {row.name for row in table_of(rig.name).rows()}

@@ -39,7 +39,7 @@ class People:
 
     @property
     def most_at_once(self) -> int:
-        """How many there are in the frame that has the most."""
+        """Return how many there are in the frame that has the most."""
         shown = (sum(p not in (None, []) for p in persons) for persons in self.frames.values())
         return max(shown, default=0)
 

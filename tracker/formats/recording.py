@@ -137,7 +137,7 @@ class Recording:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """How many motions were estimated: the highest rank there can be."""
+        """Return how many motions were estimated: the highest rank there can be."""
         return int(self.tracks.diagnostics.singular_values.shape[-1])
 
     @property
@@ -166,7 +166,7 @@ class Recording:
 
     @property
     def is_even(self) -> bool:
-        """Whether the frames are evenly spaced, at `rate`, to a millisecond."""
+        """Return whether the frames are evenly spaced, at `rate`, to a millisecond."""
         if self.rate is None:
             return False
         off = self.times_s - np.arange(len(self)) / self.rate
@@ -194,7 +194,7 @@ class Recording:
 
     @cached_property
     def ground(self) -> Ground:
-        """What is ahead, up and the floor. FormatError where no frame is tracked."""
+        """Return what is ahead, up and the floor. FormatError where no frame is tracked."""
         if not self.tracks.tracked.any():
             raise FormatError("No frame is tracked.")
         return ground_of(self.skeleton, self.trajectory, self.up_camera, self.floor_m)

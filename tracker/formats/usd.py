@@ -92,7 +92,7 @@ def usd(
 
 
 def _facts(recording: Recording, rig: Rig) -> dict[str, Any]:
-    """What the file says of itself."""
+    """Return what the file says of itself."""
     filtered = recording.filter_hz
     return {"generator": "Keypose", "rig": rig.name} | (
         {} if filtered is None else {"low_pass_filter_hz": filtered}

@@ -140,7 +140,7 @@ class Camera(BaseModel):
 
 
 def _distorted(xy: Array, coefficients: tuple[float, ...]) -> Array:
-    """Where the lens shows the ideal direction (..., 2), both as x/z, y/z."""
+    """Return where the lens shows the ideal direction (..., 2), both as x/z, y/z."""
     k1, k2, p1, p2, k3 = coefficients
     if not any(coefficients):
         return xy

@@ -144,7 +144,7 @@ class Evidence(ABC):
     # --- identity
 
     def is_same(self, other: Evidence) -> bool:
-        """Whether both are the same, as far as is known."""
+        """Return whether both are the same, as far as is known."""
         a, b = self.video.fingerprint, other.video.fingerprint
         return self._is_as_large(other) and (a == b or "" in (a, b))
 
@@ -297,13 +297,13 @@ KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
 
 
 def evidence_of(session: Session) -> Evidence:
-    """What the session's body is compared with."""
+    """Return what the session's body is compared with."""
     found = (kind.of(session) for kind in KINDS)
     return next(evidence for evidence in found if evidence is not None)
 
 
 def surface_of(session: Session) -> Surface:
-    """How the surfaces of a session are read; TypeError where it is not about such."""
+    """Return how the surfaces of a session are read; TypeError where it is not about such."""
     if session.surface is None:
         raise TypeError("the session is not about surfaces")
     return session.surface

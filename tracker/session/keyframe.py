@@ -52,7 +52,7 @@ class Keyframe(Plain):
 
     @property
     def is_found(self) -> bool:
-        """Whether a draft is as it was found in the film: what is tracked later replaces it."""
+        """Return whether a draft is as it was found in the film: tracking replaces it."""
         return self.followed or self.drafted
 
     @field_validator("rotations_wxyz")

@@ -45,8 +45,9 @@ class Pin(Plain):
         return self.first_frame, self.last_frame
 
     def points(self, body: Body) -> tuple[Point, ...]:
-        """What stands still, metres in the part's frame: with two landmarks also the joint, or the
-        part could turn about the line between them."""
+        """Return what stands still, metres in the part's frame: with two landmarks also the joint,
+        or the part could turn about the line between them.
+        """
         part = body.parts[body.index(self.part)]
         if self.point_m is not None:
             return (self.point_m,)
@@ -54,7 +55,7 @@ class Pin(Plain):
         return named if len(named) == 1 else (*named, (0.0, 0.0, 0.0))
 
     def overlaps(self, other: Pin) -> bool:
-        """Whether both hold the same part at one frame."""
+        """Return whether both hold the same part at one frame."""
         within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame
         return within and self.part == other.part and self._shares(other)
 

@@ -52,7 +52,7 @@ class VideoReference(Plain):
 
     @property
     def pictures(self) -> str:
-        """What the pictures are known by: another name where the same file gives others."""
+        """Return what the pictures are known by: another name where the same file gives others."""
         return self.fingerprint if self.deinterlace else f"{self.fingerprint} woven"
 
 

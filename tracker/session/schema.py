@@ -281,12 +281,12 @@ class Session(Plain):
 
     @property
     def evidence(self) -> Evidence:
-        """What the body is compared with."""
+        """Return what the body is compared with."""
         return evidence_of(self)
 
     @property
     def lens_is_guess(self) -> bool:
-        """Whether distances rest on a lens that nobody knows."""
+        """Return whether distances rest on a lens that nobody knows."""
         return (self.lens_source or self.camera.origin) == "guess"
 
     @property
@@ -296,8 +296,9 @@ class Session(Plain):
 
     @property
     def has_static_camera(self) -> bool:
-        """Whether the camera is taken to stand still: as the settings say, else as it was found;
-        False where nobody looked."""
+        """Return whether the camera is taken to stand still: as the settings say, else as it was
+        found; False where nobody looked.
+        """
         chosen, found = self.settings.static_camera, self.video.stands_still
         return bool(found if chosen is None else chosen)
 
@@ -319,7 +320,7 @@ class Session(Plain):
 
     @property
     def is_newer(self) -> bool:
-        """Whether a newer Keypose wrote it: it can then be viewed but not changed."""
+        """Return whether a newer Keypose wrote it: it can then be viewed but not changed."""
         return self.schema_version > PRESENT
 
     @model_validator(mode="before")

@@ -49,7 +49,7 @@ Cues: TypeAlias = Annotated[tuple[Cue, ...], Field(min_length=1), AfterValidator
 
 
 def is_unknown(value: object) -> bool:
-    """Whether a field is left out of files: `exclude_if`."""
+    """Return whether a field is left out of files: `exclude_if`."""
     return value is None
 
 

@@ -70,14 +70,16 @@ def _places(skeleton: Skeleton) -> tuple[BodyPoint, ...]:
 
 
 def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
-    """Whether part `top` and what hangs on it really is the other way round: joints that cannot
-    bend so far may have kept it as it was."""
+    """Return whether part `top` and what hangs on it really is the other way round: joints that
+    cannot bend so far may have kept it as it was.
+    """
     return bool(depths_m(skeleton, pose, top) @ depths_m(skeleton, turned, top) <= 0)
 
 
 def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int) -> float:
-    """How far from where it was seen a joint of part `top`, or of what hangs on it, came to lie at
-    most: a share of the body's height in the picture, infinite behind the camera."""
+    """Return how far from where it was seen a joint of part `top`, or of what hangs on it, came to
+    lie at most: a share of the body's height in the picture, infinite behind the camera.
+    """
     places = _places(skeleton)
     inside = skeleton.below[np.array([place[0][0] for place in places]), top]
     points = BodyPoints(skeleton, places)
@@ -88,8 +90,9 @@ def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: in
 
 
 def depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:
-    """How much farther than a part's joint those that hang on it are, and their landmarks; of the
-    whole body, where its limbs hang on the trunk."""
+    """Return how much farther than a part's joint those that hang on it are, and their landmarks;
+    of the whole body, where its limbs hang on the trunk.
+    """
     places = _places(skeleton)
     parts = np.array([place[0][0] for place in places])
     p = BodyPoints(skeleton, places).at(pose_transforms(skeleton, pose))

@@ -80,13 +80,13 @@ class Problem(Protocol[State, Point]):
     """What is minimised."""
 
     def at(self, state: State, count: int) -> Point:
-        """What is known at a state, the `count`th from 0."""
+        """Return what is known at a state, the `count`th from 0."""
 
     def moved(self, state: State, step: Array) -> State:
         """The state after a step."""
 
     def travel(self, here: Point, there: Point, step: Array) -> float:
-        """How far a step leads."""
+        """Return how far a step leads."""
         return largest(step)
 
 
@@ -113,7 +113,7 @@ class Solution(Generic[State, Point]):
 
     @property
     def converged(self) -> bool:
-        """Whether it came to rest there."""
+        """Return whether it came to rest there."""
         return self.end in ("settled", "no gain")
 
 

@@ -39,7 +39,7 @@ class Equations:
 
     @classmethod
     def none(cls, *shape: int) -> Equations:
-        """Where nothing is compared: (..., D)."""
+        """Return where nothing is compared: (..., D)."""
         return cls(np.zeros((*shape, shape[-1])), np.zeros(shape), 0.0)
 
     @classmethod

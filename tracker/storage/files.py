@@ -146,7 +146,7 @@ def read_session(path: Path) -> Session:
 
 
 def journal_path(session_path: Path) -> Path:
-    """Where the journal of a session file lies: journal.jsonl for session.json."""
+    """Return where the journal of a session file lies: journal.jsonl for session.json."""
     stem = "" if session_path.name == "session.json" else f"{session_path.stem}."
     return session_path.with_name(f"{stem}{JOURNAL}")
 
@@ -228,7 +228,9 @@ def session_json(session: Session) -> bytes:
 
 
 def video_path(session: Session, session_path: Path) -> Path:
-    """Where the session's video should be: its path is relative to the session file's folder."""
+    """Return where the session's video should be: its path is relative to the session file's
+    folder.
+    """
     return Path(session_path).absolute().parent / session.video.path
 
 

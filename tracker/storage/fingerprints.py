@@ -90,7 +90,7 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
 
 
 def open_ends(session: Session) -> tuple[int, ...]:
-    """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
+    """Return where a motion of surfaces begins or ends without a keyframe; none of a film's."""
     return session.evidence.open_ends([keyframe.frame for keyframe in session.keyframes])
 
 
@@ -107,7 +107,7 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 
 
 def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
-    """What counts within a segment: masks, corrected keypoints, and an own motion."""
+    """Return what counts within a segment: masks, corrected keypoints, and an own motion."""
     return [*_masks_and_corrections(session, span), *_own_start(session, span)]
 
 
@@ -139,12 +139,12 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
 
 
 def _keyframe_ends(_session: Session, _span: Span, ends: Sequence[Keyframe]) -> list[Any]:
-    """Which of a segment's ends are keyframes."""
+    """Return which of a segment's ends are keyframes."""
     return [end.frame for end in ends]
 
 
 def _setup(session: Session) -> bytes:
-    """What every segment's motion depends on besides its poses and masks."""
+    """Return what every segment's motion depends on besides its poses and masks."""
     return _INPUTS.of(session).setup(session)
 
 
@@ -224,7 +224,7 @@ _INPUTS = ByEvidence(
 
 
 def _cues(session: Session) -> list[Any]:
-    """What counts besides brightness; nothing where nothing does, as before there was any."""
+    """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
         cues += ["silhouette"] if session.has_static_camera else []
@@ -232,7 +232,7 @@ def _cues(session: Session) -> list[Any]:
 
 
 def _keypoints(session: Session) -> list[Any]:
-    """Which keypoints count.
+    """Return which keypoints count.
 
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """
@@ -244,7 +244,7 @@ def _keypoints(session: Session) -> list[Any]:
 
 
 def _woven(session: Session) -> list[Any]:
-    """Whether interlaced frames keep their fields; nothing where not."""
+    """Return whether interlaced frames keep their fields; nothing where not."""
     return [] if session.video.deinterlace else ["woven"]
 
 
@@ -255,7 +255,7 @@ def _uses_keypoints(session: Session) -> bool:
 
 
 def _start(session: Session) -> list[Any]:
-    """What segments start from, besides the method's own start; nothing where that is all."""
+    """Return what segments start from, besides the method's own start."""
     initial, first_motion = session.settings.initial, session.first_motion
     left_out = sorted(set(session.settings.left_out))
     if initial == "templates":

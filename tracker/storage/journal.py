@@ -44,7 +44,7 @@ class Read:
 
 
 def read_journal(path: Path) -> Read:
-    """What a journal says; nothing where there is none. SessionError when it cannot be read."""
+    """Read a journal; nothing where there is none. SessionError when it cannot be read."""
     try:
         content = read_own(path, LARGEST_BYTES)
     except FileNotFoundError:
@@ -80,7 +80,7 @@ class Journal:
         self._file: int | None = None
 
     def is_there(self) -> bool:
-        """Whether the file is still the one to continue: not removed or replaced."""
+        """Return whether the file is still the one to continue: not removed or replaced."""
         try:
             there = self.path.lstat()
             require_own(self.path, there)

@@ -91,13 +91,13 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
 
 
 def _is_outdated(session: Session, results: Results) -> bool:
-    """Whether a segment's key is another one now."""
+    """Return whether a segment's key is another one now."""
     keys = present_keys(session)
     return any(keys.get((s.first_frame, s.last_frame)) != s.key for s in results.segments)
 
 
 def _other_space(session: Session, results: Results) -> bool:
-    """Whether the motion would be solved for in space in another way, now or at all."""
+    """Return whether the motion would be solved for in space in another way, now or at all."""
     rows = [
         Usable(s.first_frame, s.last_frame, s.key or "", s.quality or results.quality)
         for s in results.segments

@@ -52,7 +52,7 @@ class Usable(NamedTuple):
 
 
 def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[Stretch]:
-    """What there is to solve."""
+    """Return what there is to solve."""
     rows = [
         Usable(*span, found.key, found.quality)
         for span, found in fitting.items()

@@ -34,7 +34,7 @@ from keypose.tracker.video.clip_loader import MEMORY_BYTES
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
-    """What is exact at frames between keyframes."""
+    """Return what is exact at frames between keyframes."""
     telephoto = session.camera.projection == "telephoto"
     return [
         KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton), telephoto)
@@ -91,7 +91,7 @@ def tracker_of(
 def keypoint_source(
     session: Session, video: Video, given: Keypoints | None
 ) -> KeypointSource | None:
-    """Where keypoints come from, with a person's corrections; None where they do not count."""
+    """Return where keypoints come from, with a person's corrections; None if they do not count."""
     source = _found_keypoints(session, video, given)
     if source is None or not session.keypoint_corrections:
         return source

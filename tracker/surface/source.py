@@ -185,7 +185,7 @@ class _Latest:
 
 
 def placement_of(surface: Surface) -> Placement:
-    """Where the meshes of a session lie."""
+    """Return where the meshes of a session lie."""
     return Placement(surface.units, surface.up, np.array(surface.p_camera_surface))
 
 
@@ -198,8 +198,9 @@ def open_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
 
 
 def holds_meshes(path: Path) -> bool:
-    """Whether a path leads to observed surfaces rather than to a video: a mesh, or a folder with
-    meshes that are not just lying among many images. Only names are looked at."""
+    """Return whether a path leads to observed surfaces rather than to a video: a mesh, or a folder
+    with meshes that are not just lying among many images. Only names are looked at.
+    """
     if not path.is_dir():
         return path.suffix.lower() in SUFFIXES
     try:

@@ -92,7 +92,7 @@ class RetimeKeys(Edit):
 
     @property
     def is_shift(self) -> bool:
-        """Whether all of them move by as much."""
+        """Return whether all of them move by as much."""
         return len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
 
 

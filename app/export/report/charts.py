@@ -122,7 +122,7 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
 
 
 def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
-    """How many of the degrees of freedom the picture decides at every step (DRIFT Fig. 10)."""
+    """Count the degrees of freedom that the picture decides at every step (DRIFT Fig. 10)."""
     fitting, first, count = _shifted(subject)
     rank = np.append(ranks(fitting, count), np.nan)
     if np.isnan(rank).all():
@@ -143,7 +143,7 @@ def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
 
 
 def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
-    """How well the picture determines every group of parts, hatched where too little."""
+    """Return how well the picture determines every group of parts, hatched where too little."""
     fitting, first, count = _shifted(subject)
     body = subject.session.body
     table = observability(fitting, count, len(body.parts))

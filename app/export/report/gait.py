@@ -47,7 +47,7 @@ class Row:
         return next(iter(self.sides.values())).joint
 
     def moves(self) -> bool:
-        """Whether any of its angles changes."""
+        """Return whether any of its angles changes."""
         return any(
             np.nanmax(np.ptp(_known(one.angles_deg), axis=0), initial=0.0) > LEAST_MOTION_DEG
             for one in self.sides.values()
@@ -55,7 +55,7 @@ class Row:
 
 
 def legend() -> Html:
-    """Which colour is which side."""
+    """Return which colour is which side."""
     sides = (element("span", part_label(side), class_=f"name {side}") for side in ("left", "right"))
     return element("p", *sides, element("span", "dots are the keyframes"), class_="legend")
 
@@ -77,7 +77,7 @@ def rows_of(found: Sequence[JointAngles]) -> list[Row]:
 
 
 def angle_words(angle: Angle) -> tuple[str, str]:
-    """What is positive and what is negative, such as "internal rotation"."""
+    """Return what is positive and what is negative, such as "internal rotation"."""
     return _WORDS.get(angle.name, angle.name.replace("_", " ")), _WORDS.get(
         angle.other, angle.other.replace("_", " ")
     )
@@ -252,7 +252,7 @@ def _foot(part: str, more: str = "") -> Html:
 
 
 def _diagram(subject: Subject, gait: Gait) -> Html:
-    """When each foot is on the ground: all of it still, and from heel strike to toe off."""
+    """Return when each foot is on the ground: all of it still, and from heel strike to toe off."""
     scale = Scale(*subject.ends)
     rows = []
     for part in sorted({stance.part for stance in gait.stances}):

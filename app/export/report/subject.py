@@ -53,7 +53,7 @@ class Subject:
 
     @property
     def name(self) -> str:
-        """What a person calls it, else the folder's name, as in the page, or the video's."""
+        """Return what a person calls it, else the folder's name, as in the page, or the video's."""
         if self.session.title:
             return self.session.title
         folder = self.session_path.absolute().parent.name
@@ -97,8 +97,9 @@ class Subject:
         return sentence(track.verdict, *span)
 
     def time_s(self, frame: int) -> float:
-        """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,
-        NaN where these do not say."""
+        """Return when a frame is shown, seconds; by the keyframes' times where the video is not at
+        hand, NaN where these do not say.
+        """
         if self.video is None and self.session.evidence.fps is None:
             return _time_by_keyframes(self.session, frame)
         return float(self.times_s[frame])

@@ -151,7 +151,7 @@ def notes_table(subject: Subject) -> Html:
 
 
 def part_keyframes(session: Session) -> Html | None:
-    """Which limbs were keyed alone, and where; None where none were."""
+    """Return which limbs were keyed alone, and where; None where none were."""
     if not session.part_keyframes:
         return None
     said = [f"{k.frame} ({keyed_words(session.body, k.parts)})" for k in session.part_keyframes]
@@ -202,7 +202,7 @@ def _segment_row(subject: Subject, span: Span) -> list[Child]:
 
 
 def _scores(subject: Subject, span: Span) -> list[Child]:
-    """How well its motion fits, dashes where there is none."""
+    """Return how well its motion fits, dashes where there is none."""
     track = subject.fitting.get(span)
     found = track if track is not None and track.finished else None
     return [_number(words) for words in words_for(subject.session).scores(found)]

@@ -92,7 +92,7 @@ class WorkerPool(Protocol):
     def submit(self, number: int, task: Task) -> None: ...
 
     def wait(self, seconds: float) -> Sequence[News]:
-        """What has happened, as soon as something has, at most so long."""
+        """Return what has happened, as soon as something has, at most so long."""
 
     def stop(self) -> None:
         """Let what is at work end soon; a summary still comes of each."""

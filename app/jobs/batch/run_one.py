@@ -29,7 +29,8 @@ from keypose.tracker.video import Video
 
 
 def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str, ...]) -> Export:
-    """Where the files of a session in `folder` go: beside it, or to the same place below `out`.
+    """Return where the files of a session in `folder` go: beside it, or to the same place below
+    `out`.
 
     A session that is not called session.json gives its name to its files.
     """

@@ -63,7 +63,7 @@ class Summary:
 
     @property
     def is_done(self) -> bool:
-        """Whether nothing of it is left to do."""
+        """Return whether nothing of it is left to do."""
         return self.state in ("tracked", "kept")
 
     def count(self, verdict: str) -> int:

@@ -68,7 +68,7 @@ def body(app_state: AppState) -> Json:
 
 
 def _clavicles(given: Body) -> bool | None:
-    """Whether it has them; None where it cannot."""
+    """Return whether it has them; None where it cannot."""
     return True if has_clavicles(given) else False if can_have_clavicles(given) else None
 
 
@@ -118,7 +118,7 @@ def side_of(given: Body, name: str) -> str:
 
 
 def pose(app_state: AppState) -> Json:
-    """Where every part stands at the present frame."""
+    """Return where every part stands at the present frame."""
     edit = app_state.edit
     if edit is None:
         return None
@@ -146,7 +146,7 @@ def pose(app_state: AppState) -> Json:
 
 
 def _is_followed(edit: EditorState) -> bool:
-    """Whether the pose at the present frame was found by tracking ahead."""
+    """Return whether the pose at the present frame was found by tracking ahead."""
     draft = draft_at(edit, edit.frame)
     return draft is not None and draft.followed
 

@@ -84,7 +84,7 @@ _TRACKED = _both(
 
 
 def _tinted(app_state: AppState) -> tuple[Any, ...]:
-    """What the pictures of observed surfaces are coloured by."""
+    """Return what the pictures of observed surfaces are coloured by."""
     edit = app_state.edit
     if edit is None or not edit.doc.evidence.has_surface:
         return ()

@@ -65,7 +65,7 @@ def _why_off(doc: Session, cue: Cue) -> str:
 
 
 def networks_here(_app_state: AppState) -> tuple[Any, ...]:
-    """Which networks are on the disk: one can be added while the page is open."""
+    """Return which networks are on the disk: one can be added while the page is open."""
     return tuple(model.is_here for model in MODELS)
 
 
@@ -89,8 +89,8 @@ SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 
 
 def keypoints(app_state: AppState) -> Json:
-    """Where each is, in pixels of the main view, how sure that is, and what a person said of it;
-    null where nothing is known of this frame.
+    """Return where each is, in pixels of the main view, how sure that is, and what a person said of
+    it; null where nothing is known of this frame.
 
     Of an ignored one it is given where it was found, so that it can be put back.
     """
@@ -174,7 +174,7 @@ def _unavailable(app_state: AppState, kind: Tint) -> str:
 
 
 def surface_version(edit: EditorState) -> str:
-    """What pictures of the surfaces differ by: where they lie, and what colours them.
+    """Return what pictures of the surfaces differ by: where they lie, and what colours them.
 
     A gesture under way does not count, nor do poses that a fit is still on its way to.
     """

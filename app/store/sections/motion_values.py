@@ -135,7 +135,9 @@ def _segment(
 
 
 def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
-    """What is said of a segment: its problem, which everything else that is said of it names."""
+    """Return what is said of a segment: its problem, which everything else that is said of it
+    names.
+    """
     is_good = track.kind == "good"
     if found is None or (is_good and found.cause in BY_MOTION):
         good: dict[str, Json] = {"words": "Good", "short": "Good", "cause": "good"}
@@ -187,7 +189,7 @@ def need(app_state: AppState) -> Json:
 
 
 def lanes(app_state: AppState) -> Json:
-    """How well each part is determined by the picture, 0 to 1, by frame."""
+    """Return how well each part is determined by the picture, 0 to 1, by frame."""
     edit = app_state.edit
     if edit is None:
         return {}
@@ -199,7 +201,7 @@ def lanes(app_state: AppState) -> Json:
 
 
 def job(app_state: AppState) -> Json:
-    """What the tracker is doing."""
+    """Return what the tracker is doing."""
     given = app_state.job
     return {
         "state": given.state,

@@ -21,7 +21,7 @@ from keypose.tracker.video import VideoInfo
 
 
 def file(app_state: AppState) -> Json:
-    """What is open."""
+    """Return what is open."""
     opened = app_state.opened
     if opened is None:
         return None
@@ -48,7 +48,7 @@ def file(app_state: AppState) -> Json:
 
 
 def _taken(info: VideoInfo, video: VideoReference) -> Json:
-    """How a film was taken, by its file and by what a person says."""
+    """Return how a film was taken, by its file and by what a person says."""
     return {
         "file_fps": None if info.container == "images" else info.fps,
         "recorded_fps": video.recorded_fps,
@@ -101,8 +101,8 @@ def _up_origin(doc: Session) -> str:
 
 
 def image_version(app_state: AppState) -> str:
-    """What pictures are named by: they depend on the video and on the lens's distortion; those of
-    observed surfaces on more.
+    """Return what pictures are named by: they depend on the video and on the lens's distortion;
+    those of observed surfaces on more.
 
     Browsers keep them by that name, also for the next video on the same port.
     """
@@ -125,7 +125,7 @@ def views(app_state: AppState) -> Json:
 
 
 def view(app_state: AppState) -> Json:
-    """Where one looks, and the switches."""
+    """Return where one looks, and the switches."""
     edit = app_state.edit
     if edit is None:
         return None

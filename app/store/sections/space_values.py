@@ -49,7 +49,7 @@ def feet(app_state: AppState) -> Json:
 
 
 def ghosts(app_state: AppState) -> Json:
-    """Where the parts stand at the keyframes before and after the present frame."""
+    """Return where the parts stand at the keyframes before and after the present frame."""
     edit = app_state.edit
     if edit is None or not edit.display.ghosts or edit.doc.body is not edit.settled.body:
         return []
@@ -113,7 +113,7 @@ def proposed_pins(app_state: AppState) -> Json:
 
 
 def floor(app_state: AppState) -> Json:
-    """Where the floor is, and whether pinned feet could determine it."""
+    """Return where the floor is, and whether pinned feet could determine it."""
     doc = doc_of(app_state)
     if doc is None:
         return None
@@ -135,7 +135,7 @@ def _pin(body: Body, pin: Pin) -> dict[str, Json]:
 
 
 def pin_label(pin: Pin) -> str:
-    """What is held: "Left foot", "Left heel", "Left knee"."""
+    """Return what is held: "Left foot", "Left heel", "Left knee"."""
     if len(pin.landmarks) == 1:
         return part_label(pin.landmarks[0])
     if not pin.landmarks and pin.point_m is None and kind_of(pin.part) in _JOINTS_NAMED:
@@ -144,7 +144,7 @@ def pin_label(pin: Pin) -> str:
 
 
 def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
-    """What the solve found: how far it slides, and which keyframe is against it."""
+    """Return what the solve found: how far it slides, and which keyframe is against it."""
     found = pin_result(edit, pin)
     if found is None:
         return {"slides_cm": None, "keyframe": None, "problem": ""}
@@ -194,8 +194,9 @@ _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyf
 
 
 def space(app_state: AppState) -> Json:
-    """What is wrong with the motion in space: sentence, part, frames, frame to go to, and what
-    mends it with one press; the worst first."""
+    """Return what is wrong with the motion in space: sentence, part, frames, frame to go to, and
+    what mends it with one press; the worst first.
+    """
     edit = app_state.edit
     if edit is None:
         return []
@@ -238,8 +239,9 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
 
 
 def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
-    """Whether a person has said that the foot is right where it leaves the floor, or the limb as it
-    points."""
+    """Return whether a person has said that the foot is right where it leaves the floor, or the
+    limb as it points.
+    """
     asked = found.kind in ("off_floor", "mirrored")
     answered = known.answer(found.part, found.go) if asked else None
     return answered is not None and answered.answer == "accepted"

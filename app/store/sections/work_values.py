@@ -58,7 +58,7 @@ def masks(app_state: AppState) -> Json:
 
 
 def settings(app_state: AppState) -> Json:
-    """How to track."""
+    """Return how to track."""
     doc = doc_of(app_state)
     given = doc.settings if doc else TrackSettings()
     source = doc.first_motion.source if doc and doc.first_motion else None
@@ -73,13 +73,13 @@ def settings(app_state: AppState) -> Json:
 
 
 def saved(app_state: AppState) -> Json:
-    """Whether the session is on disk."""
+    """Return whether the session is on disk."""
     given = app_state.saved
     return {"state": given.state, "at": given.at_s, "words": given.words}
 
 
 def undo(app_state: AppState) -> Json:
-    """What undo and redo would do."""
+    """Return what undo and redo would do."""
     edit = app_state.edit
     past, future = (edit.history.past, edit.history.future) if edit else ((), ())
     under_way = edit.stroke.label if edit and edit.stroke else None
@@ -90,12 +90,12 @@ def undo(app_state: AppState) -> Json:
 
 
 def clipboard(app_state: AppState) -> Json:
-    """Whether a pose can be pasted."""
+    """Return whether a pose can be pasted."""
     return app_state.edit is not None and app_state.edit.clipboard is not None
 
 
 def fit(app_state: AppState) -> Json:
-    """What the last fit did, until something else is edited."""
+    """Return what the last fit did, until something else is edited."""
     given = app_state.fit
     if given is None:
         return None
@@ -171,22 +171,23 @@ def _finite(figure: float | None) -> float | None:
 
 
 def _has_sides(doc: Session, part: str) -> bool:
-    """Whether a kind of part is there on both sides."""
+    """Return whether a kind of part is there on both sides."""
     return part not in doc.body.names
 
 
 def is_latest_draft(app_state: AppState) -> bool:
-    """Whether nothing was edited since the clip was drafted."""
+    """Return whether nothing was edited since the clip was drafted."""
     doc = doc_of(app_state)
     return doc is not None and doc is app_state.draft
 
 
 def draft(app_state: AppState) -> Json:
-    """What the last draft of the clip found, until none of its drafts is left: the frames where
-    nobody was found and nothing is posed or tracked yet, and the drafts that should be confirmed as
-    keyframes, are shown, and of which nobody has said that the picture does not show it. first,
-    last: of the frames drafted last; drafted: how many of them were; behind: of how many of these
-    the tracked pose is shown instead."""
+    """Return what the last draft of the clip found, until none of its drafts is left: the frames
+    where nobody was found and nothing is posed or tracked yet, and the drafts that should be
+    confirmed as keyframes, are shown, and of which nobody has said that the picture does not show
+    it. first, last: of the frames drafted last; drafted: how many of them were; behind: of how many
+    of these the tracked pose is shown instead.
+    """
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None or doc.drafted is None:
         return None

@@ -168,7 +168,9 @@ class Scaled:
 
     @property
     def shows_tilt(self) -> bool:
-        """Whether the markers show how the pelvis is turned: not all of its own lie in one line."""
+        """Return whether the markers show how the pelvis is turned: not all of its own lie in one
+        line.
+        """
         places = np.array([place for body, place in self.placed.values() if body == "pelvis"])
         if len(places) < 3:
             return False

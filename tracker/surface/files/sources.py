@@ -136,7 +136,7 @@ def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
 
 
 def source_at(path: Path) -> FolderSource:
-    """What lies at a path. SurfaceError where these are no meshes."""
+    """Return what lies at a path. SurfaceError where these are no meshes."""
     if path.is_dir():
         return FolderSource(by_steps(_meshes_in(path)))
     if not path.exists():

@@ -126,7 +126,7 @@ class SurfaceFitter:
 
 
 def options_of(surface: Surface) -> Options:
-    """How a session has its surfaces fitted."""
+    """Return how a session has its surfaces fitted."""
     return Options(
         contact=surface.weights in ("both", "contact"),
         photo=surface.weights in ("both", "photo"),

@@ -160,7 +160,7 @@ def _nearest(
 
 
 def _mutual(square: Array, partner: Array, near: float) -> Array:
-    """How much a pair counts when its partner has a better one of its own.
+    """Return how much a pair counts when its partner has a better one of its own.
 
     A hand whose surface is missing is near the hip's, but that has the hip to lie on; so has the
     model's arm beside a volume that is not there. square, partner: squared distances of a point to

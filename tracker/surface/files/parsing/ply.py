@@ -57,7 +57,7 @@ class Element:
 
     @property
     def least_bytes(self) -> int:
-        """What its rows take at least in a binary file: every list empty."""
+        """Return what its rows take at least in a binary file: every list empty."""
         return self.rows * sum(np.dtype(c.counted or c.type).itemsize for c in self.columns)
 
 
