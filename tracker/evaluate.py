@@ -41,7 +41,7 @@ class Spread:
 
     @classmethod
     def of(cls, errors: Array) -> Spread:
-        """Of an array of any shape; NaN entries do not count."""
+        """Summarise an array of any shape; NaN entries do not count."""
         known = errors[np.isfinite(errors)]
         if not len(known):
             return cls(0, np.nan, np.nan, np.nan)
@@ -58,7 +58,7 @@ class Measure:
 
     @classmethod
     def of(cls, errors: Array, names: Sequence[str]) -> Measure:
-        """Of errors (F, J) at F frames for J names."""
+        """Summarise errors (F, J) at F frames for J names."""
         each = {name: Spread.of(errors[:, i]) for i, name in enumerate(names)}
         return cls(Spread.of(errors), each)
 

@@ -63,7 +63,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
 
 def _ways(session: Session, asked: str) -> list[Direction]:
-    """Those that lead anywhere; refused, before any work, where none of them does."""
+    """Keep the ways that lead anywhere; refused, before any work, where none of them does."""
     from keypose.app.editor.ahead import start_frame
     from keypose.app.editor.documents import Refused
 

@@ -225,7 +225,9 @@ def _recorded_rate(text: str) -> float:
 
 
 def add_work(command: argparse.ArgumentParser) -> None:
-    """Of work on a session's segments: where results go, how many at a time, how it is printed."""
+    """Add the options of work on a session's segments: where results go, how many at a time, how it
+    is printed.
+    """
     command.add_argument(
         "--out", metavar="DIR", type=file_name, help="folder for session and results"
     )

@@ -207,7 +207,7 @@ def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]
 
 
 def _workers(arguments: argparse.Namespace) -> int:
-    """As many as were asked for, or one for each core that has enough memory.
+    """Return as many workers as were asked for, or one for each core that has enough memory.
 
     Two processes on two cores compute together no longer than one does alone, so that more of them
     than there are cores would gain nothing.

@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Of a parser and its commands."""
+    """Yield the actions of a parser and of its commands."""
     for action in parser._actions:  # argparse has no other way to ask
         yield action
         if isinstance(action, argparse._SubParsersAction):

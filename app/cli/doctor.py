@@ -163,7 +163,7 @@ def cores_and_memory() -> Iterator[Finding]:
 
 
 def _memory_gb() -> float | None:
-    """Of the computer; None where the system does not say so."""
+    """Return the computer's memory; None where the system does not say so."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (AttributeError, OSError, ValueError):

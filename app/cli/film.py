@@ -128,7 +128,7 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
 
 
 def _with_bar(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
-    """At a terminal, how far it is and how long it will take."""
+    """Show at a terminal how far it is and how long it will take."""
     if not sys.stderr.isatty():
         yield from pictures
         return

@@ -134,8 +134,9 @@ def _make(
 
 @contextmanager
 def _progress(count: int, as_json: bool) -> Iterator[OnStep]:
-    """At a terminal, how far it is and how long it will take; else a quiet line for each step, for
-    logs, unless what is written is for a program."""
+    """Show at a terminal how far it is and how long it will take; else print a quiet line for each
+    step, for logs, unless what is written is for a program.
+    """
     if sys.stderr.isatty():
         from tqdm import tqdm
 

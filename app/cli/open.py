@@ -229,7 +229,7 @@ def _roots(path: Path | None) -> list[Path]:
 
 
 def _show(links: Links, workspace: Path) -> None:
-    """In the person's browser; those that would take over the terminal are left alone."""
+    """Open in the person's browser; one that would take over the terminal is left alone."""
     try:
         browser = webbrowser.get()
     except webbrowser.Error:

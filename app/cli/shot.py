@@ -119,7 +119,9 @@ def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
 
 
 def _poses(session: Session, session_path: Path, frame: int, wanted: Still) -> KnownPoses:
-    """With the pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
+    """Return the poses with the one to draw; SessionError when the frame is neither a keyframe nor
+    tracked.
+    """
     from keypose.app.render.poses import KnownPoses
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.storage.outdated import outdated_words

@@ -223,7 +223,7 @@ def _is_worth_keying(session: Session, record: Ahead) -> bool:
 
 
 def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
-    """With the way in which tracking ahead leads on, unless something is to be tracked first.
+    """Add the way in which tracking ahead leads on, unless something is to be tracked first.
 
     Where a keyframe is asked for and the film was drafted, what lies beyond has poses already.
     """

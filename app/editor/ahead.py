@@ -106,8 +106,8 @@ def followed_session(
     stop: Stop | None,
     times_s: Array,
 ) -> Session:
-    """With these poses, followed from the keyframe at a frame, in place of what was followed from
-    it before; with the record of them where it is known why they end.
+    """Replace what was followed from the keyframe at a frame by these poses, with the record of
+    them where it is known why they end.
 
     What a person posed stays, and so do keyframes. Drafts of the whole film do not.
     """
@@ -139,7 +139,7 @@ def followed_so_far(state: EditorState, frame: int, motion: Trajectory) -> Sessi
 
 
 def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
-    """With what was followed, as one step."""
+    """Take over what was followed, as one step."""
     given = found.frame, found.motion, found.to_frame, found.stop
     doc = followed_session(state.doc, *given, state.times_s)
     require_sound(state.doc, doc, LABEL)

@@ -37,7 +37,7 @@ def ignore_keypoint(state: EditorState, action: do.IgnoreKeypoint) -> Session:
 
 
 def restore_keypoint(state: EditorState, action: do.RestoreKeypoint) -> Session:
-    """As it was found."""
+    """Restore the keypoint as it was found."""
     return _with(state, action, None)
 
 
@@ -66,7 +66,7 @@ def _require_counting(doc: Session, joint: str) -> None:
 
 
 def _in_video(camera: Camera, at: Pixel) -> Pixel:
-    """From pixels of the main view, whose lens is ideal, to those of the video."""
+    """Convert from pixels of the main view, whose lens is ideal, to those of the video."""
     spot = np.array(at)
     if camera.is_distorted:
         spot = camera.project(camera.without_distortion().back_project(spot, 1.0))
@@ -102,7 +102,7 @@ def delete_note(state: EditorState, action: do.DeleteNote) -> Session:
 
 
 def _with_note(state: EditorState, instead_of: int, note: Note | None) -> Session:
-    """With this note instead of the one at a frame, sorted by frame."""
+    """Put this note instead of the one at a frame, sorted by frame."""
     others = [other for other in state.doc.notes if other.frame != instead_of]
     notes = [*others, *([] if note is None else [note])]
     return state.doc.model_copy(update={"notes": tuple(sorted(notes, key=lambda n: n.frame))})
@@ -146,7 +146,7 @@ def _find(state: EditorState, frame: int, part: str | None) -> Place:
 
 
 def _answered(doc: Session, place: Place, answer: Answer) -> Session:
-    """With an answer in place of older ones about the same part and frames."""
+    """Put an answer in place of older ones about the same part and frames."""
     x, y, z = (float(value) for value in place.end_m)
     part = place.part or doc.body.names[0]
     first, last = min(place.frames[0], place.frame), max(place.frames[1], place.frame)

@@ -124,7 +124,7 @@ def set_clavicles(state: EditorState, action: do.Clavicles) -> Session:
 
 
 def _as_jointed(old: Body, body: Body) -> Body:
-    """With clavicles where the old body had them and this one can."""
+    """Add clavicles where the old body had them and this one can."""
     return with_clavicles(body) if has_clavicles(old) and can_have_clavicles(body) else body
 
 

@@ -73,8 +73,9 @@ def set_lens(state: EditorState, action: do.Lens) -> Session:
 
 
 def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
-    """With another lens. What was posed keeps its place in the picture: a longer lens shows it as
-    large as before from farther away."""
+    """Change the lens. What was posed keeps its place in the picture: a longer lens shows it as
+    large as before from farther away.
+    """
     old = state.doc.camera
     names = ("fx", "fy", "cx", "cy", "distortion", "origin")
     changes = {name: getattr(lens, name) for name in names}

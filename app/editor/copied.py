@@ -78,12 +78,12 @@ class Copied(BaseModel):
 
     @classmethod
     def pose_of(cls, skeleton: Skeleton, pose: Pose) -> Self:
-        """Of one pose."""
+        """Copy one pose."""
         return cls(keypose="pose", body=skeleton.body.name, keys=(_key(skeleton, pose, 0, False),))
 
     @classmethod
     def keys_of(cls, skeleton: Skeleton, keyframes: Sequence[Keyframe]) -> Self:
-        """Of keyframes, in the order of their frames; of a single one its pose."""
+        """Copy keyframes, in the order of their frames; of a single one its pose."""
         if len(keyframes) > MOST_KEYS:
             raise Refused(f"At most {MOST_KEYS} keyframes can be copied at a time.")
         first = keyframes[0].frame
@@ -94,7 +94,7 @@ class Copied(BaseModel):
 
     @property
     def text(self) -> str:
-        """As it stands on a clipboard."""
+        """Return the text that stands on a clipboard."""
         keys = tuple(key.model_copy(update=_rounded(key)) for key in self.keys)
         return self.model_copy(update={"keys": keys}).model_dump_json()
 

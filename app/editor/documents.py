@@ -15,7 +15,7 @@ from keypose.tracker.storage import changes
 
 
 class Refused(KeyposeError):
-    """What was asked for is not possible now; the state stays as it is."""
+    """An action that is not possible now, in one sentence; the state stays as it is."""
 
 
 Posed = TypeVar("Posed", bound=Keyframe)
@@ -24,7 +24,7 @@ NEAREST_M = 0.06
 
 
 def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
-    """With these keyframes, sorted by frame, in the place of part keyframes of the same frames."""
+    """Set these keyframes, sorted by frame, in the place of part keyframes of the same frames."""
     keyed = tuple(sorted(keyframes, key=_frame))
     doc = doc.model_copy(update={"keyframes": keyed})
     frames = {keyframe.frame for keyframe in keyed}
@@ -33,12 +33,12 @@ def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
 
 
 def with_part_keyframes(doc: Session, keyframes: Iterable[PartKeyframe]) -> Session:
-    """With these part keyframes, sorted by frame."""
+    """Set these part keyframes, sorted by frame."""
     return doc.model_copy(update={"part_keyframes": tuple(sorted(keyframes, key=_frame))})
 
 
 def with_drafts(doc: Session, drafts: Iterable[Keyframe]) -> Session:
-    """With these drafts, sorted by frame."""
+    """Set these drafts, sorted by frame."""
     return doc.model_copy(update={"drafts": tuple(sorted(drafts, key=_frame))})
 
 
@@ -48,7 +48,7 @@ def without(poses: Iterable[Posed], frame: int) -> tuple[Posed, ...]:
 
 
 def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Session:
-    """With this pose at a frame: in its keyframe, or else as a draft."""
+    """Set this pose at a frame: in its keyframe, or else as a draft."""
     require_before_camera(skeleton, pose)
     keyframe = keyframe_of(skeleton, pose, frame, times_s)
     known = next((known for known in doc.keyframes if known.frame == frame), None)
@@ -118,8 +118,9 @@ def at_new_focal(posed: Posed, factor: float) -> Posed:
 
 
 def with_times(doc: Session, times_s: Array) -> Session:
-    """With each pose at its frame's time, which hand-written sessions may not know, and which
-    another rate changes."""
+    """Set each pose to its frame's time, which hand-written sessions may not know, and which
+    another rate changes.
+    """
 
     def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
         retimed = [(pose, float(times_s[pose.frame])) for pose in poses]

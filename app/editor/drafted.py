@@ -68,8 +68,8 @@ def drafted_session(
     proposals: Sequence[Proposal],
     times_s: Array,
 ) -> Session:
-    """With these drafts in place of those there were from the first to the last of the frames, and
-    what was found besides: where nobody was, and which to confirm.
+    """Replace the drafts from the first to the last of the frames by these, and what was found
+    besides: where nobody was, and which to confirm.
 
     Keyframes stay, and so do imported keypoints; what was tracked ahead does not.
     """
@@ -137,7 +137,7 @@ def _can_learn(doc: Session) -> bool:
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:
-    """With the poses alone that decide what drafts near some frames learn."""
+    """Keep the poses alone that decide what drafts near some frames learn."""
     first, last = min(around) - LEARN_FRAMES - 1, max(around) + LEARN_FRAMES + 1
     near = {
         name: tuple(pose for pose in poses if first <= pose.frame <= last)
@@ -147,8 +147,8 @@ def near_frames(doc: Session, around: Collection[int]) -> Session:
 
 
 def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -> EditorState:
-    """With drafts as they are with what keyframes gave, as part of the newest step: what undoes
-    that step brings the drafts back.
+    """Set drafts as they are with what keyframes gave, as part of the newest step: what undoes that
+    step brings the drafts back.
 
     used: the document that they were found from. What has changed since stays as it is; all of it
     where a keyframe that gave it is gone.
@@ -181,7 +181,7 @@ def with_clip_drafted(
     keypoints: KeypointFile | None,
     proposals: Sequence[Proposal] = (),
 ) -> EditorState:
-    """With the drafts of a clip, as one step; see `drafted_session`."""
+    """Take over the drafts of a clip, as one step; see `drafted_session`."""
     given = (frames, body, poses, keypoints, proposals)
     doc = drafted_session(state.doc, *given, state.times_s)
     require_sound(state.doc, doc, LABEL)

@@ -45,7 +45,7 @@ def require_sizes_to_fit(state: EditorState) -> None:
 
 
 def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
-    """With this pose at a frame."""
+    """Set this pose at a frame."""
     doc = posed(state.doc, state.skeleton, pose, frame, state.times_s)
     return _after(state, doc, "fit the pose", frame)
 
@@ -53,8 +53,9 @@ def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
 def with_sizes_fitted(
     state: EditorState, body: Body, camera: Camera, keyposes: Mapping[int, Pose]
 ) -> EditorState:
-    """With this body and camera, and the keyframes posed for them; what is posed as it was stays to
-    the last digit."""
+    """Take over this body and camera, and the keyframes posed for them; what is posed as it was
+    stays to the last digit.
+    """
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
     for pose in keyposes.values():
         require_before_camera(skeleton, pose)

@@ -42,8 +42,9 @@ def set_floor(state: EditorState, action: do.Floor) -> Session:
 
 
 def uneven_feet_m(state: EditorState) -> float | None:
-    """By how much pinned feet differ in height while nobody has said what is up, metres; None where
-    that is no more than where one stands on a slope."""
+    """Return by how much pinned feet differ in height while nobody has said what is up, metres;
+    None where that is no more than where one stands on a slope.
+    """
     if state.doc.up_camera is not None or not state.doc.pins:
         return None
     places, apart = _places_of_feet(state)

@@ -49,12 +49,12 @@ class Judged:
 
     @classmethod
     def of(cls, doc: Session, results: Results) -> Judged:
-        """Of a session; found once for as long as nothing changes."""
+        """Judge a session; computed once for as long as nothing changes."""
         return _judged(ById(doc), ById(results))
 
     @classmethod
     def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> Judged:
-        """Of a session whose present segments have these results, finished or not."""
+        """Judge a session whose present segments have these results, finished or not."""
         return cls(
             tracks={span: _keyed(doc, track) for span, track in fitting.items() if track.finished},
             parts=doc.body.names,
@@ -74,7 +74,7 @@ class Judged:
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """Of all segments, in frames."""
+        """Return the lengths of all segments, in frames."""
         return tuple(track.last - track.first for track in self.tracks.values())
 
     @cached_property
@@ -91,11 +91,13 @@ class Judged:
         return next((limb for limb in self.limbs if index in limb), (index,))
 
     def index(self, part: str | None) -> int:
-        """Of a part, the root's where it is about the whole body, or about no part of it."""
+        """Return the index of a part, the root's where it is about the whole body, or about no part
+        of it.
+        """
         return 0 if part is None or part not in self.parts else list(self.parts).index(part)
 
     def name(self, index: int) -> str | None:
-        """Of a part; None where names are not known."""
+        """Return the name of a part; None where names are not known."""
         return self.parts[index] if index < len(self.parts) else None
 
     def far_end_m(self, track: SegmentResult, frame: int, part: str | None) -> Array | None:

@@ -52,8 +52,9 @@ def retime_keyframes(state: EditorState, action: do.RetimeKeys) -> Session:
 def with_keyframes_placed(
     doc: Session, stay: Iterable[Keyframe], placed: Collection[Keyframe]
 ) -> Session:
-    """With keyframes beside those that stay, in the place of what may be drafted there: that would
-    hide them."""
+    """Set keyframes beside those that stay, in the place of what may be drafted there: that would
+    hide them.
+    """
     frames = {keyframe.frame for keyframe in placed}
     doc = with_keyframes(doc, (*stay, *placed))
     return with_drafts(doc, (draft for draft in doc.drafts if draft.frame not in frames))
@@ -158,7 +159,7 @@ def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
 
 
 def _keyed(doc: Session, keyframe: Keyframe) -> Session:
-    """With one more keyframe, in the place of what may be drafted there: that would hide it."""
+    """Set one more keyframe, in the place of what may be drafted there: that would hide it."""
     if isinstance(keyframe, PartKeyframe):
         doc = with_part_keyframes(doc, (*doc.part_keyframes, keyframe))
     else:

@@ -42,7 +42,8 @@ def settled_skeleton(edit: EditorState) -> Skeleton:
 
 
 def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) -> KnownMotion:
-    """From first to last, both inside the segments: every stride-th frame, and the keyframes.
+    """Return the motion from first to last, both inside the segments: every stride-th frame, and
+    the keyframes.
 
     Of the document without the gesture under way, which outdates what was tracked only when it
     ends. Where somebody posed the body, it stands as posed.
@@ -135,7 +136,8 @@ class EndTrail:
 
 
 def end_trail(edit: EditorState) -> EndTrail | None:
-    """From the end of a segment before the present frame to the one behind it; None outside.
+    """Trace the end from the end of a segment before the present frame to the one behind it; None
+    outside.
 
     Of the document without the gesture under way, which outdates what was tracked only when it
     ends.
@@ -190,7 +192,9 @@ class FeetPaths:
 
 
 def feet_paths(edit: EditorState) -> FeetPaths:
-    """Of all that is known of the motion; the floor as it was set, or guessed from the motion."""
+    """Trace the feet over all that is known of the motion; the floor as it was set, or guessed from
+    the motion.
+    """
     floor_m = edit.settled.floor_m
     skeleton, up = settled_skeleton(edit), up_of(edit.settled)
     motion = known_motion(edit, MOST_MOMENTS)

@@ -104,7 +104,7 @@ def accept_pins(state: EditorState, action: do.AcceptPins) -> Session:
 
 
 def named_proposals(state: EditorState, action: do.AcceptPins | do.DismissPins) -> tuple[Pin, ...]:
-    """Of a part, or of a part that begins at a frame, or all that are open."""
+    """Select proposals of a part, or of a part that begins at a frame, or all that are open."""
     found = open_proposals(state)
     if action.part is not None:
         found = tuple(pin for pin in found if pin.part == action.part)
@@ -114,7 +114,9 @@ def named_proposals(state: EditorState, action: do.AcceptPins | do.DismissPins) 
 
 
 def soften_keys(state: EditorState, action: do.SoftenKeys) -> Session:
-    """Of the keyframes that are named, and still are keyframes, the motion need only come near."""
+    """Soften the keyframes that are named, and still are keyframes: the motion need
+    only come near.
+    """
     if not set(state.keys).intersection(action.frames):
         raise Refused("None of these frames is a keyframe any more.")
     return with_keyframes(
@@ -142,7 +144,7 @@ def soften_key(state: EditorState, action: do.SoftenKey | do.ExactKey) -> Sessio
 
 
 def _moved(state: EditorState, action: do.ChangePin, old: Pin) -> Pin:
-    """With the frames that were asked for, as far as neighbours and the video let it."""
+    """Move to the frames that were asked for, as far as neighbours and the video let it."""
     first = old.first_frame if action.first is None else action.first
     last = old.last_frame if action.last is None else action.last
     least, most = _room(state, old, action.index)

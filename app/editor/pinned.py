@@ -162,7 +162,9 @@ def _across(steps: Array, points: Array) -> Array:
 
 
 def _interval(state: EditorState, frame: int) -> tuple[int, int]:
-    """From the keyframe at a frame or before it to the next; the frame alone outside of them."""
+    """Return the frames from the keyframe at a frame or before it to the next; the frame alone
+    outside of them.
+    """
     keys = state.keys
     before = [key for key in keys if key <= frame]
     after = [key for key in keys if key > frame]

@@ -59,7 +59,7 @@ class PosedByCorners:
 
 
 def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
-    """Those placed at the present frame, the last one last."""
+    """Return the corners placed at the present frame, the last one last."""
     readout = state.stroke.readout if state.stroke else None
     if readout is not None:
         return readout.corners
@@ -264,8 +264,10 @@ def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
 
 
 def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Session:
-    """As the keyframe of the present frame, or its part keyframe, where it has one and no more than
-    limbs moved; else as a draft. partial: as a part keyframe of the limbs that it moves."""
+    """Set a pose as the keyframe of the present frame, or its part keyframe, where it has one and
+    no more than limbs moved; else as a draft. partial: as a part keyframe of the limbs that it
+    moves.
+    """
     if partial:
         return _of_limbs(state, pose)
     is_part = find(state.doc.part_keyframes, state.frame) is not None

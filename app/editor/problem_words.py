@@ -35,7 +35,7 @@ _WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoi
 
 
 def sentence(verdict: Verdict, first: int, last: int) -> str:
-    """Of the segment first … last: "Check: right hand hidden, frames 31–36"."""
+    """Word the verdict on the segment first … last: "Check: right hand hidden, frames 31–36"."""
     words = short_sentence(verdict, first, last)
     if verdict.cause == "not_followed" and verdict.go is not None:
         return f"{words}. {add_keyframe(verdict.go)}"
@@ -136,8 +136,9 @@ def reason_of(found: Problem) -> str:
 
 
 def sentence_of(found: Problem) -> str:
-    """By itself: "Left hand hidden behind the head, frames 83–92". The frames are left out where
-    they are all of its segment."""
+    """Word a problem by itself: "Left hand hidden behind the head, frames 83–92". The frames are
+    left out where they are all of its segment.
+    """
     sentence = _SENTENCES.get(found.cause)
     if sentence is None:
         return short_sentence(_verdict(found), *found.span)

@@ -196,7 +196,7 @@ def _how_it_moves(known: Judged, track: SegmentResult, frame: int) -> tuple[Prob
 def _by_verdict(
     known: Judged, track: SegmentResult, verdict: Verdict, frame: int, remedy: Remedy
 ) -> Problem:
-    """With the verdict's reason; where tracking was lost, with what made it so."""
+    """Add the verdict's reason; where tracking was lost, what made it so."""
     frames = verdict.frames or track.span
     cause, part = verdict.cause, verdict.part
     if cause == "not_followed":
@@ -226,7 +226,7 @@ def _of_limb(known: Judged, track: SegmentResult, doubt: Doubt) -> Problem:
 
 
 def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
-    """With what hides the part."""
+    """Add what occludes the part."""
     if found.part is None:
         return found
     behind = known.hidden_behind(track, found.frame, found.part)
@@ -235,8 +235,9 @@ def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
 
 
 def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
-    """With how far off it is expected to be: the part where joints are observed, else the body in
-    the mean. Where no part is named, it is the worst one."""
+    """Add how far off it is expected to be: the part where joints are observed, else the body in
+    the mean. Where no part is named, it is the worst one.
+    """
     row = found.frame - track.first
     errors = part_errors_px(track)
     if errors is not None and 0 < row < len(errors) - 1:

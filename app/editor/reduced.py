@@ -147,7 +147,7 @@ def with_reduction(
     *,
     replacing: bool,
 ) -> EditorState:
-    """With the motion reduced, as one step."""
+    """Take over the reduced motion, as one step."""
     given = (found, frames, state.times_s, first_motion)
     doc = reduced_session(state.doc, *given, replacing=replacing)
     require_sound(state.doc, doc, LABEL)
@@ -242,7 +242,7 @@ def _through(
 
 
 def _known(motion: Trajectory) -> Trajectory:
-    """From the first frame with a pose to the last one."""
+    """Cut from the first frame with a pose to the last one."""
     known = motion.first_frame + np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
     return require_range(motion, int(known[0]), int(known[-1]))
 
@@ -253,7 +253,7 @@ def _known(motion: Trajectory) -> Trajectory:
 def _with_limbs_keyed(
     doc: Session, found: Reducible, frames: Sequence[int], times_s: Array
 ) -> Session:
-    """With part keyframes at these frames, but for those that are keyframes."""
+    """Set part keyframes at these frames, but for those that are keyframes."""
     skeleton = Skeleton.of(doc.body)
     keyed = {keyframe.frame for keyframe in doc.keyframes}
     known = {each.frame: each for each in doc.part_keyframes}

@@ -121,7 +121,9 @@ def _goal(right_px: float | None) -> int:
 
 
 def _worst_first(places: Sequence[Place]) -> list[Place]:
-    """Of those whose size nobody knows wrong keyframes and what is lost come first, others last."""
+    """Sort places: of those whose size nobody knows wrong keyframes and what is lost come first,
+    others last.
+    """
 
     def rank(place: Place) -> tuple[float, float, int]:
         why = place.why
@@ -133,7 +135,7 @@ def _worst_first(places: Sequence[Place]) -> list[Place]:
 
 
 def _tracked(known: Judged, doc: Session, results: Results) -> list[Place]:
-    """Of one limb at one time only the worst."""
+    """List tracked places: of one limb at one time only the worst."""
     found = [*_in_segments(known), *_in_space(known, doc, results)]
     kept: list[Place] = []
     for place in _worst_first(found):

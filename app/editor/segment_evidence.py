@@ -94,8 +94,9 @@ def right_error_px(track: SegmentResult) -> float | None:
 
 
 def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
-    """Of the rows first to last that with nearly the largest error of a part where a keyframe would
-    gain most; the very largest where no gain is known."""
+    """Find of the rows first to last that with nearly the largest error of a part where a keyframe
+    would gain most; the very largest where no gain is known.
+    """
     errors = part_errors_px(track)
     assert errors is not None
     column = errors[first : last + 1, part]

@@ -51,7 +51,7 @@ def poses_beside(state: EditorState, frame: int) -> tuple[Pose, ...]:
 
 
 def _followed(state: EditorState, frame: int) -> ShownPose | None:
-    """As it was tracked, or as limbs of it were set."""
+    """Return the pose as it was tracked, or as limbs of it were set."""
     tracked = state.tracked(frame)
     if tracked is not None:
         return ShownPose(tracked, "tracked")

@@ -67,7 +67,7 @@ def _scaled(state: EditorState, factor: float) -> Session:
 
 
 def _with_poses(doc: Session, skeleton: Skeleton, moved: Callable[[Keyframe], Keyframe]) -> Session:
-    """With every pose moved. Refused where one comes to lie behind the camera."""
+    """Move every pose. Refused where one comes to lie behind the camera."""
     keyframes, drafts = (tuple(map(moved, poses)) for poses in (doc.keyframes, doc.drafts))
     for pose in (*keyframes, *drafts):
         require_before_camera(skeleton, pose.pose(skeleton))
@@ -80,7 +80,7 @@ def _farther(pose: Keyframe, factor: float) -> Keyframe:
 
 
 def _turned(doc: Session, skeleton: Skeleton, action: do.Observe) -> Session:
-    """With other axes, the point that all is turned about staying where it is; poses go along."""
+    """Change the axes; the point that all is turned about stays where it is, poses go along."""
     old, about = surface_of(doc), np.array(action.about)
     assert action.up is not None
     place = np.array(old.p_camera_surface)

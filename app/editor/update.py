@@ -92,7 +92,7 @@ def _is_under_way(state: EditorState, stroke: str) -> bool:
 
 
 def end_stroke(state: EditorState) -> EditorState:
-    """With the gesture under way, if any, made one step of the history."""
+    """End the gesture under way, if any, as one step of the history."""
     stroke = state.stroke
     if stroke is None:
         return state
@@ -105,7 +105,7 @@ def end_stroke(state: EditorState) -> EditorState:
 
 
 def cancel_stroke(state: EditorState) -> EditorState:
-    """With the gesture under way undone."""
+    """Undo the gesture under way."""
     stroke = state.stroke
     if stroke is None:
         return state

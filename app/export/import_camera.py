@@ -43,7 +43,7 @@ def with_camera_file(session: Session, found: CameraFile) -> Session:
 
 
 def turned_deg(session: Session, made: Session) -> float:
-    """By how much what is up has changed, degrees."""
+    """Return by how much what is up has changed, degrees."""
     before, after = (np.array(s.up_camera or CAMERA_UP) for s in (session, made))
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))

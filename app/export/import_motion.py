@@ -252,7 +252,9 @@ def _middle(camera: Camera, z: float) -> Array:
 
 
 def _pose_per_frame(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
-    """For every frame the pose between its keyframes, or that of the nearest; None without any."""
+    """Return for every frame the pose between its keyframes, or that of the nearest; None without
+    any.
+    """
     frames = sorted(posed)
     return [between(posed, frames, frame) for frame in range(first, first + count)]
 

@@ -171,8 +171,9 @@ def _motion(path: Path) -> tuple[JointMotion, tuple[str, ...]]:
 
 
 def _people(path: Path) -> tuple[People, tuple[str, ...]]:
-    """Those in a file, and the names of individuals to choose from: of the first, where there are
-    several."""
+    """Return the people in a file, and the names of individuals to choose from: of the first, where
+    there are several.
+    """
     try:
         return read_people(path), ()
     except ChoiceError as several:
@@ -180,7 +181,9 @@ def _people(path: Path) -> tuple[People, tuple[str, ...]]:
 
 
 def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[People, list[str]]:
-    """Those within the video and what is left out, or all and why they need another start frame."""
+    """Return those within the video and what is left out, or all and why they need another start
+    frame.
+    """
     try:
         within, notes = on_video(file, people, video)
     except FormatError as error:

@@ -127,7 +127,7 @@ class PicturesExport:
 
     @property
     def suffix(self) -> str:
-        """Of the file."""
+        """Return the ending of the file's name."""
         return f"-{self.frames}.png" if isinstance(self.frames, int) else "-pictures.zip"
 
     def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:

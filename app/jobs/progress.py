@@ -41,7 +41,7 @@ class Progress:
         return cls(now, weights)
 
     def after(self, report: Report) -> Progress:
-        """With what a report adds."""
+        """Add what a report tells."""
         if isinstance(report, PassFinished):
             # a segment may take more passes than expected, and is not done before it is judged
             share = min((report.number + 1) / (report.of + 1), 0.95)
@@ -56,7 +56,7 @@ class Progress:
 
     @property
     def share(self) -> float:
-        """Of the whole job, 0 to 1."""
+        """Return the share of the whole job, 0 to 1."""
         total = sum(self.weights.values())
         done = sum(share * self.weights.get(step, 0.0) for step, share in self.shares.items())
         return done / total if total else 1.0
@@ -66,13 +66,13 @@ class Progress:
         return int(100 * self.share)
 
     def percent_of(self, span: Span) -> int:
-        """Of one segment, all its stages together."""
+        """Return the share of one segment, all its stages together."""
         weights = {step: weight for step, weight in self.weights.items() if step[0] == span}
         done = sum(self.shares.get(step, 0.0) * weight for step, weight in weights.items())
         return int(100 * done / sum(weights.values())) if weights else 0
 
     def seconds_left(self, now: float) -> float | None:
-        """As if the rest went as fast as what is done; None while that says little."""
+        """Extrapolate as if the rest went as fast as what is done; None while that says little."""
         return seconds_left(now - self.started_at, self.share, self.given)
 
     def _with(self, step: Step, share: float) -> Progress:
@@ -81,8 +81,9 @@ class Progress:
 
 
 def seconds_left(elapsed: float, share: float, given: float = 0.0) -> float | None:
-    """As if the rest went as fast as what is done, a share without what was given; None while that
-    says little."""
+    """Extrapolate as if the rest went as fast as what is done, a share without what was given; None
+    while that says little.
+    """
     done = share - given
     if done < KNOWN_SHARE or elapsed < KNOWN_SECONDS:
         return None

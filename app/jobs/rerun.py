@@ -192,7 +192,7 @@ def _solved_and_saved(
 
 
 def _in_space(session: Session, results: Results) -> Results:
-    """With the motion of every stretch solved for in space."""
+    """Solve for the motion of every stretch in space."""
     for stretch in results.unsolved(session):
         results = results.with_space(solved(session, stretch))
     return results
@@ -209,7 +209,7 @@ def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) 
 
 
 def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentResult]:
-    """As tracked: what was solved in space would be smoothed again."""
+    """Return the motion as tracked: what was solved in space would be smoothed again."""
     try:
         fitting = load_results(session, path).fitting(session)
     except SessionError:  # missing or damaged: then there is nothing to keep

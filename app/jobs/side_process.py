@@ -102,7 +102,7 @@ def _end_with_parent() -> None:
 
 
 def _work(work: Work, reports: Connection) -> None:
-    """In the process."""
+    """Run the work in the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the server, which then ends us
     Thread(target=_end_with_parent, name="parent", daemon=True).start()
     with suppress(OSError, AttributeError):

@@ -137,7 +137,7 @@ class Tracking:
 
     @property
     def pid(self) -> int | None:
-        """Of the worker process, if there is one."""
+        """Return the id of the worker process, if there is one."""
         return None if self._worker is None else self._worker.pid
 
     def _warm_up(self) -> None:

@@ -68,7 +68,7 @@ def angle_curve_deg(part: Part, Rs_parent_part: Array, keys: NDArray[np.intp]) -
 
 
 def _nearer_in_turn(both: Array) -> Array:
-    """Of pairs of triples (N, 2, 3) the first one's first, then each time the nearer (N, 3).
+    """Choose of pairs of triples (N, 2, 3) the first one's first, then each time the nearer (N, 3).
 
     The other triple of both is as far from one as that is from the other: whether to change over
     between two frames does not depend on where one is.
@@ -89,7 +89,8 @@ def _clearest(both: Array, keys: NDArray[np.intp], rows: NDArray[np.intp]) -> in
 
 
 def _of_both(part: Part, Rs_parent_part: Array, both: Array) -> Array:
-    """Of the two triples (N, 2, 3) of a part's rotations (N, 3, 3) the one to show (N, 3), radians.
+    """Choose of two triples (N, 2, 3) of a part's rotations (N, 3, 3) the one to show (N, 3),
+    radians.
 
     The one that keeps the part's limits, else the one with y within ±90°. The root has no limits;
     a person who has turned round is described by y, not by lean and tilt, and so is a part that is
@@ -106,7 +107,7 @@ def _of_both(part: Part, Rs_parent_part: Array, both: Array) -> Array:
 
 
 def _more_upright(both: Array) -> Array:
-    """Of two triples (..., 2, 3) the one with less lean and tilt (..., 3)."""
+    """Choose of two triples (..., 2, 3) the one with less lean and tilt (..., 3)."""
     aside = _aside(both)
     second = aside[..., 1] < aside[..., 0] - SLACK
     return np.where(second[..., None], both[..., 1, :], both[..., 0, :])
@@ -128,7 +129,9 @@ def continued(rotation: Array, before_rad: Array) -> Array:
 
 
 def _at_gimbal(angles: Array, before_rad: Array) -> Array:
-    """With y a quarter turn only z − x (or z + x, at −90°) is determined; both change equally."""
+    """Set angles at gimbal lock: with y a quarter turn only z − x (or z + x, at −90°) is
+    determined; both change equally.
+    """
     x, y, z = angles.tolist()
     sign = -1.0 if math.sin(y) > 0 else 1.0
     sum_angle = z + sign * x
@@ -170,7 +173,7 @@ def with_angles(
 
 
 def _stopped(part: Part, now: list[float], wanted: list[float]) -> list[float]:
-    """As far on the way from angles to others, degrees, as the part may twist."""
+    """Go as far on the way from angles to others, degrees, as the part may twist."""
     twist = twist_of(part)
     if twist is None:
         return wanted

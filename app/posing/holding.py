@@ -128,7 +128,7 @@ def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> 
 
 
 def _is_carried(handle: BodyHandle, moved: Moved) -> bool:
-    """Return whether the trunk moves, or a part before the limb's bones, which carries it as a whole."""
+    """Return whether the trunk moves, or a part before the limb's bones."""
     limb = handle.limb
     return moved.part not in limb or limb.index(moved.part) < limb.index(handle.movers[0])
 

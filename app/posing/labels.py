@@ -54,12 +54,14 @@ def joint_label(name: str) -> str:
 
 
 def degrees_text(value_deg: float, sign: bool = False) -> str:
-    """To a tenth, with a true minus: "−8.0"."""
+    """Write degrees to a tenth, with a true minus: "−8.0"."""
     return number_text(value_deg, 1, sign)
 
 
 def number_text(value: float, digits: int, sign: bool = False) -> str:
-    """With so many digits behind the point and a true minus; `sign` shows the plus, too."""
+    """Write a number with so many digits behind the point and a true minus; `sign` shows the plus,
+    too.
+    """
     rounded = round(value, digits) + 0.0
     text = f"{abs(rounded):.{digits}f}"
     if rounded < 0:

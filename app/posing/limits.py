@@ -52,7 +52,7 @@ class JointRange:
         return out
 
     def widened(self, rotation: Array) -> JointRange:
-        """With room for a rotation: a pose that is beyond a limit may stay where it is."""
+        """Widen for a rotation: a pose that is beyond a limit may stay where it is."""
         angles = fitting(rotation, self.box)
         low, high = np.minimum(self.box[:, 0], angles), np.maximum(self.box[:, 1], angles)
         twist = self.twist
@@ -108,8 +108,9 @@ def beyond(angles: Array, box: Array) -> Array:
 
 
 def fitting(rotations: Array, box: Array | None) -> Array:
-    """Of rotations (..., 3, 3) the triples [x, y, z] (..., 3) that lie deepest in the box, the
-    plain one first."""
+    """Return of rotations (..., 3, 3) the triples [x, y, z] (..., 3) that lie deepest in the box,
+    the plain one first.
+    """
     both = triples(rotations, box)
     if box is None:
         return np.asarray(both[..., 0, :])
@@ -193,7 +194,7 @@ def _beyond_either(rotations: Array, box: Array) -> Array:
 
 
 def _descended(wanted: Array, angles: list[float], box: Array) -> Array:
-    """From angles inside the box to the best ones near them, one angle at a time.
+    """Descend from angles inside the box to the best ones near them, one angle at a time.
 
     tr(wantedᵀ R) is a sine of each single angle, so that each has its best value in closed form.
     """

@@ -54,7 +54,7 @@ class PointerView:
 
     @property
     def is_films(self) -> bool:
-        """Return whether it is the film's own camera, where what keeps its depth keeps the body's."""
+        """Return whether it is the film's own camera, which keeps the body's depth."""
         return self.camera is not None and self.name != "free"
 
     @property

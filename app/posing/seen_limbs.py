@@ -158,8 +158,7 @@ class SeenLimb:
         return np.asarray(centre + upper * (c * q + math.sqrt(max(1.0 - c * c, 0.0)) * m))
 
     def _sideways(self, bent: Reached, end: Array) -> Reached:
-        """With the little that the hinge lacks done to its sides, as far as the joint's limits
-        allow."""
+        """Turn sideways what the hinge lacks, as far as the joint's limits allow."""
         limb, context = self.limb, self.limb.context
         after = GestureContext.of(context.skeleton, context.turned(bent.rotations), True)
         R, joint = after.R_camera_part(limb.lower), after.joint(limb.lower)

@@ -42,7 +42,7 @@ class Swing:
 
     @classmethod
     def of(cls, start: Array, resting: Array, within: Array | None = None) -> Swing:
-        """For a limb that points to `start` and whose range has its middle at `resting`.
+        """Prepare a limb that points to `start` and whose range has its middle at `resting`.
 
         within: a direction across `start`. Swings in the plane of both keep that plane.
         """

@@ -148,7 +148,7 @@ class Hinge:
         return fixed, 2 * arms
 
     def distance(self, bend: float) -> float:
-        """From the upper joint to the far end, metres."""
+        """Return the distance from the upper joint to the far end, metres."""
         fixed, arms = self._lever
         return math.sqrt(max(fixed + arms * math.cos(bend), 0.0))
 

@@ -60,7 +60,7 @@ class FourViewLayout:
 
     @classmethod
     def of(cls, camera: Camera, height: int) -> FourViewLayout:
-        """In a picture so many pixels high."""
+        """Lay out a picture so many pixels high."""
         main = (max(1, round(height * camera.width / camera.height)), height)
         gap = max(2, height // 240)
         if height < LEAST_HEIGHT_OF_FOUR:
@@ -75,7 +75,7 @@ class FourViewLayout:
 
     @property
     def width(self) -> int:
-        """Of the whole picture."""
+        """Return the width of the whole picture."""
         return self.main[0] + (self.gap + self.small[0][0] if self.small else 0)
 
 

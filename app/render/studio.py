@@ -203,7 +203,7 @@ class Studio:
         framing: Framing | None = None,
         surface: SurfaceLayer | None = None,
     ) -> Picture:
-        """From the top, the side or the front."""
+        """Draw from the top, the side or the front."""
         framing = framing or Framing()
         centre, across = framing.centre_m, framing.metres_across
         return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs, surface)
@@ -216,7 +216,7 @@ class Studio:
         pose: Pose | None,
         surface: SurfaceLayer | None = None,
     ) -> Picture:
-        """From a new viewpoint, on a floor."""
+        """Draw from a new viewpoint, on a floor."""
         Ts = None if pose is None else pose_transforms(self.skeleton, pose)
         picture = floor_picture(view, ground, p_camera_centre, self.form, Ts)
         if Ts is not None:

@@ -59,7 +59,9 @@ class DecimatedMesh:
 
 
 def decimate(vertices: Array, faces: NDArray[np.int64], most: int) -> DecimatedMesh:
-    """At most so many triangles: vertices of one cell of a grid become one, in their middle."""
+    """Reduce to at most so many triangles: vertices of one cell of a grid become one, in their
+    middle.
+    """
     if len(faces) <= most:
         return DecimatedMesh(vertices, faces, np.arange(len(vertices)))
     size = np.sqrt(START * 2 * _area(vertices, faces) / most)
@@ -171,7 +173,7 @@ class Observed:
         self._rims: tuple[tuple[Any, ...], int] | None = None
 
     def follow(self, doc: Session) -> None:
-        """From now on the surfaces lie where this document has them; never waits."""
+        """Follow the document: from now on the surfaces lie where it has them; never waits."""
         self._newest = reading(doc)
 
     def video(self, doc: Session) -> SurfaceVideo:

@@ -123,7 +123,7 @@ class Scenery:
         )
 
     def is_seen_as(self, other: Scenery) -> bool:
-        """From the same sides."""
+        """Tell whether both are seen from the same sides."""
         same = (np.array_equal(self.R_view_camera(r), other.R_view_camera(r)) for r in ROLES)
         return self.telephoto == other.telephoto and all(same)
 

@@ -89,7 +89,7 @@ def _before(edit: EditorState) -> tuple[Body, Array] | None:
 
 
 def _trail(section: Any, frame: int) -> Trail | None:
-    """From the section that the page receives: it has been computed already."""
+    """Return the trail from the section that the page receives: it has been computed already."""
     if section is None:
         return None
     frames = [point[0] for point in section["points"]]

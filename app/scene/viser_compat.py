@@ -95,7 +95,7 @@ def hide_from(client: ClientHandle, name: str) -> None:
 
 
 class _Wire:
-    """What viser's handler uses of a websocket, over ours."""
+    """The part of a websocket that viser's handler uses, over ours."""
 
     subprotocol = SUBPROTOCOL
 

@@ -65,7 +65,7 @@ class SizesPreview:
         return chosen
 
     def choosing(self, poses: bool) -> SizesPreview:
-        """With or without other poses; Refused where that fits no better."""
+        """Choose with or without other poses; Refused where that fits no better."""
         if (self.with_poses if poses else self.alone) is None:
             raise Refused("That does not fit better.")
         return replace(self, poses=poses)
@@ -106,11 +106,11 @@ class ReductionPreview:
     busy: bool = True
 
     def asking(self, asked: do.Reduce, found: Reducible) -> ReductionPreview:
-        """With something else asked for; what was found stays until that is known."""
+        """Ask for something else; what was found stays until that is known."""
         return replace(self, asked=asked, found=found, busy=True)
 
     def done(self, reduction: Reduction) -> ReductionPreview:
-        """With what was asked for last."""
+        """Set what was found for what was asked last."""
         return replace(self, reduction=reduction, busy=False)
 
     def applied_to(self, edit: EditorState, session_path: Path) -> EditorState:

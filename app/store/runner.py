@@ -370,6 +370,6 @@ def _spans_to_track(edit: EditorState, what: What) -> list[Wanted]:
 
 
 def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
-    """Those that touch the present frame; all of them where none does."""
+    """Keep what touches the present frame; all of it where nothing does."""
     near = [w for w in wanted if w[0] <= edit.frame <= w[1]]
     return near or list(wanted)

@@ -284,7 +284,7 @@ class SessionWriter:
         self.lock.release()
 
     def _write(self, path: Path, edit: EditorState, edit_log: EditLog) -> None:
-        """In a thread of the saver."""
+        """Write in a thread of the saver."""
         doc = edit.settled
         self.lock.require_folder(path.parent, partial(edit_log.is_own, path))
         if not path.exists():  # a journal alone would not be found

@@ -60,7 +60,7 @@ class KnownKeypoints:
     of_file: Keypoints | None = None
 
     def at(self, frame: int) -> Keypoints | None:
-        """Those of one frame: what tracking uses goes first."""
+        """Return the keypoints of one frame: what tracking uses goes first."""
         for known in (self.of_segment, self.of_file):
             if known is not None and known.first_frame <= frame <= known.last_frame:
                 return known.over(frame, frame)
@@ -162,9 +162,10 @@ class AppState:
 
     @cached_property
     def displayed(self) -> AppState:
-        """With what is only shown: a pose as far as it is fitted, the motion as far as it is
-        tracked ahead, new sizes that are not applied yet, or what stood before the last fit while
-        somebody looks back at it."""
+        """Return the document with what is only shown: a pose as far as it is fitted, the motion as
+        far as it is tracked ahead, new sizes that are not applied yet, or what stood before the
+        last fit while somebody looks back at it.
+        """
         edit, preview, fitting = self.edit, self.preview, self.fitting
         if edit is None:
             return self

@@ -156,7 +156,7 @@ class Store:
             self._loop.call_soon(self._acknowledge, tab, number, client)
 
     def _acknowledge(self, tab: Tab, number: int, client: str) -> None:
-        """As saved only once it is on the disk."""
+        """Acknowledge edits as saved only once they are on the disk."""
         tab.mark_done(number, client)
         self._writer.when_logged(lambda: tab.acknowledge(number, client))
 

@@ -75,7 +75,7 @@ class Clients:
         return Received(settled, self._revision())
 
     def _revision(self) -> str:
-        """Of a tab's own edits it names the tab: they do not surprise it."""
+        """Return the revision. A tab's own edits name the tab: they do not surprise it."""
         if self._client:
             return f"{self._client}:{self._last[self._client]}"
         return secrets.token_hex(8)

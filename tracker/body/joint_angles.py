@@ -217,8 +217,9 @@ def _kept_near(even: Array, wrapped: Array, usual: Array) -> Array:
 
 
 def _steady(angles: Array, usual: Array) -> Array:
-    """Of the two triples [z, x, y] (N, 3) of every rotation, degrees, those that together change
-    least from frame to frame and, over time, stay near the usual ones (3,)."""
+    """Choose of two triples [z, x, y] (N, 3) for every rotation, degrees, those that together
+    change least from frame to frame and, over time, stay near the usual ones (3,).
+    """
     both = np.stack([angles, [180.0, 180.0, 180.0] + angles * [1.0, -1.0, 1.0]], axis=1)
     both = usual + _within_half_turn(both - usual)
     cost = UNUSUAL * np.abs(both - usual).sum(axis=2)

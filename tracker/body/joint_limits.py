@@ -47,14 +47,14 @@ class TwistLimits:
 
     @classmethod
     def of(cls, parts: Sequence[Part]) -> Self:
-        """Of K parts that have a limit of twist."""
+        """Collect the limits of twist of K parts that have one."""
         twists = [part.twist for part in parts if part.twist is not None]
         ranges = np.radians([twist.range_deg for twist in twists]).reshape(-1, 2)
         rest = np.array([_least_turn_from_y(np.array(twist.toward)) for twist in twists])
         return cls(ranges[:, 0], ranges[:, 1], rest.reshape(-1, 3, 3))
 
     def one(self, k: int) -> TwistLimits:
-        """That of the part in place k alone."""
+        """Return the limit of the part in place k alone."""
         return TwistLimits(self.low[k], self.high[k], self.R_rest[k])
 
     def twist(self, Rs_parent_part: Array) -> Array:
@@ -95,7 +95,7 @@ class TwistLimits:
         return math.remainder(2 * math.atan2(-p_off, q_off), math.tau)
 
     def widened(self, excess: Array) -> TwistLimits:
-        """With room for twists that lie outside by so much (..., signed)."""
+        """Return limits with room for twists that lie outside by so much (..., signed)."""
         low, high = self.low + np.minimum(excess, 0.0), self.high + np.maximum(excess, 0.0)
         return TwistLimits(low, high, self.R_rest)
 

@@ -18,7 +18,7 @@ from keypose.tracker.geometry.rotations import (
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where every part is.
+    """Where every part of a body is: a root position and the rotation of each part.
 
     Rs_parent_part: (P, 3, 3) rotation of each part in its parent's frame (the root's: camera's).
     p_camera_root:  (3,) origin of the root part in the camera frame, metres.

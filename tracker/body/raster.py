@@ -55,7 +55,7 @@ class BodyMesh:
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """What each pixel (H, W) shows.
+    """The part, face and depth that each pixel (H, W) shows.
 
     part:  int16 index of the part, −1 for none.
     face:  int32 index of the face in BodyMesh, −1 for none.

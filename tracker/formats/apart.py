@@ -81,7 +81,7 @@ def died_words(file: str) -> str:
 
 
 def main() -> None:
-    """In the child."""
+    """Run in the child process."""
     reader: Any = import_module(sys.argv[1])
     for name in sys.argv[2].split("."):
         reader = getattr(reader, name)

@@ -139,8 +139,9 @@ class JointMotion:
         return replace(self, is_per_frame=True)
 
     def on_video(self, file: str, times_s: Array) -> JointMotion:
-        """With the times of a video's frames, where it has none of its own; FormatError where
-        there are not as many."""
+        """Take the times of a video's frames where it has none of its own; FormatError where there
+        are not as many.
+        """
         if not self.is_per_frame:
             return self
         if self.times_s[-1] >= len(times_s):

@@ -102,8 +102,8 @@ def matched(
 def match_also(
     skeleton: Skeleton, known: Matched, names: Sequence[str], file: str, also: Mapping[str, str]
 ) -> Matched:
-    """With what a person said of some names, by places such as left_shin, left_shin.end or
-    head.nose: it counts before what was matched, and a name or place it takes is free of others.
+    """Match names as a person said, by places such as left_shin, left_shin.end or head.nose. These
+    count before what was matched, and free a name or place they take.
 
     FormatError names what the file or the body does not have.
     """
@@ -225,7 +225,7 @@ def _conventions(body: Body) -> list[_Convention]:
 
 
 def _both_sides(body: Body, joints: Mapping[str, str]) -> dict[str, tuple[str, BodyPoint]]:
-    """By spelling the places that the body has; `l` and `r` may be glued to a name as well."""
+    """List by spelling the places that the body has; `l` and `r` may be glued to a name as well."""
     found: dict[str, tuple[str, BodyPoint]] = {}
     for name, where in joints.items():
         for side in SIDES if "{}" in name else ("",):

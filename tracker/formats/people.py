@@ -20,7 +20,7 @@ MOST_LISTED = 12
 
 @dataclass(frozen=True)
 class People:
-    """What a file says, not yet checked.
+    """The people of a file, not yet checked.
 
     frames: by frame the numbers of each person, u, v and confidence in turn.
     names:  of the keypoints, where the file gives them.
@@ -61,7 +61,7 @@ def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None)
 
 
 def person_numbers(file: str, uv: Array, confidence: Array) -> list[list[float]]:
-    """By frame the numbers of one person, u, v and confidence in turn, as `People` has them.
+    """Return by frame the numbers of one person, u, v and confidence in turn, as `People` has them.
 
     uv (N, L, 2), NaN where not found.  confidence (N, L), NaN where the file gives none: what a
     person labelled has a place and no score, and is seen.

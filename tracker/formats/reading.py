@@ -45,7 +45,7 @@ def load_motion(path: Path) -> JointMotion:
 
 
 def _readers() -> dict[str, Callable[[str, bytes], JointMotion]]:
-    """By the ending of a name, what makes a motion of a file's name and content."""
+    """Return by the ending of a name the reader of a file's name and content."""
     from keypose.tracker.formats.reading_bvh import read_bvh
     from keypose.tracker.formats.reading_csv import read_csv
     from keypose.tracker.formats.reading_markers import read_c3d, read_trc

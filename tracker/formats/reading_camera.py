@@ -60,7 +60,7 @@ def places_of(document: dict[str, Any], block: bytes, node: int) -> Array:
 def _keys(
     document: dict[str, Any], block: bytes, nodes: list[int]
 ) -> Iterator[tuple[int, str, Array]]:
-    """Of the first animation, what it moves of these nodes, and the values (K, width) it takes."""
+    """Return what the first animation moves of these nodes, and the values (K, width) it takes."""
     for animation in document.get("animations", [])[:1]:
         for channel in animation["channels"]:
             node, path = channel["target"].get("node"), channel["target"]["path"]

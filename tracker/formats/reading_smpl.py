@@ -198,7 +198,7 @@ def _numbers(file: str, name: str, values: NDArray[Any]) -> Array:
 
 
 def _by_frame(file: str, ps: Array, frames: NDArray[Any] | None) -> Array:
-    """With a row for every frame from 0 to the last, NaN where there is no pose."""
+    """Spread rows over every frame from 0 to the last, NaN where there is no pose."""
     if frames is None:
         return ps
     rows = np.asarray(frames).ravel()

@@ -146,7 +146,7 @@ class Recording:
         return np.array(self.frames, dtype=float) if self.sampled_at is None else self.sampled_at
 
     def timecode_at(self, row: int) -> str | None:
-        """Of the frame of the video that is nearest to a pose."""
+        """Return the timecode of the video's frame that is nearest to a pose."""
         nearest = round(float(self.film_frames[row]))
         return None if self.timecode is None else self.timecode.at(nearest)
 
@@ -209,7 +209,7 @@ class Recording:
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:
-        """Those of the pins that hold feet, in the numbers of these frames."""
+        """Return the pins that hold feet, in the numbers of these frames."""
         feet = {part.name for part in self.skeleton.body.parts if sole_of(part)}
         film = self.film_frames
         found = []
@@ -232,7 +232,7 @@ class Recording:
         return gait_of(self.skeleton, self.trajectory, self.times_s, self.ground, pins)
 
     def whole(self, name: str) -> Recording:
-        """From the first tracked frame to the last, for a format of this name that holds no gaps.
+        """Cut to the first and last tracked frame, for a format of this name that holds no gaps.
 
         FormatError names the frames between that are not tracked.
         """

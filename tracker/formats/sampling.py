@@ -129,7 +129,9 @@ def _poses_at(recording: Recording, times_s: Array) -> tuple[Array, Array]:
 
 
 def _diagnostics_at(tracks: Tracks, row: Array) -> Diagnostics:
-    """Of the frame nearest to each pose, and of the step that most of a step lies in."""
+    """Take diagnostics of the frame nearest to each pose, and of the step most of a
+    step lies in.
+    """
     steps = np.floor((row[1:] + row[:-1]) / 2).astype(int)
     nearest = np.rint(row).astype(int)
     arrays = {}

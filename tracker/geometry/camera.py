@@ -94,8 +94,9 @@ class Camera(BaseModel):
 
     @property
     def usual_spread(self) -> float:
-        """By what share distances change, at most, with one of the usual lenses instead of this
-        one: what is seen as large is farther away by as much as the focal length is longer."""
+        """Return by what share distances change, at most, with one of the usual lenses instead of
+        this one: what is seen as large is farther away by as much as the focal length is longer.
+        """
         longer = max(self.width / self.fx, self.height / self.fy) / 2
         return max(abs(longer / math.tan(usual / 2) - 1) for usual in USUAL_FIELDS_OF_VIEW)
 

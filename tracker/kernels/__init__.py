@@ -27,7 +27,7 @@ _FREEDOM = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def _version() -> str:
-    """Of the loops' text, and of what compiles it."""
+    """Digest the loops' text, and what compiles it."""
     text = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
     version = f"{numba.__version__}-{hashlib.sha256(text).hexdigest()[:16]}"
     return f"{sys.implementation.cache_tag}-{version}"

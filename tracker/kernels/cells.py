@@ -46,7 +46,7 @@ def grid_of(points, cell):
 
 @compiled
 def nearest(queries, toward, points, normals, grid, reach, least, found, square):
-    """Of every query (N, 3) the nearest point whose normal agrees with the query's.
+    """Find for every query (N, 3) the nearest point whose normal agrees with the query's.
 
     toward, normals: unit normals of queries and points; they agree where their product is at least
     `least`.  Fills found (N,): the index, −1 where there is none within `reach`; square (N,): the

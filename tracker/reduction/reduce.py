@@ -69,7 +69,9 @@ def _reached(
 
 
 def _cheapest(comparison: Comparison, layers: list[Frames], last: int) -> list[int]:
-    """Of the shortest paths the one with the least sum, from the last layer back to the first."""
+    """Find of the shortest paths the one with the least sum, from the last layer back
+    to the first.
+    """
     goals, costs = np.array([last], dtype=np.int64), np.zeros(1)
     ways: list[dict[int, int]] = []
     for layer in layers[-2::-1]:

@@ -128,7 +128,9 @@ def require_corrections(
 
 
 def _is_near(uv: Pixel, width: int, height: int) -> bool:
-    """In the picture, or beside it by less than its size: a limb may reach out of it."""
+    """Tell whether a place lies in the picture, or beside it by less than its size: a limb may
+    reach out of it.
+    """
     return all(-size < at < 2 * size for at, size in zip(uv, (width, height), strict=True))
 
 

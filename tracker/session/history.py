@@ -47,8 +47,9 @@ class History:
         return len(self.past) + len(self.future)
 
     def stamped(self, before: History, present: Session, now_s: float) -> History:
-        """With the time of the newest step, where that was made since `before`; undone or redone
-        ones keep theirs. present: the document now."""
+        """Stamp the newest step with the time where it was made since `before`; undone or redone
+        ones keep theirs. present: the document now.
+        """
         newest = self.past[-1] if self.past else None
         if newest is None or newest.made_s is not None or newest in before.past:
             return self

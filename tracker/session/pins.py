@@ -102,7 +102,9 @@ def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:
 
 
 def _require_apart(pins: Sequence[Pin]) -> None:
-    """In the order of their beginnings each pin is compared with those that have not ended."""
+    """Refuse pins that overlap: each is compared, in the order of their beginnings, with those that
+    have not ended.
+    """
     under_way: list[Pin] = []
     for pin in sorted(pins, key=lambda pin: pin.first_frame):
         under_way = [other for other in under_way if other.last_frame >= pin.first_frame]

@@ -21,7 +21,7 @@ FramesPerSecond: TypeAlias = Annotated[FiniteFloat, Field(ge=0.001, le=1_000_000
 
 
 class VideoReference(Plain):
-    """Which video the session is about, and how to know that it is that one."""
+    """The video a session is about, and how to know that it is that one."""
 
     path: Annotated[str, Field(min_length=1)] = Field(
         description="Path of the video, relative to the session file or absolute."

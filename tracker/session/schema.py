@@ -291,7 +291,9 @@ class Session(Plain):
 
     @property
     def depth_share(self) -> float | None:
-        """By what share distances may be off because the lens is a guess; None where it is not."""
+        """Return by what share distances may be off because the lens is a guess; None where it is
+        not.
+        """
         return self.camera.usual_spread if self.lens_is_guess else None
 
     @property

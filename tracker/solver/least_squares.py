@@ -77,7 +77,7 @@ Point = TypeVar("Point", bound=Linearized)
 
 
 class Problem(Protocol[State, Point]):
-    """What is minimised."""
+    """A problem of least squares: what is minimised."""
 
     def at(self, state: State, count: int) -> Point:
         """Return what is known at a state, the `count`th from 0."""

@@ -19,7 +19,7 @@ INNER = slice(1, -1)
 
 
 class Link(Protocol):
-    """What a motion is compared with from frame to frame."""
+    """A residual that links neighbouring frames of a motion."""
 
     def cost(self, motion: Trajectory) -> float:
         """Half the sum of squares, robust ones by their kernel."""
@@ -94,7 +94,9 @@ def _cost(kernel: Kernel, precision: Array, away: Array) -> float:
 def _equations(
     stencil: tuple[int, ...], away: Array, precision: Array, kernel: Kernel, unknown: slice
 ) -> tuple[Array, Array]:
-    """Of residuals away (m, D), each the differences of poses i, i + 1, … times the stencil."""
+    """Make the equations of residuals away (m, D), each the differences of poses i, i + 1, … times
+    the stencil.
+    """
     stiff = np.broadcast_to(
         precision * kernel.weight(np.sqrt(precision) * np.abs(away)), away.shape
     )

@@ -54,7 +54,7 @@ class SharedEquations:
     def alone(
         cls, dofs: int, unknown: NDArray[np.int64], corner: Array, gradient: Array
     ) -> SharedEquations:
-        """Of shared unknowns that are compared with no pose."""
+        """Make equations of shared unknowns that are compared with no pose."""
         A, b = np.zeros((0, dofs, dofs)), np.zeros((0, dofs))
         border = np.zeros((0, dofs, len(unknown)))
         return cls(slice(0, 0), A, b, unknown, border, corner, gradient)

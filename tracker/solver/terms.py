@@ -44,7 +44,7 @@ class Equations:
 
     @classmethod
     def of(cls, rows: Rows) -> Equations:
-        """Those of rows."""
+        """Take the equations of some rows."""
         A = transpose(rows.J) @ rows.J
         return cls(A, np.einsum("...md,...m->...d", rows.J, rows.r), rows.cost)
 
@@ -81,7 +81,7 @@ class Rows:
 
 
 class Term(Protocol):
-    """What a pose is compared with."""
+    """A residual that a pose is compared with."""
 
     def cost(self, posed: Posed) -> float:
         """Half the sum of squares, robust ones by their kernel; infinite where no pose can be."""
@@ -139,7 +139,7 @@ def total_equations(terms: Sequence[Term], posed: Posed) -> Equations:
 
 
 def _with_diagonals(own: Equations, diagonals: Sequence[Diagonal]) -> Equations:
-    """With diagonals put in, into the arrays that are given."""
+    """Add diagonals to the arrays that are given, in place."""
     on = np.einsum("...dd->...d", own.A)
     b, cost = own.b, own.cost
     for found in diagonals:

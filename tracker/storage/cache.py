@@ -150,8 +150,9 @@ def _stretch(content: bytes) -> Stretch:
 
 
 def found_before(session: Session, span: Span) -> Keypoints | None:
-    """Those that a network found in one segment, without a look at the film; None where there are
-    none."""
+    """Return the keypoints that a network found in one segment, without reading the film; None
+    where there are none.
+    """
     skeleton = Skeleton.of(session.body)
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
     model = find_model(session.settings.network or FULL.name)

@@ -262,7 +262,7 @@ def _open_as(session: Session, session_path: Path, path: Path) -> Video:
 
 
 def open_same_at(session: Session, path: Path, folder: Path) -> Video:
-    """As `open_video_at`; SessionError where it is not what the session was made for."""
+    """Open as `open_video_at`; SessionError where it is not what the session was made for."""
     video = open_video_at(session, path, folder)
     try:
         _require_same(session, path, video)

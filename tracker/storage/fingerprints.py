@@ -82,7 +82,9 @@ def setup_hash(session: Session) -> str:
 
 
 def ahead_key(session: Session, keyframe: Keyframe) -> str:
-    """Of what a body is followed ahead with from a keyframe: its pose, the body and the camera."""
+    """Digest what a body is followed ahead with from a keyframe: its pose, the body
+    and the camera.
+    """
     pose = _pose(_ById(keyframe), session.body.names)
     setup = [keyframe.frame, _body(_ById(session.body)), _camera(_ById(session.camera))]
     setup += _woven(session)

@@ -84,13 +84,13 @@ def up_of(session: Session) -> Array:
 
 
 def _frames_per_second(keyframes: Sequence[Keyframe]) -> float:
-    """Of a film whose rate varies the mean."""
+    """Return the frame rate; of a film whose rate varies the mean."""
     one, other = keyframes[0], keyframes[-1]
     return (other.frame - one.frame) / (other.time_s - one.time_s)
 
 
 def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin, PinnedPoint]]:
-    """On the floor only where it is known which way is up: a wrong one would move feet."""
+    """List pinned points; on the floor only where up is known: a wrong floor would move feet."""
     upright = session.up_camera is not None
     for pin in pins:
         part = session.body.index(pin.part)
@@ -101,7 +101,9 @@ def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin,
 def _pin_results(
     session: Session, pins: Sequence[Pin], found: SpaceSolution, exact: Sequence[int]
 ) -> Iterator[PinResult]:
-    """Of every pin the point that strays most. exact: frames of keyframes that are met exactly."""
+    """Report of every pin the point that strays most. exact: frames of keyframes that are met
+    exactly.
+    """
     off = [
         (pin, distance)
         for (pin, _), distance in zip(_pinned_points(session, pins), found.off_m, strict=True)

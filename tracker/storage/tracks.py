@@ -197,7 +197,7 @@ class Tracks:
 def _poses(
     segments: Sequence[SegmentResult], first: int, count: int, parts: int
 ) -> tuple[Array, Array]:
-    """Of segments side by side, NaN between them."""
+    """Join the poses of segments side by side, NaN between them."""
     Rs = [(s.first - first, s.where_tracked(s.trajectory.Rs_parent_part)) for s in segments]
     ps = [(s.first - first, s.where_tracked(s.trajectory.ps_camera_root)) for s in segments]
     return side_by_side(Rs, count, (parts, 3, 3)), side_by_side(ps, count, (3,))

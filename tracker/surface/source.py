@@ -71,8 +71,9 @@ class SurfaceSteps:
         return self._rated.get(frame) if rated else self._shapes.get(frame)
 
     def unusable(self) -> dict[int, str]:
-        """Of the steps that cannot be used, as far as is seen in a few seconds, why; ends early
-        where these are closed meanwhile."""
+        """Say why steps cannot be used, as far as is seen in a few seconds; ends early where these
+        are closed meanwhile.
+        """
         problems = dict(self.sequence.missing)
         end = time.monotonic() + CHECKED_S
         with self._checking:
@@ -111,7 +112,7 @@ class SurfaceSteps:
         return self.placement.place(self.sequence.mesh(frame))
 
     def _rate(self, frame: int) -> SurfaceMesh:
-        """On a thread of its own, which opens the images when the first are wanted."""
+        """Rate a step on a thread of its own, which opens the images when the first are wanted."""
         mesh = self._shapes.get(frame)
         if not self._looked:
             from keypose.tracker.surface.rating import open_footage  # loads what only this needs
@@ -133,7 +134,7 @@ class UnratedSteps:
         return self._steps.shape(frame)
 
     def cut_by(self, frame: int) -> tuple[str, ...]:
-        """As `SurfaceSteps.cut_by`; none where the cameras cannot be used."""
+        """Return the same as `SurfaceSteps.cut_by`; none where the cameras cannot be used."""
         try:
             return self._steps.cut_by(frame)
         except SurfaceError:

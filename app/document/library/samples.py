@@ -33,7 +33,7 @@ SAMPLES = (
 
 
 def bundled_samples(folder: Path) -> tuple[Sample, ...]:
-    """Those that are there: a program may be installed without them."""
+    """List the samples that are there: a program may be installed without them."""
     return tuple(s for s in SAMPLES if (folder / s.name / "session.json").is_file())
 
 

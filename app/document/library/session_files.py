@@ -43,7 +43,7 @@ USUAL = ("Videos", "Movies", "Downloads", "Desktop")
 
 
 def usual_folders(home: Path) -> list[Path]:
-    """Those of them that there are."""
+    """List the usual folders that there are."""
     return [home / name for name in USUAL if (home / name).is_dir()]
 
 
@@ -62,7 +62,7 @@ def session_for(video: Path, workspace: Path) -> Path:
 
 
 def _place(folder: Path, video: Path) -> Path:
-    """That of this video in a folder, or the first that is free."""
+    """Return the folder of this video, or the first that is free."""
     stem = video.name if video.is_dir() else video.stem
     for name in numbered(stem + SESSION_FOLDER):
         place = folder / name / SESSION
@@ -99,8 +99,9 @@ _NAMED = re.compile(rb"(?:tracks|first|keypoints)-[0-9a-f]{12}\.npz")
 
 
 def belongings(session_path: Path) -> list[Path]:
-    """Those that are there, the session's own file first. What another session of the folder names
-    as well is that one's."""
+    """List the session's files that are there, its own first. What another session of the folder
+    names as well is that one's.
+    """
     folder, stem = session_path.parent, re.escape(session_path.stem)
     own = re.compile(
         rf"{re.escape(session_path.name)}(\.previous|\.v\d+)?"

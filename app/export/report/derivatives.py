@@ -57,7 +57,9 @@ def derivatives_section(subject: Subject) -> Child:
 
 
 def derivatives(subject: Subject) -> list[Derivatives]:
-    """Of the root and of every end of a limb. FormatError where the film has too few frames."""
+    """Differentiate the root and every end of a limb. FormatError where the film has too few
+    frames.
+    """
     found = recording_of(subject)
     if found is None:
         return []

@@ -132,7 +132,7 @@ def subject_of(session: Session, session_path: Path, video: VideoInfo | None = N
 
 
 def _as_tracked(session: Session) -> Session:
-    """With the method it was tracked by: what another one would find is not asked here."""
+    """Take the method it was tracked by: what another one would find is not asked here."""
     if session.results is None:
         return session
     settings = session.results.settings_used(session.settings)

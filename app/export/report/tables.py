@@ -51,7 +51,7 @@ class ReportWords:
 
 
 def words_for(session: Session) -> ReportWords:
-    """Those of a session's evidence."""
+    """Return the words of a session's evidence."""
     return _WORDS.of(session)
 
 

@@ -131,7 +131,7 @@ class LocalPool:
 
     @property
     def pids(self) -> dict[int, int]:
-        """Of every task at work, its process."""
+        """Return the process of every task at work."""
         return {
             worker.number: worker.process.pid
             for worker in self._workers

@@ -117,7 +117,7 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
 
 
 def _as_exported(session: Session, path: Path) -> Session:
-    """With what may have been exported again known as it is now."""
+    """Refresh what may have been exported again."""
     if session.evidence.is_known_by_fingerprint:
         return session
     with open_video_of(session, path) as video:
@@ -186,7 +186,7 @@ def _segment_json(track: SegmentResult) -> dict[str, object]:
 
 
 def _summary(task: Task, found: _Found) -> Summary:
-    """Of the session as it stands on disk now."""
+    """Summarise the session as it stands on disk now."""
     now = load_session(task.session)
     results = now.results
     segments = () if results is None else results.segments

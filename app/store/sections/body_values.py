@@ -104,7 +104,7 @@ def _part(given: Body, part: Part) -> Json:
 
 
 def _corners_cm(part: Part) -> Json:
-    """Of a box, in its part's frame; none of others."""
+    """Return the corners of a box, in its part's frame; none of others."""
     corners = part.shape.corners()
     return [] if corners is None else (100 * corners).round(3).tolist()
 

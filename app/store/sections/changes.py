@@ -39,7 +39,7 @@ def _doc(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
 
 
 def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
-    """As _doc, but a gesture under way does not count: these are made anew when it ends."""
+    """Depend on the document as _doc, but not on a gesture under way: remade when it ends."""
 
     def parts(app_state: AppState) -> tuple[Any, ...]:
         doc = app_state.edit.settled if app_state.edit else None

@@ -17,7 +17,7 @@ def doc_of(app_state: AppState) -> Session | None:
 
 
 def unchanged(old: tuple[Any, ...] | None, new: tuple[Any, ...]) -> bool:
-    """By identity for what is large and immutable, by value for plain numbers and words."""
+    """Compare by identity what is large and immutable, by value plain numbers and words."""
     if old is None or len(old) != len(new):
         return False
     return all(

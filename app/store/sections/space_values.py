@@ -92,8 +92,9 @@ def pins(app_state: AppState) -> Json:
 
 
 def still(app_state: AppState) -> Json:
-    """Of every pin, in their order, first and last frame at which the tracked part stands still
-    about its middle; null where it is not tracked."""
+    """Return for every pin, in their order, first and last frame at which the tracked part stands
+    still about its middle; null where it is not tracked.
+    """
     edit = app_state.edit
     if edit is None:
         return []

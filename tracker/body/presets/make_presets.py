@@ -158,14 +158,18 @@ class Person:
 
     @property
     def waist_radii(self) -> Radii:
-        """At the navel. Age is estimated to add more depth than breadth; together the girth."""
+        """Estimate the radii at the navel: age adds more depth than breadth; together they give the
+        girth.
+        """
         age = self.aged(AGE_WAIST)
         breadth = self.mm("waist_breadth") * age**0.5
         return breadth / 2 * TRUNK, self.mm("waist_depth") * age**1.5 / 2 * TRUNK
 
     @property
     def arm_radii(self) -> tuple[float, float, float]:
-        """At shoulder, elbow and wrist; the elbow is estimated as the mean of both muscles."""
+        """Estimate the radii at shoulder, elbow and wrist; the elbow is the mean of both
+        muscles.
+        """
         shoulder = self.limb_radius("biceps_circumference_flexed", RELAXED)
         forearm = self.limb_radius("forearm_circumference_flexed", RELAXED)
         return shoulder, 0.45 * (shoulder + forearm), self.limb_radius("wrist_circumference")
@@ -222,7 +226,7 @@ def _trunk(who: Person) -> list[Part]:
 
 
 def _head_radii(who: Person) -> tuple[Radii, Radii]:
-    """At chin and crown. The depth comes from girth and breadth; the taper is estimated."""
+    """Estimate the radii at chin and crown: depth from girth and breadth, the taper assumed."""
     across = who.mm("head_breadth") / 2
     deep = (who.mm("head_circumference") / math.pi - across) * LIMB
     return (0.78 * across, 0.82 * deep), (0.94 * across, 0.94 * deep)
@@ -304,7 +308,7 @@ def _limits(name: str) -> Limits:
 
 
 def _twist(name: str) -> Twist | None:
-    """Of the right side, mirrored on the left."""
+    """Return the limit of twist of the right side; the left is mirrored."""
     twist = TWISTS.get(name.removeprefix("left_").removeprefix("right_"))
     if twist is None or not name.startswith("left_"):
         return twist
@@ -313,7 +317,7 @@ def _twist(name: str) -> Twist | None:
 
 
 def _rounded(value: object) -> object:
-    """To 0.1 mm, as far as any of this is known."""
+    """Round to 0.1 mm, as far as any of this is known."""
     if isinstance(value, float):
         return round(value, 4) + 0.0  # no −0.0
     if isinstance(value, dict):

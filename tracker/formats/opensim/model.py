@@ -248,7 +248,7 @@ def _elbow_to_wrist(model: OpenSimModel, s: str) -> Array:
 
 
 def _foot_factor(model: OpenSimModel, body: Body, s: str) -> Array:
-    """By the foot's length; 1 where model or body does not give it."""
+    """Scale by the foot's length; 1 where model or body does not give it."""
     marks = body.parts[body.index(f"{_SIDE[s]}_foot")].landmarks
     heel, toe = (marks.get(f"{_SIDE[s]}_{end}") for end in ("heel", "toe"))
     toes = model.joints.get(f"toes_{s}")

@@ -107,7 +107,7 @@ def trunk_flexion(model: OpenSimModel) -> str | None:
 
 
 def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
-    """Those that a model has, under its names."""
+    """Keep those that a model has, under its names."""
     called = {name: name if name in names else _ALSO_CALLED.get(name, name) for name in found}
     return {called[name]: values for name, values in found.items() if called[name] in names}
 

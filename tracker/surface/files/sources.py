@@ -29,7 +29,7 @@ _MOST_GAPS: Final = 20
 
 
 def by_steps(paths: Sequence[Path]) -> tuple[Path | None, ...]:
-    """Of every step its file; None where there is none.
+    """Return the file of every step; None where there is none.
 
     The last number that differs from name to name is the step's. Where all numbers are multiples
     of something apart (every tenth frame was exported), that is one step. Files without a number,
@@ -62,7 +62,7 @@ def printable(path: Path) -> str:
 
 
 def _varying(numbers: list[list[int]]) -> list[int]:
-    """Of every name the last number that differs from name to name."""
+    """Return of every name the last number that differs from name to name."""
     if len({len(found) for found in numbers}) == 1:
         for column in reversed(list(zip(*numbers, strict=True))):
             if len(set(column)) > 1:

@@ -134,7 +134,7 @@ def _chain_weight(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
 
 
 def _interpolate(one: Pose, other: Pose, share: Array | float) -> Pose:
-    """From one pose (share 0) to the other (share 1), part by part."""
+    """Interpolate from one pose (share 0) to the other (share 1), part by part."""
     shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(one.Rs_parent_part),))
     turn = log_rotation(transpose(one.Rs_parent_part) @ other.Rs_parent_part)
     Rs = one.Rs_parent_part @ exp_rotation(shares[:, None] * turn)

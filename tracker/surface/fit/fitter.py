@@ -79,7 +79,9 @@ class SurfaceFitter:
         return self._tracker(quality).fit_frame(frame, pose)
 
     def _reports_model(self, span: Span) -> bool:
-        """Of the segments that touch the model's keyframe one carries the notes on it."""
+        """Tell whether this segment, of those that touch the model's keyframe, carries the notes on
+        it.
+        """
         return self.model_frame == (span[1] if self.model_frame else span[0])
 
     def _describe_off(self, off: bool) -> tuple[str, ...]:

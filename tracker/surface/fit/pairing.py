@@ -77,7 +77,7 @@ class Observed:
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, options: Options) -> Observed:
-        """Of a mesh in the camera frame, metres."""
+        """Prepare a mesh in the camera frame, metres."""
         samples = SurfaceSamples.of(mesh, options.points)
         photo = options.photo and mesh.consistency is not None
         weights = photo_weights(samples.consistency) if photo else np.ones(len(samples.p))

@@ -76,7 +76,7 @@ def _shares(count: int) -> Array:
 def _normals(
     mesh: SurfaceMesh, face: NDArray[np.int64], shares: Array, of_faces: Array, spacing: float
 ) -> Array:
-    """Those of the corners, which even out noise; of large faces their own."""
+    """Take the normals of the corners, which even out noise; on large faces the face's own."""
     smooth = np.einsum("nk,nki->ni", shares, mesh.normals[mesh.faces[face]])
     corners = mesh.vertices[mesh.faces]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)

@@ -166,7 +166,7 @@ def _result(model: SurfaceModel, every: JoinedChains, keys: Sequence[int]) -> Se
 
 
 def _verdict(model: SurfaceModel, every: JoinedChains, keys: Sequence[int]) -> Verdict:
-    """Of what was reached; where that is not lost, what was not reached comes first."""
+    """Judge what was reached; where that is not lost, what was not reached comes first."""
     first, last = every.unreached or (0, -1)
     reached = [link for link in every.links if not first <= link.frame <= last]
     found = judge_links(model, reached, keys, every.apart_m)

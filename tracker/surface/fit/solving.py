@@ -100,7 +100,7 @@ class NormalEquations:
 
 
 def normal_equations(A: Array, b: Array, J: Array, energy: float, offset: bool) -> NormalEquations:
-    """Those of the free degrees of freedom, from the sums of `pull`.
+    """Make the equations of the free degrees of freedom from the sums of `pull`.
 
     A (G, 18, 18), b (G, 18), energy: those sums, of weights that sum to 2.  J: (G, 12, D) of the
     groups' twists.  offset: Q is marginalised, the energy that at the best Q; otherwise Q is 0.
@@ -142,7 +142,7 @@ class PairDistances:
         return self.equations(posed).cost
 
     def equations(self, posed: Posed) -> Equations:
-        """With the offset marginalised."""
+        """Make the equations with the offset marginalised."""
         model, pairs, size = self.model, self.pairs, OFFSET_TERMS + 12
         A, b = np.empty((len(model.pairs), size, size)), np.empty((len(model.pairs), size))
         at = self.surface if posed is self.paired_at else model.posed(posed.Ts_camera_part)

@@ -67,7 +67,7 @@ def _arguments(lines: list[bytes], which: NDArray[np.bool_]) -> list[bytes]:
 def _corners(
     lines: list[bytes],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Of all faces the corners as written, how many each has, and the face of every corner."""
+    """List the corners of all faces as written, how many each has, and the face of every corner."""
     # What stands behind a corner's slash is about texture and normals. 0 numbers no vertex: it may
     # stand between the faces, so that all are read at once.
     text = re.sub(rb"/\S*", b"", b" 0 ".join([b"", *lines]))
