@@ -11,15 +11,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
 from keypose.app.store.sections.json_value import unchanged
-from keypose.app.store.state import AppState, KnownKeypoints
+from keypose.app.store.state import KnownKeypoints
 from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
@@ -198,25 +199,11 @@ def _span_at(doc: Session, frame: int) -> Span | None:
     return next((span for span in doc.spans if span[0] <= frame <= span[1]), None)
 
 
-class Host(Protocol):
-    """Who owns the state."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    @property
-    def opened(self) -> OpenSession | None: ...
-
-    def show_learned(self, edit: EditorState) -> None: ...
-
-    def note(self, kind: str, words: str) -> None: ...
-
-
 class DraftLearner:
     """Waits while something else is at work or dragged. What a person posed is never changed, and
     what they undo is not learned from."""
 
-    def __init__(self, runner: Runner, host: Host) -> None:
+    def __init__(self, runner: Runner, host: StateOwner) -> None:
         self._runner = runner
         self._host = host
         self._waiting: frozenset[int] = frozenset()

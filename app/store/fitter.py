@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -37,10 +37,11 @@ from keypose.app.jobs import (
     SizesFitted,
     SizesOrder,
 )
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.previews import SizesPreview, goal_of, reducible_as_asked
 from keypose.app.store.runner import Runner
 from keypose.app.store.sections.json_value import unchanged
-from keypose.app.store.state import AppState, FitOutcome
+from keypose.app.store.state import FitOutcome
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeypointError, KeyposeError
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -51,7 +52,6 @@ from keypose.tracker.storage.results import pose_at
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
 
 if TYPE_CHECKING:
-    from keypose.tracker.reduction.result import Reduction
     from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 
@@ -204,33 +204,11 @@ def _near(edit: EditorState) -> dict[int, Pose]:
     return {frame: pose for frame, pose in found.items() if pose is not None}
 
 
-class Host(Protocol):
-    """Who owns the state."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    @property
-    def opened(self) -> OpenSession | None: ...
-
-    def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
-
-    def show_draft(self, edit: EditorState) -> None: ...
-
-    def show_ahead(self, edit: EditorState) -> None: ...
-
-    def show_preview(self, preview: SizesPreview) -> None: ...
-
-    def show_reduction(self, reduction: Reduction | None) -> None: ...
-
-    def note(self, kind: str, words: str) -> None: ...
-
-
 class Fitter:
     """One fit at a time. What it finds is taken over once, and only where it began from still
     stands; while a hand drags something else, it waits until that is let go."""
 
-    def __init__(self, runner: Runner, host: Host) -> None:
+    def __init__(self, runner: Runner, host: StateOwner) -> None:
         self._runner = runner
         self._host = host
         self._request: FitRequest | None = None

@@ -5,36 +5,18 @@ from __future__ import annotations
 import asyncio
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
 
 from keypose.app.document.library import Library, id_of
 from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor import actions
 from keypose.app.editor.documents import Refused
-from keypose.app.editor.state import EditorState
 from keypose.app.render.video_frames import Frames
 from keypose.app.store.background import Examiner
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.state import OpenedFile
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
-from keypose.tracker.video import VideoInfo
-
-
-class Host(Protocol):
-    """Who owns the state."""
-
-    async def read_poses(self) -> None: ...
-
-    def session_opened(self, opened: OpenSession, file: OpenedFile, edit: EditorState) -> None: ...
-
-    def session_closed(self) -> None: ...
-
-    def end_gesture(self) -> None: ...
-
-    def show_damage(self, info: VideoInfo) -> None: ...
-
-    def note(self, kind: str, words: str) -> None: ...
 
 
 class Opener:
@@ -43,7 +25,7 @@ class Opener:
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        host: Host,
+        host: StateOwner,
         library: Library,
         writer: SessionWriter,
         runner: Runner,

@@ -5,26 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol, TypedDict, Unpack
 
-from keypose.app.document.open import OpenSession
 from keypose.app.editor import actions
 from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import ReduceOrder
 from keypose.app.store.fitter import Fitter
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.previews import REDUCTION_WAITING as REDUCTION_WAITING
 from keypose.app.store.previews import WAITING, ReductionPreview, SizesPreview
 from keypose.app.store.saving import WriteLock
-from keypose.app.store.state import AppState, FitOutcome
-
-
-class Host(Protocol):
-    """Who owns the state."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    @property
-    def opened(self) -> OpenSession | None: ...
+from keypose.app.store.state import FitOutcome
 
 
 class Shown(TypedDict, total=False):
@@ -49,7 +39,7 @@ class Proposals:
 
     def __init__(
         self,
-        host: Host,
+        host: StateOwner,
         fitter: Fitter,
         lock: WriteLock,
         change: Change,

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from keypose.app.document.edit_log import EditLog
 from keypose.app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
@@ -21,7 +21,8 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.documents import Refused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.wire import failure_message
-from keypose.app.store.state import AppState, Saved
+from keypose.app.store.owner import StateOwner
+from keypose.app.store.state import Saved
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.chronicle import Received
@@ -199,22 +200,13 @@ SECONDS_BETWEEN_SAVES = 3.0
 """Of tracked segments, while more of them are to come; edits are saved at once."""
 
 
-class Host(Protocol):
-    """Who owns the state."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    def note(self, kind: str, words: str) -> None: ...
-
-
 class SessionWriter:
     """Writes what the host has open. `report` receives the state of saving. All on the loop."""
 
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        host: Host,
+        host: StateOwner,
         library: Library,
         report: Callable[[Saved], None],
     ) -> None:

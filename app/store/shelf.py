@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
 
 from keypose.app.document.library import Library
 from keypose.app.document.library.poses import KeptPose, PoseShelf
@@ -15,7 +14,7 @@ from keypose.app.editor.documents import Refused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.pose_strokes import pose_strokes
-from keypose.app.store.state import AppState
+from keypose.app.store.owner import StateOwner
 from keypose.tracker.errors import KeyposeError
 
 FILE = "poses.json"
@@ -79,29 +78,10 @@ LIBRARY_CHANGED = {"t": "library"}
 """Has the tabs look anew at what can be opened."""
 
 
-class Host(Protocol):
-    """Who owns the state."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    def do(self, action: actions.Action) -> None: ...
-
-    async def open(self, path: Path) -> None: ...
-
-    async def close_session(self) -> None: ...
-
-    async def saved_path(self) -> Path: ...
-
-    def broadcast(self, message: dict[str, Any]) -> None: ...
-
-    def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None: ...
-
-
 class Shelf:
     """Sessions of the library, open or not. All on the loop; files are dealt with in threads."""
 
-    def __init__(self, host: Host, library: Library) -> None:
+    def __init__(self, host: StateOwner, library: Library) -> None:
         self._host, self._library = host, library
 
     async def do(self, action: actions.Shelving) -> None:
