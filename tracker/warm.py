@@ -111,7 +111,7 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     """A surface compared with itself, and drawn."""
     from keypose.tracker.surface.fit.model import SurfaceModel
     from keypose.tracker.surface.fit.options import Options
-    from keypose.tracker.surface.fit.pairing import Observed, vertex_scalars
+    from keypose.tracker.surface.fit.pairing import TargetSurface, vertex_scalars
     from keypose.tracker.surface.fit.solving import fit_pose
     from keypose.tracker.surface.mesh import SurfaceMesh
     from keypose.tracker.surface.painting import paint
@@ -120,7 +120,7 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)
     options = Options(points=50)
     model = SurfaceModel.of(mesh, body, pose, options.points)
-    fit_pose(model, Observed.of(mesh, options), pose, options)
+    fit_pose(model, TargetSurface.of(mesh, options), pose, options)
     vertex_scalars(model, mesh, pose, "distance")
     paint(mesh, camera)
 

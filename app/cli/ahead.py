@@ -65,14 +65,14 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 def _ways(session: Session, asked: str) -> list[Direction]:
     """Keep the ways that lead anywhere; refused, before any work, where none of them does."""
     from keypose.app.editor.ahead import start_frame
-    from keypose.app.editor.documents import Refused
+    from keypose.app.editor.documents import ActionRefused
 
     possible: list[Direction] = []
-    why: Refused | None = None
+    why: ActionRefused | None = None
     for way in _WAYS[asked]:
         try:
             start_frame(session, way)
-        except Refused as refused:
+        except ActionRefused as refused:
             why = refused
         else:
             possible.append(way)

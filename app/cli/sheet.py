@@ -43,13 +43,13 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.export.pictures import sheet_png
-    from keypose.app.render.studio import Look
+    from keypose.app.render.studio import ViewStyle
     from keypose.tracker.storage.atomic import write_file
     from keypose.tracker.storage.files import open_video_of
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     require_tint(session, arguments.tint)
-    look = Look("main", arguments.style, arguments.opacity / 100, arguments.tint)
+    look = ViewStyle("main", arguments.style, arguments.opacity / 100, arguments.tint)
     with open_video_of(session, arguments.session) as video:
         content, problem = sheet_png(session, arguments.session, video, look, arguments.columns)
     write_file(out, content, overwrite=arguments.overwrite)

@@ -13,7 +13,7 @@ from threading import Lock
 from keypose.app.editor.state import EditorState
 from keypose.tracker.files import read_regular
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.chronicle import (
+from keypose.tracker.storage.edit_history import (
     Moment,
     Received,
     edit_record,

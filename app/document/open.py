@@ -28,7 +28,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.history import History
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
+from keypose.tracker.storage.edit_history import OUTSIDE, is_same_film, of_film
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,

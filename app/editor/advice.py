@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Literal
 
 from keypose.app.editor.ahead import stands, tracked_to, why_stopped
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.problem_words import (
     add_keyframe,
     detail_of,
@@ -64,7 +64,7 @@ class Suggestion:
 
 def suggestion(
     keys: Sequence[int], frame_count: int, fitting: Fitting, parts: Sequence[str] = (),
-    known: Judged | None = None,
+    known: JudgedSegments | None = None,
 ) -> Suggestion:  # fmt: skip
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
@@ -76,7 +76,7 @@ def suggestion(
         return _first_poses(keys, frame_count)
     spans = list(pairwise(keys))
     done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
-    known = known or Judged(done, parts)
+    known = known or JudgedSegments(done, parts)
     if len(done) == len(spans) and all(
         track.diagnostics.expected_gain is not None for track in done.values()
     ):
@@ -97,7 +97,7 @@ def suggestion(
     return divided or ALL_GOOD
 
 
-def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | None:
+def _by_gain(known: JudgedSegments, tracks: Sequence[SegmentResult]) -> Suggestion | None:
     """The keyframe that is expected to mend most, of all segments; None where all is good.
 
     Where tracking was lost comes before what is to be checked: nobody knows how far off it is.
@@ -118,7 +118,7 @@ def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | Non
     return None
 
 
-def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]:
+def _gains_by(known: JudgedSegments, track: SegmentResult) -> tuple[float, float, float]:
     """Return how much a keyframe would mend: by the joint that is farthest off where joints are
     observed, else by what may have drifted.
     """
@@ -128,13 +128,13 @@ def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]
     return px, float(possible_drift_px(track).sum()), gain(track)
 
 
-def _is_open(known: Judged, track: SegmentResult) -> bool:
+def _is_open(known: JudgedSegments, track: SegmentResult) -> bool:
     """Return whether something is wrong with a segment to which nobody has said anything yet."""
     found = problem_of(known, track)
     return found is not None and found.answer is None
 
 
-def _about(known: Judged, track: SegmentResult) -> Suggestion:
+def _about(known: JudgedSegments, track: SegmentResult) -> Suggestion:
     """Return what a segment needs."""
     found = problem_of(known, track)
     assert found is not None
@@ -246,7 +246,10 @@ def _way(keys: Sequence[int], session: Session) -> Direction | None:
 
 
 def surface_suggestion(
-    keys: Sequence[int], spans: Sequence[Span], fitting: Fitting, known: Judged | None = None
+    keys: Sequence[int],
+    spans: Sequence[Span],
+    fitting: Fitting,
+    known: JudgedSegments | None = None,
 ) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
@@ -259,7 +262,7 @@ def surface_suggestion(
     if not spans:
         return Suggestion(None, "Nothing to fit", "There is only one surface", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
-    known = known or Judged({track.span: track for track in done}, halves=False)
+    known = known or JudgedSegments({track.span: track for track in done}, halves=False)
     waiting = [track for track in done if _is_surface_open(known, track)]
     off = [track for track in waiting if _is_off(track)]
     lost = [track for track in waiting if track.kind == "lost"]
@@ -287,13 +290,13 @@ def _is_off(track: SegmentResult) -> bool:
     return track.verdict is not None and track.verdict.cause == "body_off_surface"
 
 
-def _is_surface_open(known: Judged, track: SegmentResult) -> bool:
+def _is_surface_open(known: JudgedSegments, track: SegmentResult) -> bool:
     """Return whether something is wrong with a segment to which nobody has said anything yet."""
     found = problem_of(known, track)
     return found is not None and found.answer is None
 
 
-def _about_surfaces(known: Judged, track: SegmentResult, keys: Sequence[int]) -> Suggestion:
+def _about_surfaces(known: JudgedSegments, track: SegmentResult, keys: Sequence[int]) -> Suggestion:
     """A keyframe where it was lost or is in doubt; where one stands already, a look at it."""
     found = problem_of(known, track)
     assert found is not None
@@ -327,19 +330,19 @@ class _Advice:
     """next: of the keyframes' frames, the session and its results.  missing: of a session without
     a segment, what it lacks."""
 
-    next: Callable[[Sequence[int], Session, Judged], Suggestion]
+    next: Callable[[Sequence[int], Session, JudgedSegments], Suggestion]
     missing: Callable[[Session], str]
 
 
 def next_step(
-    keys: Sequence[int], session: Session, fitting: Fitting, known: Judged | None = None
+    keys: Sequence[int], session: Session, fitting: Fitting, known: JudgedSegments | None = None
 ) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments; unfinished ones count as none.
     known: the same, where what is wrong with them was asked for already.
     """
-    return _ADVICE.of(session).next(keys, session, known or Judged.over(session, fitting))
+    return _ADVICE.of(session).next(keys, session, known or JudgedSegments.over(session, fitting))
 
 
 def why_nothing_to_do(session: Session) -> str:
@@ -347,7 +350,7 @@ def why_nothing_to_do(session: Session) -> str:
     return _ADVICE.of(session).missing(session)
 
 
-def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+def _next_of_film(keys: Sequence[int], session: Session, known: JudgedSegments) -> Suggestion:
     followed = followed_suggestion(session)
     if followed is not None:
         return followed
@@ -362,7 +365,7 @@ def _missing_of_film(session: Session) -> str:
     return "Add a second keyframe first." if few else "Add two keyframes first."
 
 
-def _next_of_surfaces(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+def _next_of_surfaces(keys: Sequence[int], session: Session, known: JudgedSegments) -> Suggestion:
     return surface_suggestion(keys, session.spans, known.tracks, known)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from keypose.app.editor.documents import Refused, keyframe_of, require_sound, with_drafts
+from keypose.app.editor.documents import ActionRefused, keyframe_of, require_sound, with_drafts
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import readable
@@ -87,14 +87,14 @@ def start_frame(doc: Session, direction: Direction) -> int:
     """The keyframe to track ahead from, the last one or, backward, the first; Refused where that
     leads nowhere."""
     if doc.surface is not None:
-        raise Refused("Surfaces are fitted from one keyframe on: press Fit.")
+        raise ActionRefused("Surfaces are fitted from one keyframe on: press Fit.")
     if not doc.keyframes:
-        raise Refused("Pose a frame and add it as a keyframe first.")
+        raise ActionRefused("Pose a frame and add it as a keyframe first.")
     forward = direction == "forward"
     frame = doc.keyframes[-1 if forward else 0].frame
     if frame == (doc.video.frame_count - 1 if forward else 0):
         end = "last frame" if forward else "first frame"
-        raise Refused(f"The keyframe at {frame} is the video's {end}: nothing lies beyond.")
+        raise ActionRefused(f"The keyframe at {frame} is the video's {end}: nothing lies beyond.")
     return frame
 
 

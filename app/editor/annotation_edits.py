@@ -6,7 +6,7 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.app.editor import keyframe_edits
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.review import Place, review_of
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
@@ -60,9 +60,9 @@ def _place(each: KeypointCorrection) -> tuple[int, str]:
 def _require_counting(doc: Session, joint: str) -> None:
     """Refused where tracking has no use for such a keypoint."""
     if doc.surface is not None:
-        raise Refused("Keypoints are found in a video, not in surfaces.")
+        raise ActionRefused("Keypoints are found in a video, not in surfaces.")
     if not len(points_on_body(doc.body, [joint]).indices):
-        raise Refused(f"This body has no keypoint {part_label(joint).lower()}.")
+        raise ActionRefused(f"This body has no keypoint {part_label(joint).lower()}.")
 
 
 def _in_video(camera: Camera, at: Pixel) -> Pixel:
@@ -71,7 +71,7 @@ def _in_video(camera: Camera, at: Pixel) -> Pixel:
     if camera.is_distorted:
         spot = camera.project(camera.without_distortion().back_project(spot, 1.0))
     if not np.isfinite(spot).all():
-        raise Refused("The lens shows nothing there.")
+        raise ActionRefused("The lens shows nothing there.")
     u, v = spot.round(DECIMALS).tolist()
     return u, v
 
@@ -91,7 +91,7 @@ def move_note(state: EditorState, action: do.MoveNote) -> Session:
     if to == action.frame:
         return state.doc
     if _at(state, to) is not None:
-        raise Refused(f"Frame {to} has a note already.")
+        raise ActionRefused(f"Frame {to} has a note already.")
     return _with_note(state, action.frame, note.model_copy(update={"frame": to}))
 
 
@@ -115,13 +115,13 @@ def _at(state: EditorState, frame: int) -> Note | None:
 def _require(state: EditorState, frame: int) -> Note:
     note = _at(state, frame)
     if note is None:
-        raise Refused(f"Frame {frame} has no note.")
+        raise ActionRefused(f"Frame {frame} has no note.")
     return note
 
 
 def _note_in_video(state: EditorState, frame: int) -> int:
     if frame >= state.frame_count:
-        raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
+        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
     return frame
 
 
@@ -142,7 +142,7 @@ def _find(state: EditorState, frame: int, part: str | None) -> Place:
     for place in review_of(state.doc, state.results).places:
         if (place.frame, place.part) == (frame, part):
             return place
-    raise Refused(f"There is nothing left to review at frame {frame}.")
+    raise ActionRefused(f"There is nothing left to review at frame {frame}.")
 
 
 def _answered(doc: Session, place: Place, answer: Answer) -> Session:

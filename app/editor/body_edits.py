@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Posed, Refused, require_before_camera
+from keypose.app.editor.documents import ActionRefused, Posed, require_before_camera
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
 from keypose.tracker.body.body import PRESETS, Body, Part, preset
@@ -76,7 +76,9 @@ def delete_part(state: EditorState, action: do.DeletePart) -> Session:
     """Without a part and all that hangs on it."""
     body = state.doc.body
     if body.parts[body.index(action.part)].parent is None:
-        raise Refused("The first part carries all others and stays. Choose another body instead.")
+        raise ActionRefused(
+            "The first part carries all others and stays. Choose another body instead."
+        )
     return with_body(state, without_part(body, action.part))
 
 
@@ -119,7 +121,7 @@ def set_clavicles(state: EditorState, action: do.Clavicles) -> Session:
     if not action.on:
         return with_body(_with_arms_turned(state), without_clavicles(body))
     if not can_have_clavicles(body) and not has_clavicles(body):
-        raise Refused("Clavicles need a chest with two upper arms.")
+        raise ActionRefused("Clavicles need a chest with two upper arms.")
     return with_body(state, with_clavicles(body))
 
 
@@ -157,7 +159,7 @@ def reset_body(state: EditorState) -> Session:
     """The preset's own sizes again."""
     name = state.doc.body.name
     if name not in PRESETS:
-        raise Refused("This body is not based on a preset.")
+        raise ActionRefused("This body is not based on a preset.")
     return with_body(state, _as_jointed(state.doc.body, preset(name)))
 
 
@@ -192,7 +194,9 @@ def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
     """Refused where a pin would lose its part."""
     lost = [pin.part for pin in state.doc.pins if pin.part not in known]
     if lost:
-        raise Refused(f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first.")
+        raise ActionRefused(
+            f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first."
+        )
 
 
 def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused, moved_away, with_times
+from keypose.app.editor.documents import ActionRefused, moved_away, with_times
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import up_from_vertical
 from keypose.tracker.errors import one_sentence
@@ -31,7 +31,9 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
     file_times_s: not needed where a rate is named.
     """
     if doc.surface is not None:
-        raise Refused("This session has surfaces, not a video: it has no recording rate or fields.")
+        raise ActionRefused(
+            "This session has surfaces, not a video: it has no recording rate or fields."
+        )
     doc = doc.model_copy(update={"video": doc.video.model_copy(update=dict(named))})
     if "recorded_fps" not in named:
         return doc
@@ -95,10 +97,12 @@ def set_distortion(state: EditorState, action: do.Distortion) -> Session:
 def set_up(state: EditorState, action: do.Vertical) -> Session:
     """Up along a line drawn on the picture."""
     if math.dist(action.a, action.b) < 5:
-        raise Refused("Draw a longer line along something upright.")
+        raise ActionRefused("Draw a longer line along something upright.")
     up = up_from_vertical(state.doc.camera, action.a, action.b)
     if not np.isfinite(up).all():
-        raise Refused("The lens shows nothing at one end of this line. Draw it nearer the centre.")
+        raise ActionRefused(
+            "The lens shows nothing at one end of this line. Draw it nearer the centre."
+        )
     x, y, z = (float(v) for v in up)
     return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
 
@@ -112,5 +116,5 @@ def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:
     try:
         camera = Camera.model_validate({**state.doc.camera.model_dump(), **changes})
     except ValidationError as error:
-        raise Refused(one_sentence(error)) from None
+        raise ActionRefused(one_sentence(error)) from None
     return state.doc.model_copy(update={"camera": camera})

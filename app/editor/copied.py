@@ -14,7 +14,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.posing import mirror_pose
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
@@ -85,7 +85,7 @@ class Copied(BaseModel):
     def keys_of(cls, skeleton: Skeleton, keyframes: Sequence[Keyframe]) -> Self:
         """Copy keyframes, in the order of their frames; of a single one its pose."""
         if len(keyframes) > MOST_KEYS:
-            raise Refused(f"At most {MOST_KEYS} keyframes can be copied at a time.")
+            raise ActionRefused(f"At most {MOST_KEYS} keyframes can be copied at a time.")
         first = keyframes[0].frame
         keys = tuple(_key(skeleton, k.pose(skeleton), k.frame - first, k.soft) for k in keyframes)
         return cls(
@@ -108,7 +108,9 @@ def pasted_poses(
     onto_body: the first pose stands where the present one does, the others beside it as copied.
     """
     if not any(name in skeleton.body.names for name in copied.keys[0].rotations_wxyz):
-        raise Refused(f"{_whose(copied)} has no part that this body has, so nothing was pasted.")
+        raise ActionRefused(
+            f"{_whose(copied)} has no part that this body has, so nothing was pasted."
+        )
     poses = [_pose(skeleton, key, present) for key in copied.keys]
     if mirrored:
         poses = [mirror_pose(skeleton, pose) for pose in poses]

@@ -14,7 +14,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage import changes
 
 
-class Refused(KeyposeError):
+class ActionRefused(KeyposeError):
     """An action that is not possible now, in one sentence; the state stays as it is."""
 
 
@@ -74,7 +74,7 @@ def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:
     """Refused when a joint would come to lie behind the camera."""
     z = pose_transforms(skeleton, pose)[:, 2, 3]
     if not z.min() > NEAREST_M:
-        raise Refused("The body would be behind the camera. Move it farther away.")
+        raise ActionRefused("The body would be behind the camera. Move it farther away.")
 
 
 def require_sound(before: Session, after: Session, what: str) -> None:
@@ -88,9 +88,9 @@ def require_sound(before: Session, after: Session, what: str) -> None:
         raise impossible(what, str(error)) from None
 
 
-def impossible(what: str, why: str) -> Refused:
+def impossible(what: str, why: str) -> ActionRefused:
     """The refusal of an action by its name, with the reason."""
-    return Refused(f"{what[:1].upper()}{what[1:]}: not possible ({why.rstrip('.')}).")
+    return ActionRefused(f"{what[:1].upper()}{what[1:]}: not possible ({why.rstrip('.')}).")
 
 
 def _frame(keyframe: Keyframe) -> int:

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from keypose.app.editor.ahead import without_followed
-from keypose.app.editor.documents import Refused, keyframe_of, require_sound, with_drafts
+from keypose.app.editor.documents import ActionRefused, keyframe_of, require_sound, with_drafts
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
 from keypose.tracker.body.clavicles import without_clavicles
@@ -37,16 +37,20 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
     from a box on one of them cannot be had."""
     count = doc.video.frame_count
     if doc.surface is not None:
-        raise Refused("Drafts are made from a video, not from surfaces.")
+        raise ActionRefused("Drafts are made from a video, not from surfaces.")
     if len(points_on_body(doc.body, JOINTS).indices) < len(JOINTS):
-        raise Refused(f"Drafts need a person's body: choose {listed(PEOPLE)} first.")
+        raise ActionRefused(f"Drafts need a person's body: choose {listed(PEOPLE)} first.")
     first, last = frames
     if not 0 <= first <= last < count:
-        raise Refused(f"The frames to draft must lie within those of the video, 0 to {count - 1}.")
+        raise ActionRefused(
+            f"The frames to draft must lie within those of the video, 0 to {count - 1}."
+        )
     if not first <= frame <= last:
-        raise Refused(f"The frame of the box must be one of those to draft, {first} to {last}.")
+        raise ActionRefused(
+            f"The frame of the box must be one of those to draft, {first} to {last}."
+        )
     if last - first + 1 > MOST["drafts"]:
-        raise Refused(
+        raise ActionRefused(
             f"A session holds at most {MOST['drafts']} drafts: draft fewer frames at a time."
         )
     Region.of_box(box, doc.video.width, doc.video.height)

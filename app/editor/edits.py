@@ -18,7 +18,7 @@ from keypose.app.editor import (
     posing_edits,
     tracking_edits,
 )
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Surface
@@ -68,14 +68,14 @@ def _key_parts(state: EditorState, action: do.KeyParts) -> Session:
 
 def _in_video(state: EditorState, frame: int) -> int:
     if frame >= state.frame_count:
-        raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
+        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
     return frame
 
 
 def _rename(state: EditorState, action: do.Rename) -> Session:
     title = " ".join(action.title.split())
     if not title.isprintable():
-        raise Refused("A name has letters, digits and signs only.")
+        raise ActionRefused("A name has letters, digits and signs only.")
     return state.doc.model_copy(update={"title": title})
 
 

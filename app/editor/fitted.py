@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from keypose.app.editor.documents import (
-    Refused,
+    ActionRefused,
     as_soft_as,
     at_new_focal,
     keyframe_of,
@@ -34,14 +34,14 @@ def pose_to_fit(state: EditorState) -> Pose:
     A surface can also be fitted from the pose in which the session opens.
     """
     if state.doc.evidence.is_posed_first and not (state.doc.keyframes or state.doc.drafts):
-        raise Refused("Pose the body roughly first.")
+        raise ActionRefused("Pose the body roughly first.")
     return shown_pose(state).pose
 
 
 def require_sizes_to_fit(state: EditorState) -> None:
     """Refused where the sizes cannot be estimated."""
     if len(state.keys) < 2:
-        raise Refused("Needs 2 keyframes that show the body from different sides.")
+        raise ActionRefused("Needs 2 keyframes that show the body from different sides.")
 
 
 def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.pinned import default_landmarks
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState, up_of
@@ -62,7 +62,7 @@ def set_up_from_feet(state: EditorState) -> Session:
     """Up so that the pinned feet stand level; what they do not determine stays as it is."""
     places, apart = _places_of_feet(state)
     if apart < LEAST_APART_M:
-        raise Refused("Pin two steps first, at least half a metre apart.")
+        raise ActionRefused("Pin two steps first, at least half a metre apart.")
     x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
     levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})
     if levelled.floor_m is None:
@@ -76,7 +76,7 @@ def set_horizon(state: EditorState, action: do.Horizon) -> Session:
     lower at the present frame; where nothing is posed, or the body has no feet, up alone."""
     doc = state.doc
     if math.dist(action.a, action.b) < SHORTEST_PX:
-        raise Refused("Draw a longer line along the horizon.")
+        raise ActionRefused("Draw a longer line along the horizon.")
     up = up_from_horizon(doc.camera.without_distortion(), action.a, action.b, up_of(doc))
     x, y, z = (round(float(v), 6) for v in up)
     levelled = doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
@@ -88,7 +88,7 @@ def set_horizon(state: EditorState, action: do.Horizon) -> Session:
         return levelled
     height, foot = min((foot_height(state, pin, state.frame), pin.part) for pin in feet)
     if height > -LEAST_M:
-        raise Refused(f"{part_label(foot)} stands above this line. Draw the horizon higher.")
+        raise ActionRefused(f"{part_label(foot)} stands above this line. Draw the horizon higher.")
     return _with_floor(state, height)
 
 
@@ -112,7 +112,7 @@ def _height_of_pins(state: EditorState) -> float:
     feet = [pin for pin in state.doc.pins if pin.landmarks]
     pins = [pin for pin in state.doc.pins if pin.floor] or feet
     if not pins:
-        raise Refused("No foot is pinned yet. Pin one that stands on the floor first.")
+        raise ActionRefused("No foot is pinned yet. Pin one that stands on the floor first.")
     return float(np.median([foot_height(state, pin, _middle_frame(pin)) for pin in pins]))
 
 
@@ -134,6 +134,6 @@ def _points_at(state: EditorState, pin: Pin, frame: int) -> Array:
 
 def _with_floor(state: EditorState, height_m: float | None) -> Session:
     if height_m is not None and abs(height_m) < LEAST_M:
-        raise Refused("The floor would go through the camera. Set it lower.")
+        raise ActionRefused("The floor would go through the camera. Set it lower.")
     rounded = None if height_m is None else round(height_m, 4)
     return state.doc.model_copy(update={"floor_m": rounded})

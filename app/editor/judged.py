@@ -31,7 +31,7 @@ STILL_M: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedSegments:
     """tracks: by their spans.  parts: names.  reviewed: what a person said of the motion.
 
     skeleton, camera: None where only verdicts and gains are asked for.
@@ -48,12 +48,12 @@ class Judged:
     halves: bool = True
 
     @classmethod
-    def of(cls, doc: Session, results: Results) -> Judged:
+    def of(cls, doc: Session, results: Results) -> JudgedSegments:
         """Judge a session; computed once for as long as nothing changes."""
-        return _judged(ById(doc), ById(results))
+        return _judged(CachedById(doc), CachedById(results))
 
     @classmethod
-    def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> Judged:
+    def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> JudgedSegments:
         """Judge a session whose present segments have these results, finished or not."""
         return cls(
             tracks={span: _keyed(doc, track) for span, track in fitting.items() if track.finished},
@@ -126,7 +126,7 @@ class Judged:
         scale = self.px_per_m(track, (track.first + track.last) // 2, None)
         return None if scale is None else scale * height(self.skeleton.body)
 
-    def hidden_behind(self, track: SegmentResult, frame: int, part: str) -> str | None:
+    def occluder(self, track: SegmentResult, frame: int, part: str) -> str | None:
         """The part of another limb that is seen in place of a part's far end; None where there is
         none, or nobody knows."""
         end = self.far_end_m(track, frame, part)
@@ -187,12 +187,12 @@ def far_end(body: Body, index: int) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=4)
-def _judged(doc: ById, results: ById) -> Judged:
+def _judged(doc: CachedById, results: CachedById) -> JudgedSegments:
     session: Session = doc.it
-    return Judged.over(session, results.it.fitting(session))
+    return JudgedSegments.over(session, results.it.fitting(session))
 
 
-class ById:
+class CachedById:
     """An immutable object as a cache key, by identity: quicker than by its contents."""
 
     def __init__(self, it: Any) -> None:
@@ -202,4 +202,4 @@ class ById:
         return id(self.it)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ById) and self.it is other.it
+        return isinstance(other, CachedById) and self.it is other.it

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from keypose.app.editor import actions as do
 from keypose.app.editor.copied import Copied, pasted_poses
 from keypose.app.editor.documents import (
-    Refused,
+    ActionRefused,
     as_soft_as,
     keyframe_of,
     posed,
@@ -63,7 +63,7 @@ def with_keyframes_placed(
 def at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
     """The keyframe at another frame; refused outside the video."""
     if frame >= state.frame_count:
-        raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
+        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
     time_s = float(state.times_s[frame])
     return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
 
@@ -74,9 +74,9 @@ def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
     known = {keyframe.frame for keyframe in stay}
     met = [frame for frame in frames if frame in known]
     if len(met) == 1:
-        raise Refused(f"Frame {met[0]} is already a keyframe. Delete it first.")
+        raise ActionRefused(f"Frame {met[0]} is already a keyframe. Delete it first.")
     if met:
-        raise Refused(f"Frames {_listed(met)} are already keyframes. Delete them first.")
+        raise ActionRefused(f"Frames {_listed(met)} are already keyframes. Delete them first.")
 
 
 def _listed(frames: list[int]) -> str:
@@ -92,7 +92,7 @@ def _require_keyframes(state: EditorState, frames: Iterable[int]) -> Mapping[int
     known = {keyframe.frame: keyframe for keyframe in state.doc.keyframes}
     for frame in frames:
         if frame not in known:
-            raise Refused(f"Frame {frame} is not a keyframe.")
+            raise ActionRefused(f"Frame {frame} is not a keyframe.")
     return {frame: known[frame] for frame in frames}
 
 
@@ -135,7 +135,7 @@ def delete_keyframe(state: EditorState, frame: int) -> Session:
 def delete_draft(state: EditorState, frame: int) -> Session:
     """Without the draft at a frame."""
     if find(state.doc.drafts, frame) is None:
-        raise Refused(f"Frame {frame} has no draft.")
+        raise ActionRefused(f"Frame {frame} has no draft.")
     return with_drafts(state.doc, without(state.doc.drafts, frame))
 
 
@@ -176,14 +176,14 @@ def _without(doc: Session, keyframe: Keyframe) -> Session:
 def _require(state: EditorState, frame: int) -> Keyframe:
     found = find(state.doc.keyframes, frame) or find(state.doc.part_keyframes, frame)
     if found is None:
-        raise Refused(f"Frame {frame} is not a keyframe.")
+        raise ActionRefused(f"Frame {frame} is not a keyframe.")
     return found
 
 
 def _require_free(state: EditorState, keyframe: Keyframe, frame: int) -> None:
     """Refused where a keyframe cannot come to a frame."""
     if find(state.doc.keyframes, frame) or find(state.doc.part_keyframes, frame):
-        raise Refused(f"Frame {frame} is already a keyframe. Delete it first.")
+        raise ActionRefused(f"Frame {frame} is already a keyframe. Delete it first.")
     if isinstance(keyframe, PartKeyframe):
         require_correctable(state, frame)
 
@@ -195,7 +195,7 @@ def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
     found = [find(state.doc.keyframes, frame) for frame in sorted(set(frames))]
     keyframes = [keyframe for keyframe in found if keyframe is not None]
     if len(keyframes) < len(found):
-        raise Refused("One of these frames is not a keyframe any more.")
+        raise ActionRefused("One of these frames is not a keyframe any more.")
     return Copied.keys_of(state.skeleton, keyframes)
 
 
@@ -204,7 +204,7 @@ def with_copied(state: EditorState, action: do.PastePose) -> do.PastePose:
     if action.copied is not None:
         return action
     if state.clipboard is None:
-        raise Refused("Copy a pose first (Ctrl C).")
+        raise ActionRefused("Copy a pose first (Ctrl C).")
     return action.model_copy(update={"copied": state.clipboard})
 
 
@@ -219,7 +219,7 @@ def paste(state: EditorState, action: do.PastePose) -> Session:
     if copied.keypose == "pose":
         return posed(state.doc, state.skeleton, poses[0], state.frame, state.times_s)
     frames = [state.frame + key.after for key in copied.keys]
-    _require_room(state, frames[-1] - frames[0])
+    _require_free_frames(state, frames[-1] - frames[0])
     stay = state.doc.keyframes
     if action.replace:
         stay = tuple(keyframe for keyframe in stay if keyframe.frame not in set(frames))
@@ -233,12 +233,14 @@ def paste(state: EditorState, action: do.PastePose) -> Session:
     return with_keyframes_placed(state.doc, stay, placed)
 
 
-def _require_room(state: EditorState, span: int) -> None:
+def _require_free_frames(state: EditorState, span: int) -> None:
     last = state.frame_count - 1
     if span > last:
-        raise Refused(f"The copied keyframes span {span + 1} frames, this video has {last + 1}.")
+        raise ActionRefused(
+            f"The copied keyframes span {span + 1} frames, this video has {last + 1}."
+        )
     if state.frame + span > last:
-        raise Refused(
+        raise ActionRefused(
             f"The copied keyframes would reach frame {state.frame + span}, the video ends at "
             f"{last}. Go to frame {last - span} or earlier."
         )

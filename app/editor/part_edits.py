@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.app.editor.documents import (
-    Refused,
+    ActionRefused,
     require_before_camera,
     with_drafts,
     with_part_keyframes,
@@ -41,7 +41,7 @@ def key_parts(state: EditorState, action: do.KeyParts) -> Session:
     parts = action.parts or _posed_parts(state, frame)
     if not parts:
         if state.selected is None:
-            raise Refused("Select a limb, or move one, to key it alone.")
+            raise ActionRefused("Select a limb, or move one, to key it alone.")
         parts = (state.selected,)
     limbs = limbs_of(state.doc.body, parts)
     return _with_parts(state, frame, shown_pose(state, frame).pose, limbs)
@@ -51,7 +51,7 @@ def unkey_parts(state: EditorState, action: do.UnkeyParts) -> Session:
     """Without these parts in a part keyframe; without it where none is left."""
     known = find(state.doc.part_keyframes, action.frame)
     if known is None:
-        raise Refused(f"Frame {action.frame} is not a part keyframe.")
+        raise ActionRefused(f"Frame {action.frame} is not a part keyframe.")
     gone = set(limbs_of(state.doc.body, action.parts))
     left = tuple(part for part in known.parts if part not in gone)
     rest = without(state.doc.part_keyframes, action.frame)
@@ -89,7 +89,7 @@ def limbs_of(body: Body, parts: Iterable[str]) -> tuple[str, ...]:
     """
     skeleton, named = Skeleton.of(body), [body.index(part) for part in parts]
     if 0 in named:
-        raise Refused(WHOLE_BODY)
+        raise ActionRefused(WHOLE_BODY)
     clavicles = np.array([kind_of(name) == "clavicle" for name in body.names])
     of_limb = np.isin(skeleton.limbs, skeleton.limbs[named]) & ~clavicles
     of_limb[named] = True
@@ -124,7 +124,7 @@ def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
     drafted = shown_pose(state, frame).pose
     moved = moved_parts(state.skeleton, pose_behind(state, frame).pose, drafted)
     if moved is None and state.selected in (None, state.doc.body.names[0]):
-        raise Refused(WHOLE_BODY)
+        raise ActionRefused(WHOLE_BODY)
     return moved or ()
 
 
@@ -145,8 +145,8 @@ def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]
 def require_correctable(state: EditorState, frame: int) -> None:
     """Refused where there is no motion that a part keyframe could correct."""
     if state.doc.surface is not None:
-        raise Refused("A body is fitted to surfaces as a whole. Press K to key all of it.")
+        raise ActionRefused("A body is fitted to surfaces as a whole. Press K to key all of it.")
     if find(state.doc.keyframes, frame) is not None:
-        raise Refused(f"Frame {frame} is already a keyframe of the whole body.")
+        raise ActionRefused(f"Frame {frame} is already a keyframe of the whole body.")
     if not any(first < frame < last for first, last in state.doc.spans):
-        raise Refused("A part keyframe corrects tracking: it goes between two keyframes.")
+        raise ActionRefused("A part keyframe corrects tracking: it goes between two keyframes.")

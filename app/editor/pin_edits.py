@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused, with_keyframes, without
+from keypose.app.editor.documents import ActionRefused, with_keyframes, without
 from keypose.app.editor.floor_edits import foot_height
 from keypose.app.editor.pinned import (
     LEAST_FRAMES,
@@ -42,7 +42,7 @@ def set_pin(state: EditorState, action: do.SetPin) -> Session:
     _require_held(state, here)
     taken = next((pin for pin in state.doc.pins if pin.overlaps(here)), None)
     if taken is not None:
-        raise Refused(f"{part_label(action.part)} is already pinned in {_frames(taken)}.")
+        raise ActionRefused(f"{part_label(action.part)} is already pinned in {_frames(taken)}.")
     first, last = range_to_pin(state, here, frame)
     pin = here.model_copy(
         update={
@@ -66,7 +66,7 @@ def change_pin(state: EditorState, action: do.ChangePin) -> Session:
         others = _without(state.doc.pins, action.index)
         taken = next((other for other in others if other.overlaps(pin)), None)
         if taken is not None:
-            raise Refused(
+            raise ActionRefused(
                 f"Another pin holds this point in {_frames(taken)}. Shorten one of them first."
             )
     floor: dict[str, float] = {}
@@ -88,7 +88,7 @@ def split_pin(state: EditorState, action: do.SplitPin) -> Session:
     """Two pins instead of one, the second from a frame on, each with a place of its own."""
     pin = _require(state, action.index)
     if not pin.first_frame < action.frame <= pin.last_frame:
-        raise Refused(f"Frame {action.frame} does not split this pin, {_frames(pin)}.")
+        raise ActionRefused(f"Frame {action.frame} does not split this pin, {_frames(pin)}.")
     before = pin.model_copy(update={"last_frame": action.frame - 1})
     after = pin.model_copy(update={"first_frame": action.frame})
     at = action.index
@@ -99,7 +99,7 @@ def accept_pins(state: EditorState, action: do.AcceptPins) -> Session:
     """The proposed pins that were named, or all of them."""
     accepted = named_proposals(state, action)
     if not accepted:
-        raise Refused("No pin is proposed here any more.")
+        raise ActionRefused("No pin is proposed here any more.")
     return _with_pins(state, (*state.doc.pins, *accepted))
 
 
@@ -118,7 +118,7 @@ def soften_keys(state: EditorState, action: do.SoftenKeys) -> Session:
     only come near.
     """
     if not set(state.keys).intersection(action.frames):
-        raise Refused("None of these frames is a keyframe any more.")
+        raise ActionRefused("None of these frames is a keyframe any more.")
     return with_keyframes(
         state.doc,
         [
@@ -132,7 +132,7 @@ def soften_key(state: EditorState, action: do.SoftenKey | do.ExactKey) -> Sessio
     """A keyframe that the motion need only come near, or one it meets exactly."""
     keyframe = find(state.doc.keyframes, action.frame)
     if keyframe is None:
-        raise Refused(f"Frame {action.frame} is not a keyframe.")
+        raise ActionRefused(f"Frame {action.frame} is not a keyframe.")
     soft = isinstance(action, do.SoftenKey)
     if keyframe.soft == soft:
         return state.doc
@@ -188,12 +188,12 @@ def _pin(**values: object) -> Pin:
     try:
         return Pin.model_validate(values)
     except ValidationError as error:
-        raise Refused(one_sentence(error)) from None
+        raise ActionRefused(one_sentence(error)) from None
 
 
 def _require(state: EditorState, index: int) -> Pin:
     if index >= len(state.doc.pins):
-        raise Refused("This pin no longer exists.")
+        raise ActionRefused("This pin no longer exists.")
     return state.doc.pins[index]
 
 
@@ -201,11 +201,11 @@ def _require_held(state: EditorState, pin: Pin) -> None:
     """Refused where the body lacks what is to be held."""
     body = state.doc.body
     if pin.part not in body.names:
-        raise Refused(f"The body has no part {pin.part!r} to pin.")
+        raise ActionRefused(f"The body has no part {pin.part!r} to pin.")
     known = body.parts[body.index(pin.part)].landmarks
     missing = [name for name in pin.landmarks if name not in known]
     if missing:
-        raise Refused(f"{part_label(pin.part)} has no {missing[0]!r} to pin.")
+        raise ActionRefused(f"{part_label(pin.part)} has no {missing[0]!r} to pin.")
 
 
 def _floor_under(state: EditorState, pin: Pin, frame: int) -> dict[str, float]:

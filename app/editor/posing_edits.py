@@ -12,7 +12,7 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.app.editor.body_edits import with_body
-from keypose.app.editor.documents import Refused, posed
+from keypose.app.editor.documents import ActionRefused, posed
 from keypose.app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
 from keypose.app.editor.shown import counts, draft_at, find, poses_beside, shown_pose
@@ -121,7 +121,7 @@ def _of_limbs(before: EditorState, pose: Pose) -> Session:
     require_correctable(before, before.frame)
     doc = with_limbs_posed(before, pose)
     if doc is None:
-        raise Refused(WHOLE_BODY)
+        raise ActionRefused(WHOLE_BODY)
     return doc
 
 
@@ -213,7 +213,7 @@ def reset_pose(state: EditorState) -> Session:
 def swap_sides(state: EditorState) -> Session:
     """Left limbs where the right ones are seen."""
     if not state.doc.body.mirror_pairs:
-        raise Refused("This body has no left and right.")
+        raise ActionRefused("This body has no left and right.")
     return with_pose(
         state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
     )
@@ -223,7 +223,7 @@ def untwist(state: EditorState, action: do.Untwist) -> Session:
     """A limb turned back about its own length, its joints where they are."""
     pose, part = shown_pose(state).pose, state.doc.body.index(action.part)
     if not is_twisted(state.doc.body.parts[part], pose.Rs_parent_part[part]):
-        raise Refused(f"{part_label(action.part)} is not turned too far about its length.")
+        raise ActionRefused(f"{part_label(action.part)} is not turned too far about its length.")
     return with_pose(state, untwisted_limb(state.skeleton, pose, part))
 
 
@@ -231,7 +231,7 @@ def copy_key(state: EditorState, action: do.CopyKey) -> Session:
     """The pose of another keyframe, here."""
     found = find(state.doc.keyframes, action.from_frame)
     if found is None:
-        raise Refused(f"Frame {action.from_frame} is not a keyframe.")
+        raise ActionRefused(f"Frame {action.from_frame} is not a keyframe.")
     return with_pose(state, found.pose(state.skeleton))
 
 
@@ -239,7 +239,7 @@ def take_tracked(state: EditorState) -> Session:
     """The tracked pose of this frame, as a pose of one's own."""
     pose = state.tracked(state.frame)
     if pose is None:
-        raise Refused(f"Frame {state.frame} is not tracked yet. Press T first.")
+        raise ActionRefused(f"Frame {state.frame} is not tracked yet. Press T first.")
     return with_pose(state, pose)
 
 
@@ -247,7 +247,7 @@ def turn_key(state: EditorState, action: do.KeyAngle) -> Session:
     """One angle of a part at some keyframe."""
     found = find(state.doc.keyframes, action.frame)
     if found is None:
-        raise Refused(f"Frame {action.frame} is not a keyframe.")
+        raise ActionRefused(f"Frame {action.frame} is not a keyframe.")
     wanted = {action.axis: action.deg}
     shown_deg = angle_curve(state, state.doc.body.index(action.part))[action.frame]
     pose = with_angles(
@@ -290,10 +290,10 @@ def turn_in_depth(state: EditorState, action: do.TurnInDepth) -> Session:
     top = 0 if action.part is None else state.doc.body.index(action.part)
     name = "The body" if top == 0 else part_label(skeleton.body.names[top])
     if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
-        raise Refused(f"{name} lies across the view: it looks the same either way.")
+        raise ActionRefused(f"{name} lies across the view: it looks the same either way.")
     camera = state.doc.camera
     turned = turned_in_depth(skeleton, camera, pose, top)
     leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
     if leaves or not turns_round(skeleton, pose, turned, top):
-        raise Refused(f"{name} cannot bend the other way. Turn a part further out alone.")
+        raise ActionRefused(f"{name} cannot bend the other way. Turn a part further out alone.")
     return with_pose(state, turned, partial=action.partial)

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.segment_evidence import (
     Doubt,
     body_error_px,
     doubts,
     fast_about,
     gain,
-    longest_hidden,
+    longest_occlusion,
     part_errors_px,
     possible_drift_px,
     unseen_share,
@@ -30,7 +30,7 @@ from keypose.tracker.tracking.result import SegmentResult
 
 WORTH_PX: Final = 0.6
 """What a keyframe must be expected to mend, in the mean over a segment."""
-SHORT_FRAMES, SHORT_HIDDEN_FRAMES = 4, 6
+SHORT_FRAMES, SHORT_OCCLUSION_FRAMES = 4, 6
 """Intervals up to these lengths gain nothing from one keyframe more. What is hidden, whoever sets
 the keyframe does not see either."""
 BY_MOTION: Final = ("fast_motion", "longest_interval", "drift")
@@ -70,7 +70,7 @@ class Problem:
     answer: Answer | None = None
 
 
-def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
+def problem_of(known: JudgedSegments, track: SegmentResult) -> Problem | None:
     """Return what is to be said of a segment: the first problem that nobody has answered, else one
     that the picture was unclear; None where nothing is wrong.
     """
@@ -79,7 +79,7 @@ def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
     return next(waiting, None) or next((one for one in found if one.answer == "unclear"), None)
 
 
-def problems_of(known: Judged, track: SegmentResult) -> tuple[Problem, ...]:
+def problems_of(known: JudgedSegments, track: SegmentResult) -> tuple[Problem, ...]:
     """All of a segment: first what is wrong with it as a whole, then limbs in doubt."""
     listed = _PROBLEMS.setdefault(known, {})
     if track.span not in listed:
@@ -87,11 +87,11 @@ def problems_of(known: Judged, track: SegmentResult) -> tuple[Problem, ...]:
     return listed[track.span]
 
 
-_PROBLEMS: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
+_PROBLEMS: WeakKeyDictionary[JudgedSegments, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
 """Found once, and asked for by everything that speaks of a segment."""
 
 
-def is_worth_a_keyframe(known: Judged, track: SegmentResult) -> bool:
+def is_worth_a_keyframe(known: JudgedSegments, track: SegmentResult) -> bool:
     """Return whether one is expected to mend something; asked only where that is known."""
     return track.kind == "lost" or gain(track) > known.keyed_px + WORTH_PX
 
@@ -106,11 +106,11 @@ def blames_keys(track: SegmentResult) -> bool:
 def is_past_mending(track: SegmentResult) -> bool:
     """Return whether the interval is too short for a keyframe to help."""
     hidden = track.verdict is not None and track.verdict.cause == "not_seen"
-    short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
+    short = SHORT_OCCLUSION_FRAMES if hidden else SHORT_FRAMES
     return not blames_keys(track) and track.last - track.first <= short
 
 
-def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
+def _found(known: JudgedSegments, track: SegmentResult) -> Iterator[Problem]:
     first, verdict = _first(known, track), track.verdict
     listed = [] if first is None else [first]
     if first is not None and verdict is not None and not _agrees(first, verdict):
@@ -130,7 +130,7 @@ def _agrees(found: Problem, verdict: Verdict) -> bool:
     )
 
 
-def _first(known: Judged, track: SegmentResult) -> Problem | None:
+def _first(known: JudgedSegments, track: SegmentResult) -> Problem | None:
     """Return what is wrong with a segment as a whole."""
     verdict, is_good = track.verdict, track.kind == "good"
     assert verdict is not None
@@ -148,7 +148,7 @@ def _first(known: Judged, track: SegmentResult) -> Problem | None:
     return _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
 
 
-def _go(known: Judged, track: SegmentResult, verdict: Verdict) -> int:
+def _go(known: JudgedSegments, track: SegmentResult, verdict: Verdict) -> int:
     """The frame that a verdict names, of a film between its keyframes."""
     frame = (track.first + track.last) // 2 if verdict.go is None else verdict.go
     return _inside(track, frame) if known.halves else frame
@@ -158,7 +158,7 @@ def _inside(track: SegmentResult, frame: int) -> int:
     return min(max(frame, track.first + 1), max(track.last - 1, track.first))
 
 
-def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Problem:
+def _where_it_gains(known: JudgedSegments, track: SegmentResult, verdict: Verdict) -> Problem:
     """Return where the limb that is most in doubt is farthest off; without one at the frame where a
     keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
     doubtful = next(iter(doubts(track, known.limbs, known.height_px(track))), None)
@@ -184,7 +184,9 @@ def _is_about(verdict: Verdict, frame: int) -> bool:
     return verdict.frames[0] <= frame <= verdict.frames[1]
 
 
-def _how_it_moves(known: Judged, track: SegmentResult, frame: int) -> tuple[ProblemCause, Span]:
+def _how_it_moves(
+    known: JudgedSegments, track: SegmentResult, frame: int
+) -> tuple[ProblemCause, Span]:
     """Return what is seen of the motion that makes a keyframe needed at a frame."""
     fast = fast_about(track, frame)
     if fast is not None:
@@ -194,13 +196,13 @@ def _how_it_moves(known: Judged, track: SegmentResult, frame: int) -> tuple[Prob
 
 
 def _by_verdict(
-    known: Judged, track: SegmentResult, verdict: Verdict, frame: int, remedy: Remedy
+    known: JudgedSegments, track: SegmentResult, verdict: Verdict, frame: int, remedy: Remedy
 ) -> Problem:
     """Add the verdict's reason; where tracking was lost, what made it so."""
     frames = verdict.frames or track.span
     cause, part = verdict.cause, verdict.part
     if cause == "not_followed":
-        frames, hidden = track.span, longest_hidden(track)
+        frames, hidden = track.span, longest_occlusion(track)
         name = None if hidden is None else known.name(hidden[0])
         if hidden is not None and name is not None:
             cause, part, frames = "not_seen", name, hidden[1]
@@ -209,32 +211,32 @@ def _by_verdict(
     )  # fmt: skip
     if remedy == "keyframe":
         return found
-    return _sized(known, track, _hidden(known, track, found) if cause == "not_seen" else found)
+    return _sized(known, track, _occlusion(known, track, found) if cause == "not_seen" else found)
 
 
-def _of_limb(known: Judged, track: SegmentResult, doubt: Doubt) -> Problem:
+def _of_limb(known: JudgedSegments, track: SegmentResult, doubt: Doubt) -> Problem:
     """A limb in doubt, with what makes it so."""
     start = track.first
     frame, frames = start + doubt.row, (start + doubt.first, start + doubt.last)
     part = known.name(doubt.part)
     found = Problem(track.span, track.kind or "good", "uncertain", frame, frames, part, "look")
     found = _sized(known, track, found)
-    hidden = _hidden(known, track, found)
+    hidden = _occlusion(known, track, found)
     if hidden.behind is not None or unseen_share(track, doubt.part, frames) > 0:
         return replace(hidden, cause="not_seen")
     return replace(found, cause="fast_motion") if fast_about(track, frame) else found
 
 
-def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
+def _occlusion(known: JudgedSegments, track: SegmentResult, found: Problem) -> Problem:
     """Add what occludes the part."""
     if found.part is None:
         return found
-    behind = known.hidden_behind(track, found.frame, found.part)
+    behind = known.occluder(track, found.frame, found.part)
     share = unseen_share(track, known.index(found.part), found.frames)
     return replace(found, behind=behind, partly=behind is None and 0 < share < 0.5)
 
 
-def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
+def _sized(known: JudgedSegments, track: SegmentResult, found: Problem) -> Problem:
     """Add how far off it is expected to be: the part where joints are observed, else the body in
     the mean. Where no part is named, it is the worst one.
     """
@@ -252,7 +254,7 @@ def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
     return replace(found, cm=100 * found.px / scale)
 
 
-def _is_same(known: Judged, one: Problem, other: Problem) -> bool:
+def _is_same(known: JudgedSegments, one: Problem, other: Problem) -> bool:
     """Return whether both are about one limb at one time."""
     if known.limb_of(one.part) != known.limb_of(other.part) or other.part is None:
         return False
@@ -261,6 +263,6 @@ def _is_same(known: Judged, one: Problem, other: Problem) -> bool:
     )
 
 
-def _answered(known: Judged, found: Problem) -> Problem:
+def _answered(known: JudgedSegments, found: Problem) -> Problem:
     said = known.answer(found.part, found.frame, found.span)
     return found if said is None else replace(found, answer=said.answer)

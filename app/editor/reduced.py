@@ -16,7 +16,7 @@ import numpy as np
 
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import (
-    Refused,
+    ActionRefused,
     keyframe_of,
     require_sound,
     with_drafts,
@@ -89,15 +89,17 @@ def reducible(
     replacing: whether keyframes that are there may go.
     """
     if doc.surface is not None:
-        raise Refused("Only the motion of a video is reduced: surfaces are fitted frame by frame.")
+        raise ActionRefused(
+            "Only the motion of a video is reduced: surfaces are fitted frame by frame."
+        )
     first, last = _require_range(doc, frames)
     parts = limbs_of(doc.body, limbs) if limbs else ()
     if parts and not doc.spans:
-        raise Refused("A limb is keyed alone between two keyframes: add them first.")
+        raise ActionRefused("A limb is keyed alone between two keyframes: add them first.")
     if parts:
         first, last = max(first, doc.spans[0][0]), min(last, doc.spans[-1][1])
         if first >= last:
-            raise Refused("A limb is keyed alone between two keyframes: choose frames there.")
+            raise ActionRefused("A limb is keyed alone between two keyframes: choose frames there.")
     chosen, motion = _motion(doc, fitting, imported, source, first, last)
     stay = [k for k in doc.keyframes if first <= k.frame <= last]
     motion = _known(_through(doc, motion, stay, always=not replacing or bool(parts)))
@@ -163,7 +165,7 @@ def _require_range(doc: Session, frames: Range | None) -> Range:
     if frames is None:
         return 0, last
     if not 0 <= frames[0] < frames[1] <= last:
-        raise Refused(
+        raise ActionRefused(
             f"The video has frames 0 to {last}: choose two of them, the first before the last."
         )
     return frames
@@ -189,8 +191,10 @@ def _motion(
             return one, motion
     if source is None:
         where = "" if (first, last) == (0, doc.video.frame_count - 1) else " in these frames"
-        raise Refused(f"There is no motion to reduce{where}: track, draft or import one first.")
-    raise Refused(_NONE[source])
+        raise ActionRefused(
+            f"There is no motion to reduce{where}: track, draft or import one first."
+        )
+    raise ActionRefused(_NONE[source])
 
 
 def _gathered(doc: Session, motions: Iterable[Trajectory], first: int, last: int) -> Trajectory:

@@ -10,7 +10,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from keypose.app.editor.judged import ById, Judged, far_end
+from keypose.app.editor.judged import CachedById, JudgedSegments, far_end
 from keypose.app.editor.problems import Problem, problems_of
 from keypose.app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
 from keypose.tracker.body.modify import height
@@ -90,13 +90,13 @@ class Review:
 
 def review_of(doc: Session, results: Results) -> Review:
     """All that there is to review; found once for as long as nothing changes."""
-    return _review(ById(doc), ById(results))
+    return _review(CachedById(doc), CachedById(results))
 
 
 @lru_cache(maxsize=4)
-def _review(doc: ById, results: ById) -> Review:
+def _review(doc: CachedById, results: CachedById) -> Review:
     session: Session = doc.it
-    known = Judged.of(session, results.it)
+    known = JudgedSegments.of(session, results.it)
     places = [*_drafts(known, session), *_worst_first(_tracked(known, session, results.it))]
     right = _right_px(known)
     px, cm = _mean(known)
@@ -134,7 +134,7 @@ def _worst_first(places: Sequence[Place]) -> list[Place]:
     return sorted(places, key=rank)
 
 
-def _tracked(known: Judged, doc: Session, results: Results) -> list[Place]:
+def _tracked(known: JudgedSegments, doc: Session, results: Results) -> list[Place]:
     """List tracked places: of one limb at one time only the worst."""
     found = [*_in_segments(known), *_in_space(known, doc, results)]
     kept: list[Place] = []
@@ -144,14 +144,14 @@ def _tracked(known: Judged, doc: Session, results: Results) -> list[Place]:
     return kept
 
 
-def _is_same(known: Judged, one: Place, other: Place) -> bool:
+def _is_same(known: JudgedSegments, one: Place, other: Place) -> bool:
     """Return whether two of different kinds are about one limb at one time."""
     if type(one.why) is type(other.why) or known.limb_of(one.part) != known.limb_of(other.part):
         return False
     return one.frames[0] <= other.frames[1] and other.frames[0] <= one.frames[1]
 
 
-def _in_segments(known: Judged) -> Iterator[Place]:
+def _in_segments(known: JudgedSegments) -> Iterator[Place]:
     for track in known.tracks.values():
         for one in problems_of(known, track):
             is_small = one.px is not None and one.px <= LEAST_PX
@@ -160,7 +160,7 @@ def _in_segments(known: Judged) -> Iterator[Place]:
                 yield from [place] if place else []
 
 
-def _in_space(known: Judged, doc: Session, results: Results) -> Iterator[Place]:
+def _in_space(known: JudgedSegments, doc: Session, results: Results) -> Iterator[Place]:
     """Feet that leave the floor: as large as it would be seen from the side."""
     findings = [found for stretch in results.space(doc) for found in stretch.findings]
     for found in findings:
@@ -177,17 +177,27 @@ def _in_space(known: Judged, doc: Session, results: Results) -> Iterator[Place]:
 
 
 def _tracked_place(
-    known: Judged, track: SegmentResult, why: Reason, frame: int, part: str | None, frames: Span,
+    known: JudgedSegments,
+    track: SegmentResult,
+    why: Reason,
+    frame: int,
+    part: str | None,
+    frames: Span,
     px: float | None,
-) -> Place | None:  # fmt: skip
+) -> Place | None:
     """A place of the tracked motion; None where the body is behind the camera."""
     return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px)
 
 
 def _place(
-    known: Judged, pose: Pose, why: Reason, frame: int, part: str | None, frames: Span,
+    known: JudgedSegments,
+    pose: Pose,
+    why: Reason,
+    frame: int,
+    part: str | None,
+    frames: Span,
     px: float | None,
-) -> Place | None:  # fmt: skip
+) -> Place | None:
     assert known.skeleton is not None
     assert known.camera is not None
     body, index = known.skeleton.body, known.index(part)
@@ -204,7 +214,7 @@ def _place(
     return Place(why, frame, part, frames, px, cm, end, scale, joints)
 
 
-def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
+def _drafts(known: JudgedSegments, doc: Session) -> Iterator[Place]:
     """Drafts that a person should confirm, in the order of their frames; none where what is tracked
     is shown instead."""
     tracks = known.tracks.values()
@@ -225,7 +235,7 @@ def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
 
 def drafts_to_confirm(doc: Session) -> tuple[int, ...]:
     """Their frames, without those of which a person could not tell whether they are right."""
-    return tuple(place.frame for place in _drafts(Judged.over(doc, {}), doc))
+    return tuple(place.frame for place in _drafts(JudgedSegments.over(doc, {}), doc))
 
 
 def _is_unclear(doc: Session, place: Place) -> bool:
@@ -240,13 +250,13 @@ def _is_unclear(doc: Session, place: Place) -> bool:
     )
 
 
-def _right_px(known: Judged) -> float | None:
+def _right_px(known: JudgedSegments) -> float | None:
     found = [right_error_px(track) for track in known.tracks.values()]
     known_px = [px for px in found if px is not None]
     return float(np.median(known_px)) if known_px else None
 
 
-def _mean(known: Judged) -> tuple[float | None, float | None]:
+def _mean(known: JudgedSegments) -> tuple[float | None, float | None]:
     """Pixels and centimetres by which joints are expected to be off between keyframes."""
     px, cm = [], []
     for track in known.tracks.values():

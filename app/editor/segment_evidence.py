@@ -162,7 +162,7 @@ def unseen_share(track: SegmentResult, part: int, frames: Span) -> float:
     return float((column < HIDDEN).mean()) if len(column) else 0.0
 
 
-def longest_hidden(track: SegmentResult) -> tuple[int, Span] | None:
+def longest_occlusion(track: SegmentResult) -> tuple[int, Span] | None:
     """The part that goes unseen for the longest run of frames, and that run."""
     found = []
     for part, column in enumerate(track.diagnostics.observability.T):

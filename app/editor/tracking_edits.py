@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused, require_before_camera, with_times
+from keypose.app.editor.documents import ActionRefused, require_before_camera, with_times
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton
@@ -29,7 +29,7 @@ def set_surface(state: EditorState, action: do.Observe) -> Session:
     """Only the fields that were named change; where the surfaces lie follows from units and up."""
     before = state.doc.surface
     if before is None:
-        raise Refused("This session has a video, not surfaces.")
+        raise ActionRefused("This session has a video, not surfaces.")
     named = _named(action)
     _require_keyframe(state, named.get("model_frame"))
     doc = state.doc
@@ -49,7 +49,7 @@ def _named(action: do.Observe) -> dict[str, Any]:
 
 def _require_keyframe(state: EditorState, frame: int | None) -> None:
     if frame is not None and find(state.doc.keyframes, frame) is None:
-        raise Refused(f"Frame {frame} is not a keyframe. Pose the body in its surface first.")
+        raise ActionRefused(f"Frame {frame} is not a keyframe. Pose the body in its surface first.")
 
 
 def _scaled(state: EditorState, factor: float) -> Session:
@@ -58,8 +58,8 @@ def _scaled(state: EditorState, factor: float) -> Session:
     place = np.array(surface_of(doc).p_camera_surface) * factor
     try:
         moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
-    except Refused:
-        raise Refused(
+    except ActionRefused:
+        raise ActionRefused(
             "In these units the surface is so small that the body would be at the camera. "
             "Delete its poses first, or reopen the meshes with other units."
         ) from None
@@ -109,7 +109,7 @@ def _with_surface(doc: Session, values: dict[str, Any]) -> Session:
     try:
         surface = Surface.model_validate(values)
     except ValidationError as error:
-        raise Refused(one_sentence(error)) from None
+        raise ActionRefused(one_sentence(error)) from None
     return doc.model_copy(update={"surface": surface})
 
 
@@ -156,12 +156,12 @@ def _mask(
     try:
         return IgnoreMask(polygon=polygon, first_frame=first, last_frame=last, note=note)
     except ValidationError as error:
-        raise Refused(one_sentence(error)) from None
+        raise ActionRefused(one_sentence(error)) from None
 
 
 def _require(state: EditorState, index: int) -> IgnoreMask:
     if index >= len(state.doc.ignore_masks):
-        raise Refused("This mask no longer exists.")
+        raise ActionRefused("This mask no longer exists.")
     return state.doc.ignore_masks[index]
 
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from keypose.app.editor import actions as do
 from keypose.app.editor import keyframe_edits, pin_edits, posing_edits
-from keypose.app.editor.documents import Refused, impossible, require_sound
+from keypose.app.editor.documents import ActionRefused, impossible, require_sound
 from keypose.app.editor.edits import EDITS, label_of
 from keypose.app.editor.posing_edits import with_corners
 from keypose.app.editor.state import EditorState, Stroke
@@ -70,13 +70,13 @@ def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
     undo = isinstance(action, do.Undo)
     found = state.history.undo(state.doc) if undo else state.history.redo(state.doc)
     if found is None:
-        raise Refused("Nothing to undo." if undo else "Nothing to redo.")
+        raise ActionRefused("Nothing to undo." if undo else "Nothing to redo.")
     return _at_step(state, *found, f"{action.do} {found[0].label}")
 
 
 def _go_to_step(state: EditorState, action: do.GoToStep) -> EditorState:
     if action.of != state.history.total or action.done > action.of:
-        raise Refused("The history has changed meanwhile. Choose the step again.")
+        raise ActionRefused("The history has changed meanwhile. Choose the step again.")
     way = list(state.history.way_to(state.doc, action.done))
     return _at_step(state, *way[-1], "go to the step") if way else state
 

@@ -29,7 +29,7 @@ from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Keyframe, Session
-from keypose.tracker.solver.fit_joints import Fit, fit_motion, rigid
+from keypose.tracker.solver.fit_joints import JointFit, fit_motion, rigid
 from keypose.tracker.solver.posed import BodyPoints
 
 LEAST_JOINTS = 3
@@ -58,7 +58,7 @@ class ImportedMotion:
     notes: what of it may be wrong, and what was odd about the file.
     """
 
-    fit: Fit
+    fit: JointFit
     matched: Matched
     size: float
     scale: float
@@ -259,7 +259,7 @@ def _pose_per_frame(posed: Mapping[int, Pose], first: int, count: int) -> list[P
     return [between(posed, frames, frame) for frame in range(first, first + count)]
 
 
-def _require_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
+def _require_before_camera(fit: JointFit, skeleton: Skeleton, file: str) -> None:
     z = fit.trajectory.transforms(skeleton)[..., 2, 3].min(axis=1)
     behind = np.flatnonzero(~(z > NEAREST_M))
     if len(behind):
@@ -270,7 +270,7 @@ def _require_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
         )
 
 
-def _from_keyframes(points: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> float:
+def _from_keyframes(points: BodyPoints, fit: JointFit, posed: Mapping[int, Pose]) -> float:
     def at(pose: Pose) -> Array:
         return points.at(pose_transforms(points.skeleton, pose))
 
@@ -280,7 +280,7 @@ def _from_keyframes(points: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> 
     return float(np.mean(away)) if away else np.nan
 
 
-def _miss_px(camera: Camera, points: BodyPoints, fit: Fit, ps: Array) -> Array:
+def _miss_px(camera: Camera, points: BodyPoints, fit: JointFit, ps: Array) -> Array:
     found = points.at(fit.trajectory.transforms(points.skeleton))
     with np.errstate(invalid="ignore", divide="ignore"):
         away = np.linalg.norm(camera.project(found) - camera.project(ps), axis=-1)

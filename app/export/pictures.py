@@ -17,7 +17,7 @@ from keypose.app.render.lettering import write, written_width
 from keypose.app.render.palette import PAPER, TEXT, Colour, Picture
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Look, png, rectified, snapshot
+from keypose.app.render.studio import ViewStyle, png, rectified, snapshot
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.video import Video
@@ -128,7 +128,7 @@ def sheet_png(
     session: Session,
     session_path: Path,
     video: Video,
-    look: Look,
+    look: ViewStyle,
     columns: int | None = None,
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> tuple[bytes, str | None]:
@@ -150,7 +150,7 @@ def _cells(
     subject: Subject,
     video: Video,
     size: tuple[int, int],
-    look: Look,
+    look: ViewStyle,
     drawn: Callable[[int], None],
 ) -> Iterator[Cell]:
     session = subject.session

@@ -18,7 +18,7 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import World
 from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.fit_joints import Fit, rigid
+from keypose.tracker.solver.fit_joints import JointFit, rigid
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 LEAST_DETERMINED = 0.5
@@ -122,7 +122,7 @@ def world_at_rest(
     return "z up" if (R.T @ _UP_AT_REST)[2] > UPRIGHT else world
 
 
-def lying(fit: Fit, up_camera: Array) -> tuple[Note, ...]:
+def lying(fit: JointFit, up_camera: Array) -> tuple[Note, ...]:
     """A note where the body lies nearly all the time."""
     up_body = fit.trajectory.Rs_parent_part[:, 0] @ _UP_AT_REST
     cosine = up_body @ up_camera / np.linalg.norm(up_camera)
@@ -139,7 +139,7 @@ def implausible(
     bones: Bones,
     size: float,
     ps: Array,
-    fit: Fit,
+    fit: JointFit,
 ) -> tuple[Note, ...]:
     """Notes on what the joints do not tell, on proportions, on error and on depth."""
     notes: list[Note] = []

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from keypose.app.export.recognising import Recognised
     from keypose.app.render.palette import Picture
     from keypose.app.render.stills import Still
-    from keypose.app.render.studio import Look
+    from keypose.app.render.studio import ViewStyle
     from keypose.tracker.video.info import VideoInfo
 
 
@@ -103,7 +103,7 @@ class FilmExport:
 class SheetExport:
     """All keyframes on one picture, as `keypose sheet` writes it."""
 
-    look: Look
+    look: ViewStyle
     columns: int | None = None
     suffix: str = "-keyframes.png"
 

@@ -53,7 +53,7 @@ Found: TypeAlias = Fitted | Learned
 _FAULT = "Fitting failed with an internal error ({}). Nothing was changed."
 
 
-class Fit:
+class FitJob:
     """An order at work. Soon after `cancelled` is set it is left, and reports nothing it found."""
 
     def __init__(self, order: FitOrder, cancelled: Event, send: Send) -> None:
@@ -200,4 +200,4 @@ class Fit:
         )
 
 
-_FITS = ByEvidence({FilmEvidence: Fit.on_film, SurfaceEvidence: Fit.on_surfaces})
+_FITS = ByEvidence({FilmEvidence: FitJob.on_film, SurfaceEvidence: FitJob.on_surfaces})

@@ -14,7 +14,7 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.settings import Quality
-from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.space.result import SpaceResult
 
@@ -133,7 +133,7 @@ class SpaceOrder:
     """
 
     session: bytes
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[SegmentRun, ...]
     job: int = 0
 
 

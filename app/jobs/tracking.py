@@ -28,7 +28,7 @@ from keypose.app.jobs.messages import (
 from keypose.app.jobs.process import WorkerProcess
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality
-from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.stretches import SegmentRun
 
 WARM_AFTER_S = 2.0
 """The page that a person waits for comes first; the worker takes as long to load as the server."""
@@ -93,7 +93,7 @@ class Tracking:
         self._ensure_worker().send(replace(order, job=job))
         return job
 
-    def solve_space(self, session: Session, stretches: Sequence[Stretch]) -> int:
+    def solve_space(self, session: Session, stretches: Sequence[SegmentRun]) -> int:
         """Solve for the motion in space of these stretches; the job's number.
 
         Ends a job that is at work. Every job ends in one JobFinished or JobFailed.

@@ -127,7 +127,7 @@ class Worker:
         self._send(Ready())
 
     def _take_orders(self) -> None:
-        from keypose.app.jobs.fits import Fit
+        from keypose.app.jobs.fits import FitJob
         from keypose.app.jobs.work import Job, WorkerCache, solve_order
 
         worker_cache = WorkerCache()
@@ -139,7 +139,7 @@ class Worker:
                 elif isinstance(order, SpaceOrder):
                     solve_order(order, cancelled, self._send)
                 else:
-                    Fit(order, cancelled, self._send).run(worker_cache)
+                    FitJob(order, cancelled, self._send).run(worker_cache)
 
     def _send(self, report: Report) -> None:
         if isinstance(report, PassFinished):

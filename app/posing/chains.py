@@ -34,7 +34,7 @@ class LimbChain:
         """(3,) the tip before the drag, in the camera frame."""
         return self.context.placed(self.parts[-1], self.tip)
 
-    def levers(self) -> Array:
+    def lever_arms(self) -> Array:
         """(K, 3) from each part's joint to the next one's, at last to the tip, camera frame."""
         points = [self.context.joint(part) for part in self.parts]
         return np.diff(np.stack([*points, self.end]), axis=0)
@@ -63,35 +63,35 @@ class Chain(LimbChain):
 
     def _range_m(self) -> tuple[float, float]:
         """The least and the largest distance from the first joint to the end."""
-        sizes = np.sqrt((self.levers() ** 2).sum(axis=1))
+        sizes = np.sqrt((self.lever_arms() ** 2).sum(axis=1))
         return max(0.0, float(2 * sizes.max() - sizes.sum())), float(sizes.sum())
 
     def _at(self, place: Array) -> Reached:
         """The chain with its end at a place within reach."""
-        levers, (_, farthest) = self.levers(), self._range_m()
-        turns = self._solved(levers, self._folded(levers, farthest, place), place)
+        lever_arms, (_, farthest) = self.lever_arms(), self._range_m()
+        turns = self._solved(lever_arms, self._folded(lever_arms, farthest, place), place)
         return Reached(self._rotations(turns), self.centre, farthest)
 
-    def _folded(self, levers: Array, farthest: float, place: Array) -> Array:
+    def _folded(self, lever_arms: Array, farthest: float, place: Array) -> Array:
         """(K, 3, 3) turns to begin with: a zigzag where a straight chain is to become shorter."""
         stretched = length(self.end - self.centre) / farthest
         share = smooth_step((stretched - _STRETCHED) / (1 - _STRETCHED))
         shorter = min(length(place - self.centre) / farthest, 1.0)
         angle = share * math.acos(shorter)
         R = self.context.R_camera_part(self.parts[0])
-        side = cross(unit(levers[0]), R[:, 0])
+        side = cross(unit(lever_arms[0]), R[:, 0])
         axis = (
-            unit(cross(unit(levers[0]), side))
+            unit(cross(unit(lever_arms[0]), side))
             if length(side) > 0.1
-            else any_across(unit(levers[0]))
+            else any_across(unit(lever_arms[0]))
         )
-        signs = np.where(np.arange(len(levers)) % 2 == 0, 1.0, -1.0)
+        signs = np.where(np.arange(len(lever_arms)) % 2 == 0, 1.0, -1.0)
         return exp_rotation(signs[:, None] * angle * axis)
 
-    def _solved(self, levers: Array, turns: Array, place: Array) -> Array:
+    def _solved(self, lever_arms: Array, turns: Array, place: Array) -> Array:
         """(K, 3, 3) how each part has turned in the camera frame when the end is at the place."""
         for _ in range(_LIMB_ROUNDS):
-            placed = np.einsum("kij,kj->ki", turns, levers)
+            placed = np.einsum("kij,kj->ki", turns, lever_arms)
             joints = np.concatenate([np.zeros((1, 3)), np.cumsum(placed, axis=0)])
             miss = place - self.centre - joints[-1]
             if length(miss) < 1e-10:
@@ -146,11 +146,11 @@ class Spine(LimbChain):
         How far the end is from the lowest joint follows from the bend; it is found together with
         it. What limits of the upper parts, or the rounds, leave undone, the lowest part does.
         """
-        levers = self.levers()
+        lever_arms = self.lever_arms()
         shares = _shares(len(self.parts))
         resting = self._resting()
         vector, end = np.zeros(3), self.end
-        worth = _worth(levers, shares)
+        worth = _worth(lever_arms, shares)
         for _ in range(_SPINE_ROUNDS):
             radius = length(end - self.centre)
             place = on_sphere(view, goal, self.centre, radius, self.end, resting)
@@ -159,7 +159,7 @@ class Spine(LimbChain):
                 break
             vector = _capped(vector + off / worth)
             turns = exp_rotation(shares[:, None] * vector)
-            end = self.centre + np.einsum("kij,kj->i", turns, levers)
+            end = self.centre + np.einsum("kij,kj->i", turns, lever_arms)
         return self._limited(shares, vector, view, goal, resting)
 
     def _resting(self) -> Array:
@@ -210,9 +210,9 @@ def _shares(count: int) -> Array:
     return np.asarray(np.cumsum(own) / own.sum())
 
 
-def _worth(levers: Array, shares: Array) -> float:
+def _worth(lever_arms: Array, shares: Array) -> float:
     """Return by how much the direction to the end turns when the last part turns by 1."""
-    sizes = np.sqrt((levers**2).sum(axis=1))
+    sizes = np.sqrt((lever_arms**2).sum(axis=1))
     return float((sizes * shares).sum() / sizes.sum())
 
 

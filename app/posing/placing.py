@@ -162,7 +162,7 @@ def _distance(points: Array, camera: Camera) -> float:
     def left(depth: float) -> float:
         """The share of the room that is left: nearly a line over depth, which a secant meets in a
         few rounds."""
-        return 1.0 / _filled(points + _centred(points, view, depth), view) - 1.0
+        return 1.0 / _filling_picture(points + _centred(points, view, depth), view) - 1.0
 
     before, depth = near, near + 1.0
     left_before = left(before)
@@ -178,7 +178,7 @@ def _distance(points: Array, camera: Camera) -> float:
     return depth
 
 
-def _filled(points: Array, view: PointerView) -> float:
+def _filling_picture(points: Array, view: PointerView) -> float:
     """1 where the body is as large as it may be."""
     assert view.camera is not None
     size = np.ptp(view.project(points), axis=0)

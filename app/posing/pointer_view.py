@@ -70,7 +70,7 @@ class PointerView:
         """View coordinates (..., 2) of points (..., 3); NaN for those behind the camera."""
         p = np.asarray(p_camera, dtype=np.float64)
         if self.camera is not None:
-            return self.camera.project(self._from_eye(p))
+            return self.camera.project(self._eye_to_view(p))
         return np.asarray(p @ self.R_view_camera[:2].T)
 
     def ray(self, at: Sequence[float] | Array) -> tuple[Array, Array]:
@@ -110,7 +110,7 @@ class PointerView:
         """
         if self.camera is None:
             return 1.0
-        return float(self.camera.depth(self._from_eye(p_camera))) / self.camera.fx
+        return float(self.camera.depth(self._eye_to_view(p_camera))) / self.camera.fx
 
     def slope(self, p_camera: Array) -> Array:
         """(2, 3) how far a point moves in the view for each metre in the camera frame."""
@@ -120,7 +120,7 @@ class PointerView:
         if self.camera.telephoto_distance_m is not None:
             scale = 1.0 / self.camera.telephoto_distance_m
             return np.array([[fx * scale, 0.0, 0.0], [0.0, fy * scale, 0.0]])
-        x, y, z = self._from_eye(p_camera).tolist()
+        x, y, z = self._eye_to_view(p_camera).tolist()
         of_view = np.array([[fx / z, 0.0, -fx * x / z**2], [0.0, fy / z, -fy * y / z**2]])
         return np.asarray(of_view @ self.R_view_camera)
 
@@ -132,6 +132,6 @@ class PointerView:
         at = self.project(p_camera)
         return np.array([at[0] + end[0] - start[0], at[1] + end[1] - start[1]])
 
-    def _from_eye(self, p_camera: Array) -> Array:
+    def _eye_to_view(self, p_camera: Array) -> Array:
         """Points (..., 3) in the frame of the lens."""
         return np.asarray((p_camera - self.p_camera_eye) @ self.R_view_camera.T)

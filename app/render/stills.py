@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from keypose.app.render.palette import CutOut, Picture
 from keypose.app.render.pictures import FourViewLayout, middle, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.studio import Look, Paint, Size, Studio, View, background, snapshot
+from keypose.app.render.studio import Paint, Size, Studio, View, ViewStyle, background, snapshot
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
@@ -60,7 +60,7 @@ def still(
     if pose is None:
         raise SessionError(f"Frame {frame} has no pose.")
     if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
-        look = Look(wanted.view, wanted.paint.style, wanted.paint.opacity, wanted.tint)
+        look = ViewStyle(wanted.view, wanted.paint.style, wanted.paint.opacity, wanted.tint)
         return snapshot(session, video, frame, pose, look)
     studio = Studio.of(session, poses.skeleton)
     size = _size(studio, wanted)

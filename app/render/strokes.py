@@ -15,7 +15,7 @@ from keypose.tracker.body.raster import BodyMesh, Raster
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewCamera
 
-HIDDEN_OPACITY = 0.28
+OCCLUDED_OPACITY = 0.28
 DEPTH_SLACK_M = 0.02
 """A line counts as seen when it lies at most this far behind the surface in front of it."""
 
@@ -141,7 +141,7 @@ def paint_lines(canvas: Canvas, lines: Lines, sides: tuple[Side, ...], thickness
     side = np.array(sides)[lines.part]
     _blend(canvas, INK, 0.35, _coverage(canvas, lines.uv[~lines.hidden], thickness + 2))
     for name, colour in SIDE_COLOURS.items():
-        for hidden, opacity in ((True, HIDDEN_OPACITY), (False, 1.0)):
+        for hidden, opacity in ((True, OCCLUDED_OPACITY), (False, 1.0)):
             chosen = (side == name) & (lines.hidden == hidden)
             _blend(canvas, colour, opacity, _coverage(canvas, lines.uv[chosen], thickness))
 

@@ -41,7 +41,7 @@ View: TypeAlias = Literal["main", "top", "side", "front", "all"]
 
 
 @dataclass(frozen=True)
-class Look:
+class ViewStyle:
     """Which view, and how the body is drawn over the video. tint: of observed surfaces."""
 
     view: View = "main"
@@ -50,7 +50,9 @@ class Look:
     tint: Tint = "clay"
 
 
-def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look: Look) -> Picture:
+def snapshot(
+    session: Session, video: Video | None, frame: int, pose: Pose, look: ViewStyle
+) -> Picture:
     """The picture (H, W, 3) RGB of a pose at a frame; its height is the video's.
 
     Where the video has lost the frame, its place is grey and a plate says so. The views from the

@@ -156,7 +156,7 @@ class Outdated(VideoError):
     """The surfaces lie elsewhere by now."""
 
 
-class Observed:
+class SurfaceViews:
     """The surfaces of one opened session, as its document has them read.
 
     It goes with the newest document only: what asks for an older one is `Outdated`. What is read is
@@ -263,7 +263,7 @@ class TintedSource:
     Of a step that cannot be used the picture is empty: the page says why in words of its own.
     """
 
-    def __init__(self, observed: Observed, edit: EditorState) -> None:
+    def __init__(self, observed: SurfaceViews, edit: EditorState) -> None:
         self._observed, self._edit, self.info = observed, edit, observed.info
 
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:

@@ -60,7 +60,7 @@ class Browsers:
         self._file, self._now = file, now
         self._known = self._valid(self._read())
 
-    def let_in(self) -> Secrets:
+    def admit(self) -> Secrets:
         """The secrets of one more browser."""
         given = Secrets(secrets.token_urlsafe(24), secrets.token_urlsafe(24))
         added = _Browser(

@@ -33,7 +33,7 @@ from keypose.app.jobs.exchange import (
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.render.films import FilmView
 from keypose.app.render.stills import Still
-from keypose.app.render.studio import Look, Paint
+from keypose.app.render.studio import Paint, ViewStyle
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.app.server.headers import headers_for, json_answer, read_body
@@ -117,7 +117,7 @@ class Sheet(_Drawn):
 
     @property
     def export(self) -> Export:
-        return SheetExport(Look("main", self.style, self.opacity, self.tint), self.columns)
+        return SheetExport(ViewStyle("main", self.style, self.opacity, self.tint), self.columns)
 
 
 class Pictures(_Sized):

@@ -194,7 +194,7 @@ class Guard:
         It is a page and no redirect: one that comes from a file would go on as from elsewhere, and
         browsers would leave out the cookie.
         """
-        given, nonce = self._browsers.let_in(), secrets.token_urlsafe(16)
+        given, nonce = self._browsers.admit(), secrets.token_urlsafe(16)
         headers = {"Cache-Control": "no-store", **headers_for("data")}
         headers["Content-Security-Policy"] += f"; script-src 'nonce-{nonce}'"
         headers["Referrer-Policy"] = "no-referrer"

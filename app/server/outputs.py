@@ -21,7 +21,7 @@ from keypose.app.export.motion_files import File, Sampling, every_format, motion
 from keypose.app.export.motion_formats import MotionFormat
 from keypose.app.posing import InView, outline, parts_at
 from keypose.app.render.stills import from_viewpoint
-from keypose.app.render.studio import Look, View, png, snapshot
+from keypose.app.render.studio import View, ViewStyle, png, snapshot
 from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.app.server.headers import headers_for
@@ -194,7 +194,7 @@ def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
         pose = shown_pose(edit, frame).pose
         return png(from_viewpoint(edit.doc, pose, viewpoint, floor, FREE_SIZE))
     opacity = looks.opacity if shot.opacity is None else shot.opacity
-    look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
+    look = ViewStyle(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
     return png(snapshot(edit.doc, video, frame, shown_pose(edit, frame).pose, look))
 
 

@@ -19,7 +19,7 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.video_frames import Frames
-from keypose.app.scene.observed import Observed, Outdated, TintedSource, reading, skin
+from keypose.app.scene.observed import Outdated, SurfaceViews, TintedSource, reading, skin
 from keypose.app.store.sections import image_version
 from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import KeyposeError, SurfaceError
@@ -41,13 +41,13 @@ Found: TypeAlias = tuple[bytes | None, SurfaceSeen]
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class WantedStep:
     """What was wished: a step as a document has it.  key: equal where it would look the same.
 
     at_s: when it was wished, by the loop's clock.
     """
 
-    observed: Observed
+    observed: SurfaceViews
     edit: EditorState
     key: tuple[Any, ...]
     at_s: float
@@ -72,9 +72,9 @@ class Surfaces:
         self._unusable = unusable
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="surfaces")
         self._opened: OpenSession | None = None
-        self._observed: Observed | None = None
-        self._wanted: Look | None = None
-        self._done: Look | None = None
+        self._observed: SurfaceViews | None = None
+        self._wanted: WantedStep | None = None
+        self._done: WantedStep | None = None
         self._stale: asyncio.TimerHandle | None = None
         self._later: asyncio.TimerHandle | None = None
         self._looked_at = 0.0
@@ -93,7 +93,7 @@ class Surfaces:
         key = _key(edit)
         if self._wanted is not None and self._wanted.key == key:
             return
-        self._wanted = Look(self._observed, edit, key, self._loop.time())
+        self._wanted = WantedStep(self._observed, edit, key, self._loop.time())
         self._plan()
         if self._stale is None:
             self._stale = self._loop.call_later(STALE_S, self._drop_stale)
@@ -129,7 +129,10 @@ class Surfaces:
             self._show(None)
         self._leave_frames()
         has_surface = opened is not None and opened.session.evidence.has_surface
-        self._opened, self._observed = opened, Observed(opened) if has_surface and opened else None
+        self._opened, self._observed = (
+            opened,
+            SurfaceViews(opened) if has_surface and opened else None,
+        )
         self._wanted, self._done, self._known = None, None, SurfaceSeen()
         self._has_checked = False
 
@@ -153,7 +156,7 @@ class Surfaces:
         looking = self._loop.run_in_executor(self._thread, _sample, wanted, self._known)
         looking.add_done_callback(lambda done: self._on_sampled(wanted, done))
 
-    def _on_sampled(self, wanted: Look, done: asyncio.Future[Found | None]) -> None:
+    def _on_sampled(self, wanted: WantedStep, done: asyncio.Future[Found | None]) -> None:
         self._busy = False
         if wanted.observed is self._observed and not done.cancelled():
             fault = done.exception()
@@ -170,7 +173,7 @@ class Surfaces:
                 self._check_all_steps(wanted.observed)
         self._plan()
 
-    def _check_all_steps(self, observed: Observed) -> None:
+    def _check_all_steps(self, observed: SurfaceViews) -> None:
         """Once, after something is to be seen: which other steps there will be nothing of."""
         if self._has_checked:
             return
@@ -178,7 +181,7 @@ class Surfaces:
         checking = self._loop.run_in_executor(None, observed.unusable)
         checking.add_done_callback(lambda done: self._on_all_checked(observed, done))
 
-    def _on_all_checked(self, observed: Observed, done: asyncio.Future[str]) -> None:
+    def _on_all_checked(self, observed: SurfaceViews, done: asyncio.Future[str]) -> None:
         if observed is not self._observed or done.cancelled():
             return
         fault = done.exception()
@@ -220,7 +223,7 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     return (*key, doc.body, doc.model_keyframe, doc.surface, *pose_key)
 
 
-def _sample(wanted: Look, known: SurfaceSeen) -> Found | None:
+def _sample(wanted: WantedStep, known: SurfaceSeen) -> Found | None:
     """The surface as it is sent to the small views, and what was seen of it; None where it lies
     elsewhere by now."""
     observed, edit, frame = wanted.observed, wanted.edit, wanted.edit.frame

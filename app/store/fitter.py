@@ -247,10 +247,10 @@ class Fitter:
 
     def _drop(self) -> None:
         self._runner.drop_fit()
-        self._leave_reduction()
+        self._close_reduction()
         self._resume_tracking()
 
-    def _leave_reduction(self) -> None:
+    def _close_reduction(self) -> None:
         if self._request is not None and isinstance(self._request.order, ReduceOrder):
             self._host.show_reduction(None)
 
@@ -264,7 +264,7 @@ class Fitter:
         if isinstance(report, JobFailed | JobFinished):
             if isinstance(report, JobFailed):
                 self._host.note("lost", report.words)
-            self._leave_reduction()
+            self._close_reduction()
             self._resume_tracking()
             return
         self._found = report

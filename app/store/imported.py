@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.documents import Refused, require_sound
+from keypose.app.editor.documents import ActionRefused, require_sound
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.import_choices import LEAST_TRACKED
@@ -59,7 +59,7 @@ def with_import(
     began: what it was fitted to.  A motion is written beside the session.
     """
     if not unchanged(_inputs(began), _inputs(edit.doc)):
-        raise Refused(CHANGED)
+        raise ActionRefused(CHANGED)
     if isinstance(found, MotionImport):
         make_folder(session_path.parent, error=SessionError)
         motion = found.found.fit.trajectory
@@ -67,7 +67,7 @@ def with_import(
         outcome = _of_motion(found, file, edit.doc)
     elif isinstance(found, DraftImport):
         if not found.drafts:
-            raise Refused(_no_draft(found, edit.doc))
+            raise ActionRefused(_no_draft(found, edit.doc))
         doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
     else:
         doc = with_camera_file(edit.doc, found)

@@ -9,7 +9,7 @@ from pathlib import Path
 from keypose.app.document.library import Library, id_of
 from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor import actions
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.video_frames import Frames
 from keypose.app.store.background import Examiner
 from keypose.app.store.owner import StateOwner
@@ -160,7 +160,7 @@ class Opener:
         """The session's file once it holds everything; SessionError when it cannot be written."""
         opened = self.opened
         if opened is None:
-            raise Refused("Open a video first.")
+            raise ActionRefused("Open a video first.")
         self._writer.saver.retry()
         self._writer.save_waiting()
         await self._writer.saver.wait()

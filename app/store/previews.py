@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.fitted import with_sizes_fitted
 from keypose.app.editor.reduced import Reducible, reducible, with_reduction
 from keypose.app.editor.state import EditorState
@@ -67,7 +67,7 @@ class SizesPreview:
     def choosing(self, poses: bool) -> SizesPreview:
         """Choose with or without other poses; Refused where that fits no better."""
         if (self.with_poses if poses else self.alone) is None:
-            raise Refused("That does not fit better.")
+            raise ActionRefused("That does not fit better.")
         return replace(self, poses=poses)
 
     def shown_in(self, edit: EditorState) -> EditorState:
@@ -117,7 +117,7 @@ class ReductionPreview:
         """The keyframes, as one step that can be undone; the motion is written beside the session.
         Refused while they are not known."""
         if self.reduction is None or self.busy:
-            raise Refused("The keyframes are not known yet. Wait a moment.")
+            raise ActionRefused("The keyframes are not known yet. Wait a moment.")
         own = None
         if self.found.parts is None:
             make_folder(session_path.parent, error=SessionError)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Protocol, TypedDict, Unpack
 
 from keypose.app.editor import actions
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import ReduceOrder
 from keypose.app.store.fitter import Fitter
@@ -51,15 +51,15 @@ class Proposals:
     def require_none(self) -> None:
         """Refused while one waits."""
         if self._host.app_state.preview is not None:
-            raise Refused(WAITING)
+            raise ActionRefused(WAITING)
         if self._host.app_state.reduction is not None:
-            raise Refused(REDUCTION_WAITING)
+            raise ActionRefused(REDUCTION_WAITING)
 
     def answer_sizes(self, action: actions.Previewing) -> None:
         """Apply or discard new sizes, or choose whether poses change with them."""
         preview, edit = self._host.app_state.preview, self._host.app_state.edit
         if preview is None or edit is None:
-            raise Refused("There are no new sizes to answer.")
+            raise ActionRefused("There are no new sizes to answer.")
         if isinstance(action, actions.PreviewPoses):
             self._change(preview=preview.choosing(action.on))
             return
@@ -84,7 +84,7 @@ class Proposals:
         known, edit = self._host.app_state.reduction, self._host.app_state.edit
         opened = self._host.opened
         if known is None or edit is None or opened is None:
-            raise Refused("There are no keyframes of a reduction to answer.")
+            raise ActionRefused("There are no keyframes of a reduction to answer.")
         if isinstance(action, actions.ApplyReduction):
             self._lock.require_writable()
             edit = known.applied_to(edit, opened.session_path)

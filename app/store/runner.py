@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.advice import why_nothing_to_do
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import (
     AheadOrder,
@@ -133,11 +133,11 @@ class Runner:
     def track(self, opened: OpenSession, edit: EditorState, what: What) -> None:
         """Track; Refused with the reason when there is nothing to do."""
         if not edit.doc.spans:
-            raise Refused(why_nothing_to_do(edit.doc))
+            raise ActionRefused(why_nothing_to_do(edit.doc))
         wanted = _spans_to_track(edit, what)
         if not wanted:
             done = edit.doc.evidence.words.done
-            raise Refused(f"All segments are {done} and up to date.")
+            raise ActionRefused(f"All segments are {done} and up to date.")
         self._start(opened, edit.doc, wanted, (edit.doc.settings.quality,))
 
     def fit(self, order: FitOrder, title: str, on_end: OnFitEnd) -> None:

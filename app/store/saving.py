@@ -18,14 +18,14 @@ from keypose.app.document.edit_log import EditLog
 from keypose.app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
 from keypose.app.document.library import Library
 from keypose.app.document.open import OpenSession
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.store.owner import StateOwner
 from keypose.app.store.state import Saved
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.chronicle import Received
+from keypose.tracker.storage.edit_history import Received
 from keypose.tracker.storage.results import save_results, tidy_tracks
 
 Identity: TypeAlias = tuple[int, int]
@@ -94,7 +94,7 @@ class WriteLock:
     def require_writable(self) -> None:
         """Refused where it may only be looked at."""
         if self.read_only:
-            raise Refused(self.read_only)
+            raise ActionRefused(self.read_only)
 
 
 def _identity(folder: Path) -> Identity | None:

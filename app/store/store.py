@@ -20,7 +20,7 @@ from keypose.app.document.library import Library
 from keypose.app.document.library.names import clean_name
 from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
@@ -36,7 +36,7 @@ from keypose.app.store.proposals import Proposals
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import Sections
-from keypose.app.store.shelf import PoseLibrary, Shelf
+from keypose.app.store.session_manager import PoseLibrary, Shelf
 from keypose.app.store.state import (
     AppState,
     FitOutcome,
@@ -50,7 +50,7 @@ from keypose.app.store.state import (
 from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.reduction.result import Reduction
-from keypose.tracker.storage.chronicle import mark_of
+from keypose.tracker.storage.edit_history import mark_of
 from keypose.tracker.video import VideoInfo
 
 SECONDS_BETWEEN_PROGRESS = 0.2
@@ -169,7 +169,7 @@ class Store:
             self._in_background(self._poses.change(action, self._app_state.edit))
             return
         if self._app_state.edit is None:
-            raise Refused("Open a video first.")
+            raise ActionRefused("Open a video first.")
         if isinstance(action, actions.InsertPose):
             action = self._poses.inserting(action)
         if not isinstance(action, actions.Looking):
@@ -303,7 +303,7 @@ class Store:
         elif isinstance(action, actions.ApplyReduction | actions.DiscardReduction):
             self._proposals.answer_reduction(action)
         elif self._app_state.edit is None or self.opened is None:
-            raise Refused("Open a video first.")
+            raise ActionRefused("Open a video first.")
         else:
             self._writer.lock.require_writable()
             if isinstance(action, actions.Reduce):
@@ -352,7 +352,7 @@ class Store:
         """Return what a file would be imported into now; Refused where nothing can be."""
         edit, opened = self._app_state.edit, self.opened
         if edit is None or opened is None:
-            raise Refused("Open a video first.")
+            raise ActionRefused("Open a video first.")
         self._writer.lock.require_writable()
         self._proposals.require_none()
         return ImportTarget(edit.settled, opened.session_path, opened.video.info)
@@ -362,7 +362,7 @@ class Store:
         now = self.import_target()
         edit = self._app_state.edit
         if edit is None or now.session_path != target.session_path:
-            raise Refused("Another session was opened meanwhile: import again.")
+            raise ActionRefused("Another session was opened meanwhile: import again.")
         given = (found, file, target.session_path)
         after, outcome = with_import(target.doc, end_stroke(edit), *given)
         self._edit_to(after)

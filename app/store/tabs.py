@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from keypose.tracker.storage.chronicle import Received
+from keypose.tracker.storage.edit_history import Received
 
 CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
 """What a tab may call itself."""

@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from './focus.js';
 import { icon } from './icons.js';
-import { steadily } from './steady.js';
+import { steadily } from './layout_hold.js';
 import { isNewest } from '../store/edits.js';
 import { listen, send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';

@@ -6,7 +6,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop, keepsKey } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { isHeld } from '../controls/steady.js';
+import { isHeld } from '../controls/layout_hold.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
 import { isSurface } from '../store/clip.js';

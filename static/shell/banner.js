@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
-import { steadily } from '../controls/steady.js';
+import { steadily } from '../controls/layout_hold.js';
 import { count } from '../controls/words.js';
 import { backlog, discard, release } from '../store/edits.js';
 import { hasKey } from '../store/storage.js';
@@ -17,7 +17,7 @@ const LONG_MS = 8000;
 let downSince = 0;
 ui.line = null;
 
-export function mountLine() {
+export function mountConnection() {
   watch(['u:connected', 'u:line', 'u:turnedAway'], () => {
     document.documentElement.classList.toggle('no-line', ui.line !== null);
     tick();

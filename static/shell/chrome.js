@@ -1,7 +1,7 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
 import { mountAddress } from './address.js';
-import { mountBanner, mountLine } from './banner.js';
+import { mountBanner, mountConnection } from './banner.js';
 import { mountExportDialog } from './export_dialog.js';
 import { mountImportDialog } from './import_dialog.js';
 import { mountFitCard } from './fit_card.js';
@@ -12,7 +12,7 @@ import { mountReview } from '../actions/review.js';
 import { mountMenus } from '../controls/menu.js';
 import { mountSearch } from './search.js';
 import { mountStatus } from './status.js';
-import { mountSteady } from '../controls/steady.js';
+import { mountSteady } from '../controls/layout_hold.js';
 import { mountTheme } from '../actions/theme.js';
 import { mountTips } from '../controls/tips.js';
 import { mountToasts } from '../controls/toasts.js';
@@ -36,7 +36,7 @@ export function mount() {
   mountExportDialog();
   mountImportDialog();
   mountToasts();
-  mountLine();
+  mountConnection();
   mountAddress();
   mountBanner();
   mountTips();

@@ -23,12 +23,12 @@ const SIZES = ['1280x720', '1920x1080', '3840x2160'];
 export function mountExportDialog() {
   mountDialog({
     id: 'exporting', label: 'Export', name: 'exporting',
-    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'], draw: () => (server.file ? sheet() : nothing),
+    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'], draw: () => (server.file ? dialog() : nothing),
   });
   watch(['file'], () => server.file || setUi('exporting', null)); // what was to be exported is closed
 }
 
-function sheet() {
+function dialog() {
   const options = ui.exporting;
   const fields = { film, pictures, sheet: keyframeSheet, motion }[options.what];
   return html`<form class="in" @submit=${submit} @keydown=${onKey}>

@@ -17,11 +17,11 @@ const UNITS = { m: 'Metres', cm: 'Centimetres', mm: 'Millimetres', auto: 'Scale 
 const WORLDS = { camera: 'As the camera sees', 'y up': 'Y up', 'z up': 'Z up' };
 
 export function mountImportDialog() {
-  mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? sheet(ui.importing) : nothing) });
+  mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? dialog(ui.importing) : nothing) });
   watch(['file'], () => server.file || setUi('importing', null)); // what it was for is closed
 }
 
-function sheet(importing) {
+function dialog(importing) {
   const { stage, name, found } = importing;
   return html`<form class="in" @submit=${submit} @keydown=${onKey}>
     <div class="row sheethead">

@@ -116,10 +116,10 @@ function onKeyUp(event) {
 }
 
 export function mountSheet() {
-  mountDialog({ id: 'keys-sheet', label: 'Keys', name: 'sheet', names: ['file'], draw: sheet });
+  mountDialog({ id: 'keys-sheet', label: 'Keys', name: 'sheet', names: ['file'], draw: dialog });
 }
 
-function sheet() {
+function dialog() {
   return html`<div class="in">
     <div class="row sheethead">
       <span class="title">Keys</span><span class="sp"></span>

@@ -14,7 +14,7 @@ let query = '';
 let at = 0;
 
 export function mountSearch() {
-  mountDialog({ id: 'search', label: 'Search commands', name: 'search', names: ['file', 'body', 'view', 'keys', 'segments', 'undo', 'u:library'], draw: sheet });
+  mountDialog({ id: 'search', label: 'Search commands', name: 'search', names: ['file', 'body', 'view', 'keys', 'segments', 'undo', 'u:library'], draw: dialog });
   watch(['u:search'], follow);
   watch(['u:seek', 'u:tab', 'view'], seek);
   // Before the browser, whose own search it would open, and before a field that keeps its keys.
@@ -41,7 +41,7 @@ function follow() {
   }
 }
 
-function sheet() {
+function dialog() {
   const entries = found(query, ui.search);
   at = Math.min(at, Math.max(0, entries.length - 1));
   const isAll = ui.search === 'All';
@@ -73,7 +73,7 @@ function row(entry, i) {
   </div>`;
 }
 
-const redraw = () => render(sheet(), document.getElementById('search'));
+const redraw = () => render(dialog(), document.getElementById('search'));
 
 function look(text) {
   [query, at] = [text, 0];

@@ -16,13 +16,13 @@ import { takeFiles } from './uploading.js';
 const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
 const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces', session: 'Open a session' };
 const SIGNS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
-const NOUNS = { video: 'Video', images: 'Images', meshes: 'Meshes', session: 'Session' };
+const KIND_LABELS = { video: 'Video', images: 'Images', meshes: 'Meshes', session: 'Session' };
 const COLUMNS = { name: 'Name', size: 'Size', date: 'Date' };
 const NEWEST = 30;
 const MOST = 300; // rows; more are found by name
 
 export function mountChooser() {
-  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind', 'u:place', 'u:fileSort'], draw: sheet });
+  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind', 'u:place', 'u:fileSort'], draw: dialog });
   let wasOpen = false;
   watch(['u:chooser'], () => {
     if (ui.chooser && !wasOpen) enterLastFolder();
@@ -30,7 +30,7 @@ export function mountChooser() {
   });
 }
 
-function sheet() {
+function dialog() {
   const { kind, lost } = ui.chooser;
   const isSearch = Boolean(wanted());
   const folders = isSearch ? [] : ui.place?.folders ?? [];
@@ -118,7 +118,7 @@ function fileRow(file, hasFolder) {
   const address = file.kind === 'meshes' ? '' : `/file.jpg?${new URLSearchParams({ at: file.id })}`;
   return html`<button class="filerow ${file.kind}" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
     ${smallPicture({ address, own: true, sign: SIGNS[file.kind] })}
-    <span class="what cut">${file.name}<span class="kind ${file.kind}">${icon(SIGNS[file.kind])}${NOUNS[file.kind]}</span>
+    <span class="what cut">${file.name}<span class="kind ${file.kind}">${icon(SIGNS[file.kind])}${KIND_LABELS[file.kind]}</span>
       ${hasFolder ? html`<span class="dim cut">${file.folder}</span>` : nothing}</span>
     <span class="dim num bytes">${file.kind === 'session' ? '' : size}</span>
     <span class="dim num when">${longAgo(file.modified_at)}</span>

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from keypose.tracker.storage.chronicle import mark_of, without_results
+from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import journal_path, open_session
 from keypose.tracker.storage.journal import read_journal
 from tests.app.serving import ROOT

@@ -14,7 +14,7 @@ from typing import Any
 
 from keypose.app.document.library import Library
 from keypose.app.store.store import Store
-from keypose.tracker.storage.chronicle import mark_of
+from keypose.tracker.storage.edit_history import mark_of
 
 TRACKED = 0.3
 """So many of the runs are tracked meanwhile."""

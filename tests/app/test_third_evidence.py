@@ -21,7 +21,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import KINDS, ByEvidence, FilmEvidence
 from keypose.tracker.storage import evidence as storage
-from keypose.tracker.storage.chronicle import is_same_film, mark_of
+from keypose.tracker.storage.edit_history import is_same_film, mark_of
 from keypose.tracker.storage.evidence.files import FilmFiles
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.fingerprints import open_ends, setup_hash

@@ -58,7 +58,7 @@ from tests.benchmarks.measures import Over
 from tests.benchmarks.stand import serving
 from tests.benchmarks.table import Expected, Report, Table
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
@@ -234,7 +234,7 @@ def _in_page(report: Report) -> None:
         with TemporaryDirectory() as folder, sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
             session = session_for(clip, NOW.settings, Path(folder))
-            with serving(session) as keypose, let_in(browser, drawn=False, size=WINDOW) as context:
+            with serving(session) as keypose, admit(browser, drawn=False, size=WINDOW) as context:
                 seen = repeated(opened(context, keypose), there)
             browser.close()
         apart = [px(seen.joints[f][n] - uv) for f, at in poses.items() for n, uv in at.items()]

@@ -22,7 +22,7 @@ from tests.benchmarks.table import Expected, Report, Table
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.interaction import section, settled, spot, until, until_state
 from tests.browser.marks import mark, marks, waiting
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 TIMES, PASSES = 40, 12
 SERVER_MS, FIRST_PASS_S, RATIO = 100.0, 2.0, 1.5
@@ -73,7 +73,7 @@ def _alone(report: Report, browser: Browser, keypose: Keypose) -> None:
         spent = _answers(visitor, act)
         table.row(name, *_spread(spent), expected=[_under(spent, SERVER_MS)])
     _put_back(visitor)
-    with let_in(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, size=WINDOW) as context:
         tab = _idle(report, context, keypose)
         probe = Probe(tab)
         moves = _moves(tab, probe, visitor)
@@ -88,7 +88,7 @@ def _alone(report: Report, browser: Browser, keypose: Keypose) -> None:
 def _beside_a_job(report: Report, browser: Browser, keypose: Keypose) -> None:
     """The same while segments are tracked, on a longer film."""
     visitor = Visitor(keypose)
-    with let_in(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, size=WINDOW) as context:
         tab = _opened(context, keypose)
         probe = Probe(tab)
         idle = {name: _answers(visitor, act) for name, act in _acts().items()}
@@ -236,7 +236,7 @@ def _passes(
 
 
 def _playing(report: Report, browser: Browser, keypose: Keypose) -> None:
-    with let_in(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, size=WINDOW) as context:
         tab = _opened(context, keypose)
         probe = Probe(tab)
         frames = section(tab, "file.frames")
@@ -258,7 +258,7 @@ def _restarts(report: Report, browser: Browser, folder: Path) -> None:
     given = (str(session), "--workspace", str(workspace))
     keypose, back = Keypose(*given), []
     try:
-        with let_in(browser, drawn=False, size=WINDOW) as context:
+        with admit(browser, drawn=False, size=WINDOW) as context:
             tab = opened(context, keypose)
             for turn in range(RESTARTS):
                 keypose.kill()

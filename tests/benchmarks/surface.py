@@ -29,7 +29,7 @@ from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.fit.fitter import fit_solids_to_surface
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.pairing import TargetSurface
 from keypose.tracker.surface.fit.segment import SurfaceTracker
 from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh
@@ -195,7 +195,7 @@ def _time(report: Report) -> None:
     walk = walker("plain")
     options = Options()
     model = SurfaceModel.of(walk.steps[0], walk.body, walk.poses[0], options.points)
-    observed = [Observed.of(mesh, options) for mesh in walk.steps]
+    observed = [TargetSurface.of(mesh, options) for mesh in walk.steps]
     fit_pose(model, observed[1], walk.poses[0], options)
     table = report.table("time", "least ms", "median ms")
     spent, rigid = [], []

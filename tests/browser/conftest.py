@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import Desk, close_office, let_in
+from tests.browser.shared import Desk, admit, close_office
 
 
 @pytest.fixture(scope="package")
@@ -60,7 +60,7 @@ def drawn() -> bool:
 @pytest.fixture
 def page(browser: Browser, keypose: Keypose, drawn: bool) -> Iterator[Page]:
     """The page, opened and ready; anything the browser complains about fails the test."""
-    with let_in(browser, drawn=drawn, size=(1440, 900)) as context:
+    with admit(browser, drawn=drawn, size=(1440, 900)) as context:
         tab = context.new_page()
         tab.goto(keypose.address)
         tab.wait_for_selector("html[data-ready]", state="attached")

@@ -54,7 +54,7 @@ def served(folder: Path) -> Iterator[tuple[Keypose, Path]]:
 
 
 @contextmanager
-def let_in(
+def admit(
     browser: Browser, *, drawn: bool, size: tuple[int, int] = SIZE, **more: Any
 ) -> Iterator[BrowserContext]:
     """A browser of its own, in which no script may fail. Its pages do without viser's pictures,
@@ -238,7 +238,7 @@ def desk(
         return
     with (
         served(folder) as (keypose, session),
-        let_in(browser, drawn=drawn, size=size, late=late) as context,
+        admit(browser, drawn=drawn, size=size, late=late) as context,
     ):
         visitor = Visitor(keypose)
         yield Desk(opened(context, keypose), visitor, keypose, session)

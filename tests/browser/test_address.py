@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, BrowserContext, Page
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
 from tests.browser.marks import mark, marks, waiting
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def shared(
     folder = tmp_path_factory.mktemp("address")
     workspace = _workspace(folder)
     keypose = Keypose(str(folder / "box" / "session.json"), *workspace)
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         until(lambda: _asked(page) is not None, "the first session's address")
         page.close()
@@ -134,7 +134,7 @@ def test_a_tab_returns_to_its_session_at_another_keypose_of_the_workspace_with_i
 ) -> None:
     session = tmp_path / "person" / "session.json"
     keypose = Keypose(str(session), *workspace)
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         until(lambda: _asked(page) is not None, "the address")
         mark(page, *range(25))
@@ -153,7 +153,7 @@ def test_a_silent_server_is_reported_and_what_was_done_meanwhile_arrives_once(
 ) -> None:
     session = tmp_path / "person" / "session.json"
     keypose = Keypose(str(session), *workspace)
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         banner = page.locator("#banner")
         keypose.process.send_signal(signal.SIGSTOP)

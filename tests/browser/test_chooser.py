@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, BrowserContext, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, until
-from tests.browser.shared import let_in
+from tests.browser.shared import admit
 
 SAMPLES = ROOT / "sample_videos"
 
@@ -27,7 +27,7 @@ def shared(
     keypose = Keypose(
         str(films / "2026" / "box" / "session.json"), "--workspace", str(films / "workspace")
     )
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         yield context, keypose
     code, words = keypose.end()
     assert code == 0, words

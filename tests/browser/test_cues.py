@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import screen, screens, section, until, until_state
-from tests.browser.shared import Desk, desk, let_in, opened
+from tests.browser.shared import Desk, admit, desk, opened
 
 SIZE = (1440, 900)
 
@@ -81,7 +81,7 @@ def test_of_a_box_there_are_no_keypoints(browser: Browser, tmp_path: Path) -> No
     place = tmp_path / "box"
     shutil.copytree(ROOT / "sample_videos" / "box", place)
     given = (str(place / "session.json"), "--workspace", str(tmp_path / "workspace"))
-    with Keypose(*given) as keypose, let_in(browser, drawn=False) as context:
+    with Keypose(*given) as keypose, admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         page.get_by_role("tab", name="Track").click()
         off = cue(page, "Keypoints")

@@ -18,7 +18,7 @@ from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor, family
 from tests.browser.interaction import section
 from tests.browser.other_site import OtherSite, other_site
 from tests.browser.proxy import Proxy, proxy
-from tests.browser.shared import let_in, opened, served
+from tests.browser.shared import admit, opened, served
 
 ATTEMPTS = """
 async ([origin, key]) => {
@@ -110,7 +110,7 @@ def doors(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterato
     with (
         other_site() as other,
         served(folder) as (keypose, session),
-        let_in(browser, drawn=False) as context,
+        admit(browser, drawn=False) as context,
     ):
         page = opened(context, keypose)
         by_name = context.new_page()
@@ -175,7 +175,7 @@ def test_a_page_of_another_server_on_this_computer_is_refused(
 @pytest.fixture(scope="module")
 def far(browser: Browser, doors: Doors) -> Iterator[tuple[BrowserContext, Proxy]]:
     """A browser that was let in, too, whose names lead where they are told."""
-    with proxy() as relay, let_in(browser, drawn=False, proxy={"server": relay.address}) as context:
+    with proxy() as relay, admit(browser, drawn=False, proxy={"server": relay.address}) as context:
         opened(context, doors.keypose).close()
         yield context, relay
 
@@ -216,7 +216,7 @@ def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) 
         "Open the newest link that `keypose open` printed.\n",
     )
     origin = doors.keypose.origin
-    with let_in(browser, drawn=True) as stranger:
+    with admit(browser, drawn=True) as stranger:
         page = stranger.new_page()
         for path, reported in (
             ("/", words[0]),
@@ -239,7 +239,7 @@ def test_an_address_that_names_another_socket_is_refused(
 ) -> None:
     doors.other_site.visits.clear()
     evil = f"ws://127.0.0.1:{doors.other_site.port}{path}"
-    with let_in(browser, drawn=True) as context:
+    with admit(browser, drawn=True) as context:
         page = visiting(context, doors.keypose.address)
         answer = page.goto(f"{doors.keypose.origin}{path}?websocket={evil}")
         assert answer is not None

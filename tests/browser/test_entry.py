@@ -15,7 +15,7 @@ from tests.app.server.test_links import started_with, status
 from tests.app.serving import Keypose, Visitor
 from tests.browser.interaction import section, until
 from tests.browser.other_site import other_site
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 READY = "html[data-ready]"
 
@@ -40,7 +40,7 @@ def test_a_browser_that_is_started_with_the_file_gets_the_page_without_a_token(
     script.chmod(0o700)
     with (
         Keypose("--workspace", str(tmp_path / "work"), browser=f"{script} %s &") as keypose,
-        let_in(browser, drawn=False) as context,
+        admit(browser, drawn=False) as context,
     ):
         address = started_with(reported)
         page = context.new_page()
@@ -68,7 +68,7 @@ def test_another_server_on_this_computer_gets_the_cookie_and_can_do_nothing_with
     with (
         Keypose("--workspace", str(tmp_path)) as keypose,
         other_site() as other,
-        let_in(browser, drawn=False) as context,
+        admit(browser, drawn=False) as context,
     ):
         page = context.new_page()
         page.goto(keypose.address)
@@ -117,7 +117,7 @@ def test_the_page_works_at_a_second_address_of_this_computer(
         pytest.skip("This computer is in no network.")
     with (
         Keypose(*_box(tmp_path), "--host", "0.0.0.0", "--let-others-in") as keypose,
-        let_in(browser, drawn=False) as context,
+        admit(browser, drawn=False) as context,
     ):
         page = context.new_page()
         page.goto(keypose.address.replace(keypose.host, f"{address}:{keypose.port}"))
@@ -132,8 +132,8 @@ def test_the_page_works_at_a_second_address_of_this_computer(
 def test_a_second_browser_comes_in_by_the_next_link(browser: Browser, tmp_path: Path) -> None:
     with (
         Keypose(*_box(tmp_path)) as keypose,
-        let_in(browser, drawn=False) as one,
-        let_in(browser, drawn=False) as other,
+        admit(browser, drawn=False) as one,
+        admit(browser, drawn=False) as other,
     ):
         first = keypose.address
         opened(one, keypose)

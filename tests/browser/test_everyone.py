@@ -28,7 +28,7 @@ from tests.browser.interaction import (
     until_state,
 )
 from tests.browser.random_states import RandomStates
-from tests.browser.shared import Desk, desk, let_in, opened
+from tests.browser.shared import Desk, admit, desk, opened
 from tests.browser.test_guide import button, title
 from tests.browser.test_lens import new_film
 
@@ -200,7 +200,7 @@ def test_axe_finds_nothing_on_the_start_screen_and_in_the_chooser(
 ) -> None:
     with (
         Keypose("--workspace", str(tmp_path)) as keypose,
-        let_in(browser, drawn=False, size=SIZE) as context,
+        admit(browser, drawn=False, size=SIZE) as context,
     ):
         page = context.new_page()
         page.goto(keypose.address)
@@ -250,7 +250,7 @@ def test_in_forced_colours_what_colour_gives_is_seen(
     shared.fresh()
     shared.visitor.do(do="select", part="left_forearm")
     looks = {"forced_colors": "active", "color_scheme": scheme}
-    with let_in(browser, drawn=False, size=SIZE, **looks) as context:
+    with admit(browser, drawn=False, size=SIZE, **looks) as context:
         page = opened(context, shared.keypose)
         page.evaluate(SET_UP)
         page.evaluate("(news) => window.steady.feed(news)", at_work(page))
@@ -291,7 +291,7 @@ def at_work(page: Page) -> dict[str, Any]:
 
 def test_with_reduced_motion_nothing_moves_by_itself(browser: Browser, shared: Desk) -> None:
     shared.fresh()
-    with let_in(browser, drawn=False, size=SIZE, reduced_motion="reduce") as context:
+    with admit(browser, drawn=False, size=SIZE, reduced_motion="reduce") as context:
         page = opened(context, shared.keypose)
         page.evaluate(SET_UP)
         page.evaluate("(news) => window.steady.feed(news)", at_work(page))

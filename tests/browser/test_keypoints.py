@@ -32,7 +32,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 UNSURE = JOINTS.index("right_elbow")
 PROJECTED = """
@@ -67,7 +67,7 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     session = session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
     save_session(save_keypoints(session, path, seen(session), "points.json"), path)
     given = (str(path), "--workspace", str(folder / "workspace"))
-    with Keypose(*given) as keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
+    with Keypose(*given) as keypose, admit(browser, drawn=False, size=(1440, 900)) as context:
         page = opened(context, keypose)
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()
@@ -177,7 +177,7 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
     update = {"keyframes": (), "drafts": drafts, "results": None, "drafted": drafted}
     save_session(session.model_copy(update=update), path)
     given = (str(path), "--workspace", str(tmp_path / "workspace"))
-    with Keypose(*given) as keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
+    with Keypose(*given) as keypose, admit(browser, drawn=False, size=(1440, 900)) as context:
         page = opened(context, keypose)
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()

@@ -21,7 +21,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import let_in, office, opened
+from tests.browser.shared import admit, office, opened
 
 FILM = ROOT / "sample_videos" / "person" / "person.mp4"
 TAGS = {
@@ -37,7 +37,7 @@ def new_film(browser: Browser, folder: Path, tags: dict[str, str] | None = None)
     film = copied_film(folder, tags)
     keypose = Keypose(str(film), "--workspace", str(folder / "workspace"))
     try:
-        with let_in(browser, drawn=False, size=(1440, 900)) as context:
+        with admit(browser, drawn=False, size=(1440, 900)) as context:
             page = opened(context, keypose)
             until(lambda: title(page) == "Which lens?", "the guide")
             yield page

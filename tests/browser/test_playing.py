@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
 from tests.browser.interaction import answered, screen, section, until, until_state
-from tests.browser.shared import let_in, opened, served
+from tests.browser.shared import admit, opened, served
 
 LATE = """
 const usual = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'onmessage');
@@ -61,7 +61,7 @@ def _go(keypose: Keypose, page: Page, frame: int) -> None:
 def test_pictures_go_forward_only_and_end_with_the_last(
     browser: Browser, keypose: Keypose, late: bool
 ) -> None:
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         if late:
             context.add_init_script(LATE)
         page = opened(context, keypose)
@@ -85,7 +85,7 @@ def test_playing_ends_though_the_last_picture_cannot_be_had(
     last = visitor.seen["file"]["frames"] - 1
     visitor.do(do="go", frame=last - 10)  # else the page opens with the last one
     visitor.leave()
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         context.route(f"**/frame/{last}.jpg*", lambda route: route.fulfill(status=404))
         page = opened(context, keypose)
         assert last not in _played(page)
@@ -98,7 +98,7 @@ def _ui(page: Page, name: str) -> Any:
 def test_a_loop_stays_between_in_and_out_point_until_it_is_stopped(
     browser: Browser, keypose: Keypose
 ) -> None:
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         _go(keypose, page, 10)
         page.keyboard.press("Shift+I")
@@ -132,7 +132,7 @@ def test_a_loop_stays_between_in_and_out_point_until_it_is_stopped(
 def test_backward_pictures_go_backward_only_and_l_turns_them_round(
     browser: Browser, keypose: Keypose
 ) -> None:
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         page = opened(context, keypose)
         live = section(page, "view.live")
         _go(keypose, page, 14)
@@ -157,7 +157,7 @@ def test_backward_pictures_go_backward_only_and_l_turns_them_round(
 def test_the_out_point_is_dragged_on_the_ruler_and_snaps_to_keyframes(
     browser: Browser, keypose: Keypose
 ) -> None:
-    with let_in(browser, drawn=False, size=(1440, 900)) as context:
+    with admit(browser, drawn=False, size=(1440, 900)) as context:
         page = opened(context, keypose)
         _go(keypose, page, 30)
         page.keyboard.press("Shift+O")

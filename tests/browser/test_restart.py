@@ -17,7 +17,7 @@ from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.interaction import section, until
 from tests.browser.marks import mark, marks, waiting
 from tests.browser.proxy import Proxy, proxy
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 EDITS = 50
 
@@ -83,7 +83,7 @@ def working(browser: Browser, tmp_path: Path) -> Iterator[Work]:
     keypose = Keypose(str(tmp_path / "person" / "session.json"), *_workspace(tmp_path))
     with (
         proxy() as relay,
-        let_in(browser, drawn=False, proxy={"server": relay.address}) as context,
+        admit(browser, drawn=False, proxy={"server": relay.address}) as context,
     ):
         at = Work(tmp_path, relay, keypose, context, opened(context, keypose))
         yield at

@@ -12,7 +12,7 @@ from playwright.sync_api import APIResponse, Browser, Page, Route
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import section, settled, until
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 MARK_CHANGE = """async () => {
   const { listen } = await window.keypose.module('store/link.js');
@@ -35,7 +35,7 @@ def work(browser: Browser, tmp_path: Path) -> Iterator[tuple[Page, Path]]:
     for name in ("person.mp4", "session.json"):
         shutil.copy(ROOT / "sample_videos" / "person" / name, folder)
     keypose = Keypose(str(folder / "session.json"), "--workspace", str(tmp_path / "workspace"))
-    with let_in(browser, drawn=False) as context:
+    with admit(browser, drawn=False) as context:
         yield opened(context, keypose), folder / "session.json"
     code, words = keypose.end()
     assert code == 0, words

@@ -27,7 +27,7 @@ from tests.browser.interaction import (
     until,
     until_state,
 )
-from tests.browser.shared import Desk, let_in, opened
+from tests.browser.shared import Desk, admit, opened
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1120, 640)
@@ -68,7 +68,7 @@ def arms(browser: Browser, folder: Path, *, drawn: bool) -> Iterator[Desk]:
     session = place / "session.json"
     keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
     try:
-        with let_in(browser, drawn=drawn, size=SIZE) as context:
+        with admit(browser, drawn=drawn, size=SIZE) as context:
             visitor = Visitor(keypose)
             yield Desk(opened(context, keypose), visitor, keypose, session)
             visitor.leave()
@@ -359,7 +359,7 @@ def test_a_step_that_cannot_be_used_is_reported_at_its_frame(torn: Desk) -> None
 def test_surfaces_are_a_sample_of_the_start_screen(browser: Browser, tmp_path: Path) -> None:
     keypose = Keypose("--workspace", str(tmp_path / "workspace"))
     try:
-        with let_in(browser, drawn=False, size=(1280, 720)) as context:
+        with admit(browser, drawn=False, size=(1280, 720)) as context:
             page = context.new_page()
             page.goto(keypose.address)
             page.get_by_text("Try surfaces").wait_for()

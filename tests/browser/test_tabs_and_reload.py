@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, Page
 from tests.app.serving import Visitor
 from tests.browser.interaction import answered, drag, section, spot, until, until_state
 from tests.browser.proxy import Proxy, proxy
-from tests.browser.shared import Desk, let_in, opened, served
+from tests.browser.shared import Desk, admit, opened, served
 
 SHARED = ("file", "camera", "views", "body", "view", "pose", "keys", "segments", "undo", "masks")
 """What all tabs show alike."""
@@ -74,7 +74,7 @@ def wired(
     with (
         proxy() as relay,
         served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
-        let_in(browser, drawn=True, size=SMALL, proxy={"server": relay.address}) as context,
+        admit(browser, drawn=True, size=SMALL, proxy={"server": relay.address}) as context,
     ):
         visitor = Visitor(keypose)
         page = opened(context, keypose)
@@ -93,7 +93,7 @@ def at(wired: tuple[Desk, Proxy]) -> Desk:
 @pytest.fixture
 def other(browser: Browser, at: Desk) -> Iterator[Page]:
     """Another tab, in a browser of its own."""
-    with let_in(browser, drawn=False, size=SMALL) as context:
+    with admit(browser, drawn=False, size=SMALL) as context:
         yield opened(context, at.keypose)
 
 
@@ -270,7 +270,7 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
 def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
     browser: Browser, at: Desk
 ) -> None:
-    with let_in(browser, drawn=True, size=SMALL) as context:
+    with admit(browser, drawn=True, size=SMALL) as context:
         context.add_init_script(SLOW)
         page = opened(context, at.keypose)
         until(lambda: page.locator(".view.drawn").count() == 4, "the four views")

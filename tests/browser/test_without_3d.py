@@ -6,7 +6,7 @@ from playwright.sync_api import Browser
 
 from tests.app.serving import Keypose
 from tests.browser.interaction import answered, drag, screen, section, spot, until
-from tests.browser.shared import let_in, opened
+from tests.browser.shared import admit, opened
 
 WITHOUT = """
 const usual = HTMLCanvasElement.prototype.getContext;
@@ -17,7 +17,7 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
 
 
 def test_a_browser_without_3d_says_so_and_still_poses(browser: Browser, keypose: Keypose) -> None:
-    with let_in(browser, drawn=True) as context:
+    with admit(browser, drawn=True) as context:
         context.add_init_script(WITHOUT)
         page = opened(context, keypose)
         banner = page.locator("#banner .banner")

@@ -26,7 +26,7 @@ SINGLE: Final = "single"
 """DeepLabCut's name for keypoints that belong to no animal."""
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """What the head says of a column."""
 
     scorer: str
@@ -38,7 +38,7 @@ class Column(NamedTuple):
 class Table(NamedTuple):
     """C columns of N rows; values (N, C), NaN where empty; frames names the rows."""
 
-    columns: list[Column]
+    columns: list[TableColumn]
     frames: list[str]
     values: Array
 
@@ -145,14 +145,16 @@ def _word(value: object) -> str:
 # --- of either
 
 
-def _columns(file: str, names: object) -> list[Column]:
+def _columns(file: str, names: object) -> list[TableColumn]:
     """Columns by their levels, scorer, individuals where there are any, bodyparts, coords."""
     found = []
     for levels in names if isinstance(names, list) else []:
         words = [_word(level) for level in levels] if isinstance(levels, tuple) else []
         if len(words) not in (3, 4):
             raise FormatError(f"{file} has a column that no scorer, bodypart and coord name.")
-        found.append(Column(words[0], words[1] if len(words) == 4 else "", words[-2], words[-1]))
+        found.append(
+            TableColumn(words[0], words[1] if len(words) == 4 else "", words[-2], words[-1])
+        )
     return found
 
 

@@ -46,7 +46,7 @@ def c3d(recording: Recording) -> bytes:
     FormatError where ezc3d is not installed, where the format has no room, or without two times.
     """
     labels, places = marked(recording)
-    _require_room(recording, labels)
+    _require_c3d_capacity(recording, labels)
     file = _library().c3d()
     file["header"]["points"]["first_frame"] = recording.frames[0]
     point = file["parameters"]["POINT"]
@@ -110,7 +110,7 @@ def _library() -> Any:
     return ezc3d
 
 
-def _require_room(recording: Recording, labels: tuple[str, ...]) -> None:
+def _require_c3d_capacity(recording: Recording, labels: tuple[str, ...]) -> None:
     if recording.frames[-1] + 1 > LAST_FRAME:
         raise FormatError(
             f"C3D numbers frames up to {LAST_FRAME} and this motion goes beyond: choose CSV or NPZ."

@@ -30,7 +30,7 @@ from keypose.tracker.geometry.rotations import (
     transpose,
 )
 from keypose.tracker.surface.files.parsing.glb import read_document
-from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.parsing.raw import MeshRefused
 
 _WIDTHS: Final = {"translation": 3, "rotation": 4, "scale": 3}
 _FLOAT: Final = 5126
@@ -76,7 +76,7 @@ def _floats(document: dict[str, Any], block: bytes, number: int, width: int) -> 
     facts = document["accessors"][number]
     view = document["bufferViews"][facts["bufferView"]]
     if view["buffer"] != 0 or "uri" in document["buffers"][0]:
-        raise Refused("keeps its numbers in other files: export it as a single GLB file.")
+        raise MeshRefused("keeps its numbers in other files: export it as a single GLB file.")
     if facts["componentType"] != _FLOAT or facts["count"] < 1:
         raise ValueError("not floats")
     start = view.get("byteOffset", 0) + facts.get("byteOffset", 0)
@@ -139,7 +139,7 @@ def load_camera(path: Path, size: Size) -> CameraFile:
         raise FormatError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:
         raise FormatError(f"{path.name} is not text, as a camera of its kind has to be.") from None
-    except Refused as refused:
+    except MeshRefused as refused:
         raise FormatError(f"{path.name} {refused}") from None
 
 

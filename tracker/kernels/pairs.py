@@ -28,7 +28,7 @@ from keypose.tracker.kernels.sums import (
     BLOCK,
     HUBER,
     HUBER_WIDTH,
-    count_landed,
+    count_inside,
     sum_points,
     sum_residuals,
 )
@@ -311,7 +311,7 @@ def observe_pairs(
         )  # fmt: skip
         sigma[j] = robust_sigma(histogram, points)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
-        count_landed(body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, landed)
+        count_inside(body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, landed)
         for i in range(parts):
             shown[j, i] = starts[i + 1] - starts[i]
             squares[i] = N[i, 6, 6]

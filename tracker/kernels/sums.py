@@ -259,7 +259,7 @@ def sum_points(
 
 
 @compiled
-def count_landed(body, chosen, grey, starts, HR, Ho, picture, lens, landed):
+def count_inside(body, chosen, grey, starts, HR, Ho, picture, lens, landed):
     """landed (P,) ← how many of each part's followed points find a usable pixel."""
     taps, unseen = np.empty((BLOCK, 4), np.float32), np.empty(0, np.uint8)
     rows = np.empty((9, BLOCK), np.float32)

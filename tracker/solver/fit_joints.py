@@ -56,7 +56,7 @@ POOR_M = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class JointFit:
     """A motion fitted to joint positions.
 
     rms_m:     (N,) root mean square distance of the joints at each frame, NaN where none is given.
@@ -84,7 +84,7 @@ def fit_motion(
     first_frame: int,
     near: Sequence[Pose | None] | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> Fit:
+) -> JointFit:
     """The motion whose places come nearest to positions (N, J, 3), NaN where not known.
 
     near: a pose for each frame to stay near where the positions do not decide, or None.
@@ -105,7 +105,7 @@ def fit_motion(
         rms[n], converged[n] = _rms(points, before.pose, positions), before.converged
         if progress is not None:
             progress(n + 1, N)
-    return Fit(Trajectory(first_frame, R, t), frozen(rms), converged)
+    return JointFit(Trajectory(first_frame, R, t), frozen(rms), converged)
 
 
 def _fit_frame(

@@ -27,7 +27,7 @@ EVERY = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class MotionWindow:
     """A state: the poses of N frames, and S shared unknowns."""
 
     motion: Trajectory
@@ -71,7 +71,7 @@ class SharedTerm(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class StretchPoses(Problem[Stretch, "StretchPoint"]):
+class StretchPoses(Problem[MotionWindow, "StretchPoint"]):
     """The motion and the shared unknowns that agree best with all terms and links."""
 
     skeleton: Skeleton
@@ -79,14 +79,14 @@ class StretchPoses(Problem[Stretch, "StretchPoint"]):
     links: Sequence[Link]
     shared_terms: Sequence[SharedTerm] = ()
 
-    def at(self, state: Stretch, count: int) -> StretchPoint:
+    def at(self, state: MotionWindow, count: int) -> StretchPoint:
         return StretchPoint(self, state)
 
-    def moved(self, state: Stretch, step: Array) -> Stretch:
+    def moved(self, state: MotionWindow, step: Array) -> MotionWindow:
         dofs = self.skeleton.dof_count
         own = len(state.motion) * dofs
         motion = moved_poses(self.skeleton, state.motion, step[:own].reshape(-1, dofs))
-        return Stretch(motion, state.shared + step[own:])
+        return MotionWindow(motion, state.shared + step[own:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class StretchPoint:
     """What is known at a state; the equations of a rejected one are never computed."""
 
     problem: StretchPoses
-    state: Stretch
+    state: MotionWindow
 
     @cached_property
     def _posed(self) -> Posed:

@@ -17,7 +17,7 @@ from keypose.tracker.files import TooLarge, read_named, read_own, read_regular
 from keypose.tracker.session.migrate import PRESENT, migrate, version_in
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import write_file
-from keypose.tracker.storage.chronicle import Recovered, recover
+from keypose.tracker.storage.edit_history import Recovered, recover
 from keypose.tracker.storage.evidence import files_of
 from keypose.tracker.storage.journal import NAME as JOURNAL
 from keypose.tracker.storage.journal import Read, read_journal

@@ -13,7 +13,7 @@ from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.stretches import Stretch, keyframes_within
+from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
 from keypose.tracker.tracking.space.contacts import proposed_pins
 from keypose.tracker.tracking.space.findings import Judged, space_findings
@@ -31,7 +31,7 @@ CONTRADICTS_M = 0.01
 
 
 def solved(
-    session: Session, stretch: Stretch, cancelled: Callable[[], bool] | None = None
+    session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None = None
 ) -> SpaceResult:
     """The motion of a stretch in space; where it is cancelled that which was found until then."""
     skeleton = Skeleton.of(session.body)

@@ -27,7 +27,7 @@ LONGEST = 900
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class SegmentRun:
     """Neighbouring segments that are solved together.
 
     key: of all that the solve is given.  pins: those within, clipped to its frames.
@@ -51,7 +51,7 @@ class Usable(NamedTuple):
     quality: Quality
 
 
-def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[Stretch]:
+def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[SegmentRun]:
     """Return what there is to solve."""
     rows = [
         Usable(*span, found.key, found.quality)
@@ -59,7 +59,7 @@ def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[S
         if found.finished and not found.missing and found.quality != "preview"
     ]
     return [
-        Stretch(key, tuple(fitting[one.first, one.last] for one in run), pins)
+        SegmentRun(key, tuple(fitting[one.first, one.last] for one in run), pins)
         for key, run, pins in _wanted(session, rows)
     ]
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from keypose.app.editor.actions.posing import PoseId, PoseName
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.pose_strokes import PoseStroke
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_own
@@ -60,7 +60,9 @@ class PoseShelf:
         """One more."""
         known = self.poses()
         if len(known) >= MOST:
-            raise Refused(f"The library holds {MOST} poses, which is the most. Delete some first.")
+            raise ActionRefused(
+                f"The library holds {MOST} poses, which is the most. Delete some first."
+            )
         id = secrets.token_hex(6)
         kept = KeptPose(id=id, name=name, copied=copied, strokes=tuple(strokes))
         self._write((*known, kept))
@@ -94,4 +96,4 @@ def _place(poses: Sequence[KeptPose], id: str) -> int:
     for place, pose in enumerate(poses):
         if pose.id == id:
             return place
-    raise Refused("This pose is not in the library any more.")
+    raise ActionRefused("This pose is not in the library any more.")

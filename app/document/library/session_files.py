@@ -26,7 +26,7 @@ from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.files import read_own, read_regular
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder, require_folder, write_file
-from keypose.tracker.storage.chronicle import edit_record, mark_of, saved_record, whole_record
+from keypose.tracker.storage.edit_history import edit_record, mark_of, saved_record, whole_record
 from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,
     journal_path,
@@ -98,7 +98,7 @@ _NAMED = re.compile(rb"(?:tracks|first|keypoints)-[0-9a-f]{12}\.npz")
 """Files that a session names."""
 
 
-def belongings(session_path: Path) -> list[Path]:
+def session_files(session_path: Path) -> list[Path]:
     """List the session's files that are there, its own first. What another session of the folder
     names as well is that one's.
     """
@@ -175,7 +175,7 @@ def duplicate_session(path: Path) -> Path:
         raise SessionError(f"{path.name} was written by a newer Keypose: duplicate it there.")
     folder = _free_folder(path)
     make_folder(folder, error=SessionError)
-    for file in belongings(path):
+    for file in session_files(path):
         if file.suffix == ".npz":
             _copy(file, folder / file.name)
     copied = with_paths_from(session, path, folder)
@@ -227,7 +227,7 @@ class Trash:
         SessionError when another Keypose has it, or the disk refuses: then all is as it was.
         """
         with locked(session_path, "close it there first"):
-            files = belongings(session_path)
+            files = session_files(session_path)
             id = secrets.token_hex(8)
             place = self._folder / id
             make_folder(place, error=SessionError)

@@ -9,7 +9,7 @@ import cv2
 from keypose.app.export.report.markup import Html, element
 from keypose.app.export.report.subject import Subject
 from keypose.app.render.palette import Picture
-from keypose.app.render.studio import Look, snapshot
+from keypose.app.render.studio import ViewStyle, snapshot
 from keypose.tracker.errors import FormatError
 from keypose.tracker.video import MissingFrame, Video
 
@@ -18,7 +18,11 @@ QUALITY = 86
 
 
 def thumbnail(
-    subject: Subject, video: Video | None, frame: int, width_px: int = 320, look: Look | None = None
+    subject: Subject,
+    video: Video | None,
+    frame: int,
+    width_px: int = 320,
+    look: ViewStyle | None = None,
 ) -> Html | None:
     """The body over the video's frame, at most this wide; None where nothing can be shown."""
     pose = subject.poses.pose(frame)
@@ -28,7 +32,7 @@ def thumbnail(
         video.frame(frame)
     except MissingFrame:
         return None
-    picture = snapshot(subject.session, video, frame, pose, look or Look())
+    picture = snapshot(subject.session, video, frame, pose, look or ViewStyle())
     return embedded(_no_wider(picture, width_px), f"Frame {frame} with the body")
 
 

@@ -41,7 +41,7 @@ class Scale:
 
 
 @dataclass(frozen=True)
-class Column:
+class PlotColumn:
     """The lowest and the highest of the values from frame `first` to `last`."""
 
     first: int
@@ -54,10 +54,10 @@ class Column:
         return (self.first + self.last) / 2
 
 
-def runs(values: Array, first: int) -> list[list[Column]]:
+def runs(values: Array, first: int) -> list[list[PlotColumn]]:
     """Values (N,) from frame `first` on as runs without gaps, thinned to MOST_COLUMNS."""
     each = max(1, -(-len(values) // MOST_COLUMNS))
-    found: list[list[Column]] = [[]]
+    found: list[list[PlotColumn]] = [[]]
     for start in range(0, len(values), each):
         known = values[start : start + each]
         known = known[np.isfinite(known)]
@@ -65,7 +65,9 @@ def runs(values: Array, first: int) -> list[list[Column]]:
             found.append([])
             continue
         end = min(start + each, len(values)) - 1
-        found[-1].append(Column(first + start, first + end, float(known.min()), float(known.max())))
+        found[-1].append(
+            PlotColumn(first + start, first + end, float(known.min()), float(known.max()))
+        )
     return [run for run in found if run]
 
 
@@ -131,7 +133,7 @@ def nice_ticks(first: float, last: float, most: int) -> Sequence[int]:
     return range(int(-(-first // step)) * step, int(last) + 1, step)
 
 
-def _through(run: list[Column], scale: Scale) -> Iterable[str]:
+def _through(run: list[PlotColumn], scale: Scale) -> Iterable[str]:
     for column in run:
         x = scale.x(column.middle)
         yield _at(x, scale.y(column.high))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from keypose.app.editor.advice import next_step
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.review_words import answers_words
 from keypose.app.export.report.charts import angle_charts, over_time, score_chart
 from keypose.app.export.report.derivatives import derivatives_section
@@ -26,7 +26,7 @@ from keypose.app.export.report.tables import (
     words_for,
 )
 from keypose.app.posing.labels import number_text
-from keypose.app.render.studio import Look
+from keypose.app.render.studio import ViewStyle
 from keypose.tracker.errors import FormatError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
@@ -228,7 +228,7 @@ def _facts(subject: Subject) -> list[str]:
 
 def _summary(subject: Subject) -> list[str]:
     """The outcome, and what would help most."""
-    known = Judged.over(subject.session, subject.fitting)
+    known = JudgedSegments.over(subject.session, subject.fitting)
     next_ = next_step(subject.keys, subject.session, subject.fitting, known)
     advice = f"{_sentence(next_.title)} {_sentence(next_.detail)}".strip()
     if not subject.spans:
@@ -287,7 +287,7 @@ def _doubtful(subject: Subject) -> list[tuple[Span, int]]:
 
 
 def _closer_look(subject: Subject, video: Video, span: Span, go: int) -> Html:
-    picture = thumbnail(subject, video, go, 1000, Look("all"))
+    picture = thumbnail(subject, video, go, 1000, ViewStyle("all"))
     missing = element("p", f"The video has lost frame {go}.", class_="quiet")
     caption = element(
         "figcaption",

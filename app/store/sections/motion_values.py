@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.advice import next_step
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.problem_words import sentence_of, size_of, todo_of
 from keypose.app.editor.problems import BY_MOTION, Problem, problem_of
 from keypose.app.editor.review import GOALS_PX, Place, Review, review_of
@@ -34,7 +34,7 @@ def errors(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return []
-    known = Judged.of(edit.settled, edit.results)
+    known = JudgedSegments.of(edit.settled, edit.results)
     return [
         {"first": track.first, **worst}
         for track in known.tracks.values()
@@ -42,7 +42,7 @@ def errors(app_state: AppState) -> Json:
     ]
 
 
-def _worst_parts(known: Judged, track: SegmentResult) -> list[dict[str, Json]]:
+def _worst_parts(known: JudgedSegments, track: SegmentResult) -> list[dict[str, Json]]:
     """Up to MOST parts of one segment, of those of which anything is known. The part that the
     segment's problem is about stands with the problem's frame."""
     errors = part_errors_px(track)
@@ -62,7 +62,9 @@ def _worst_parts(known: Judged, track: SegmentResult) -> list[dict[str, Json]]:
     return [_row(known, track, *one) for one in listed[:MOST]]
 
 
-def _row(known: Judged, track: SegmentResult, px: float, part: int, row: int) -> dict[str, Json]:
+def _row(
+    known: JudgedSegments, track: SegmentResult, px: float, part: int, row: int
+) -> dict[str, Json]:
     name, frame = known.parts[part], track.first + row
     scale = known.px_per_m(track, frame, name)
     cm = None if scale is None or known.guessed else round(100 * px / scale, 2)
@@ -76,7 +78,7 @@ def segments(app_state: AppState) -> Json:
         return []
     states = edit.results.states(edit.settled)
     fitting = edit.results.fitting(edit.settled)
-    words, known = edit.doc.evidence.words, Judged.of(edit.settled, edit.results)
+    words, known = edit.doc.evidence.words, JudgedSegments.of(edit.settled, edit.results)
     return [
         _segment(app_state, known, words, span, state, fitting.get(span))
         for span, state in states.items()
@@ -84,7 +86,7 @@ def segments(app_state: AppState) -> Json:
 
 
 def _segment(
-    app_state: AppState, known: Judged, words: Words, span: Span, state: State,
+    app_state: AppState, known: JudgedSegments, words: Words, span: Span, state: State,
     track: SegmentResult | None,
 ) -> Json:  # fmt: skip
     first, last = span
@@ -167,7 +169,7 @@ def suggest(app_state: AppState) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    known = Judged.of(edit.settled, edit.results)
+    known = JudgedSegments.of(edit.settled, edit.results)
     found = next_step(edit.keys, edit.settled, fitting, known)
     return {
         "frame": found.frame,

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.floor_edits import uneven_feet_m
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
 from keypose.app.editor.problem_words import pin_sentence, space_sentence
@@ -202,7 +202,7 @@ def space(app_state: AppState) -> Json:
     if edit is None:
         return []
     weighted: list[tuple[float, Json]] = []
-    known = Judged.of(edit.settled, edit.results)
+    known = JudgedSegments.of(edit.settled, edit.results)
     for stretch in edit.results.space(edit.settled):
         waiting = (found for found in stretch.findings if not _is_accepted(known, found))
         weighted += [(_weight(found), _finding(found)) for found in waiting]
@@ -239,7 +239,7 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
     }
 
 
-def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
+def _is_accepted(known: JudgedSegments, found: SpaceFinding) -> bool:
     """Return whether a person has said that the foot is right where it leaves the floor, or the
     limb as it points.
     """

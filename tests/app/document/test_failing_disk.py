@@ -14,7 +14,7 @@ import pytest
 from keypose.app.document import edit_log
 from keypose.app.store import runner
 from keypose.tracker.errors import SessionError
-from keypose.tracker.storage.chronicle import mark_of, without_results
+from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session, open_session
 from tests.app.document.test_edit_log import NoWorker, done, tried, turn, with_store
 from tests.app.full_disks import fill

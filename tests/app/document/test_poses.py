@@ -8,7 +8,7 @@ import pytest
 
 from keypose.app.document.library.poses import MOST, PoseShelf
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.render.pose_strokes import SIZE, PoseStroke, pose_strokes
 from keypose.tracker.errors import KeyposeError
@@ -44,7 +44,7 @@ def test_a_pose_is_renamed_deleted_and_put_back_where_it_stood(shelf: PoseShelf)
     assert [pose.name for pose in shelf.poses()] == ["Other"]
     shelf.put_back(place, gone)
     assert [pose.name for pose in shelf.poses()] == ["One", "Other"]
-    with pytest.raises(Refused, match="not in the library any more"):
+    with pytest.raises(ActionRefused, match="not in the library any more"):
         shelf.delete("0" * 12)
 
 
@@ -64,7 +64,7 @@ def test_the_library_takes_no_more_than_it_can_show(
     monkeypatch.setattr("keypose.app.document.library.poses.MOST", 2)
     for name in ("One", "Two"):
         shelf.keep(name, copied(), ())
-    with pytest.raises(Refused, match="holds 2 poses"):
+    with pytest.raises(ActionRefused, match="holds 2 poses"):
         shelf.keep("Three", copied(), ())
     assert MOST == 200
 

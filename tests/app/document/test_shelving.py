@@ -9,7 +9,7 @@ import pytest
 
 from keypose.app.document.folder_lock import SessionLock
 from keypose.app.document.library import Library, id_of
-from keypose.app.document.library.session_files import belongings
+from keypose.app.document.library.session_files import session_files
 from keypose.app.document.open import open_for_editing
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.files import load_session, open_video_of
@@ -113,9 +113,9 @@ def test_of_a_folder_with_a_video_and_another_session_only_the_deleted_one_goes(
     (folder / "other.json").write_text(text.replace("{", f'{{"note": "{tracks}",', 1))
     for name in (tracks, "tracks-bbbbbbbbbbbb.npz", "notes.txt"):
         (folder / name).touch()
-    found = [file.name for file in belongings(folder / "other.json")]
+    found = [file.name for file in session_files(folder / "other.json")]
     assert found == ["other.json", tracks]
-    assert [file.name for file in belongings(folder / "session.json")] == ["session.json"]
+    assert [file.name for file in session_files(folder / "session.json")] == ["session.json"]
 
 
 def test_a_session_that_another_keypose_has_is_left_alone_and_said(

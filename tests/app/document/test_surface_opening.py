@@ -21,7 +21,7 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.shapes import Box
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError
-from keypose.tracker.storage.chronicle import Moment, base_record, edit_record
+from keypose.tracker.storage.edit_history import Moment, base_record, edit_record
 from keypose.tracker.storage.files import journal_path, load_session, open_video_of, save_session
 from keypose.tracker.storage.fingerprints import setup_hash
 from keypose.tracker.storage.journal import Journal

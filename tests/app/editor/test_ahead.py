@@ -11,7 +11,7 @@ import pytest
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.advice import Suggestion, next_step, with_way_ahead
 from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.drafted import with_clip_drafted
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
@@ -172,11 +172,15 @@ def test_drafting_the_whole_film_takes_its_place() -> None:
 
 
 def test_where_it_cannot_begin_it_says_why() -> None:
-    with pytest.raises(Refused, match="Pose a frame and add it as a keyframe first"):
+    with pytest.raises(ActionRefused, match="Pose a frame and add it as a keyframe first"):
         start_frame(desk(keyframes=False).doc, "forward")
-    with pytest.raises(Refused, match=r"The keyframe at 72 is the video's last frame: nothing"):
+    with pytest.raises(
+        ActionRefused, match=r"The keyframe at 72 is the video's last frame: nothing"
+    ):
         start_frame(desk().doc, "forward")
-    with pytest.raises(Refused, match=r"The keyframe at 0 is the video's first frame: nothing"):
+    with pytest.raises(
+        ActionRefused, match=r"The keyframe at 0 is the video's first frame: nothing"
+    ):
         start_frame(desk().doc, "backward")
     with pytest.raises(ValueError, match="direction"):
         ACTIONS.validate_python({"do": "track_ahead", "direction": "sideways"})

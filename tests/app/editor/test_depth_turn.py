@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor import posing_edits
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
@@ -72,7 +72,7 @@ def test_a_limb_that_would_be_seen_elsewhere_is_not_turned(monkeypatch: pytest.M
         return Pose(Rs, found.p_camera_root)
 
     monkeypatch.setattr(posing_edits, "turned_in_depth", swung)
-    with pytest.raises(Refused, match="Right thigh cannot bend the other way"):
+    with pytest.raises(ActionRefused, match="Right thigh cannot bend the other way"):
         after(before, {"do": "turn_in_depth", "part": "right_thigh"})
 
 
@@ -90,13 +90,13 @@ def test_the_whole_body_is_turned_with_one_press_and_undone_with_another() -> No
 
 def test_a_leg_whose_knee_does_not_bend_that_way_is_refused() -> None:
     before = after(desk(), {"do": "go", "frame": 0})
-    with pytest.raises(Refused, match="Left thigh cannot bend the other way"):
+    with pytest.raises(ActionRefused, match="Left thigh cannot bend the other way"):
         after(before, {"do": "turn_in_depth", "part": "left_thigh"})
 
 
 def test_what_lies_across_the_view_is_not_turned() -> None:
     across = after(desk(), {"do": "go", "frame": 24}, {"do": "reset_pose"})
-    with pytest.raises(Refused, match="Left forearm lies across the view"):
+    with pytest.raises(ActionRefused, match="Left forearm lies across the view"):
         after(across, {"do": "turn_in_depth", "part": "left_forearm"})
 
 
@@ -111,5 +111,5 @@ def test_between_keyframes_a_limb_is_turned_and_keyed_alone() -> None:
     assert (
         depth(before, "left_forearm", "left_hand") * depth(turned, "left_forearm", "left_hand") < 0
     )
-    with pytest.raises(Refused, match="whole body was moved"):
+    with pytest.raises(ActionRefused, match="whole body was moved"):
         after(before, {"do": "turn_in_depth", "partial": True})

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import Refused, require_sound
+from keypose.app.editor.documents import ActionRefused, require_sound
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.tracker.errors import KeyposeError
@@ -161,7 +161,7 @@ def test_what_lies_behind_a_view_cannot_be_dragged_there(edit: dict[str, Any]) -
 def test_a_document_that_could_not_be_read_back_is_refused_by_the_name_of_its_action() -> None:
     doc = desk().doc
     nowhere = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
-    with pytest.raises(Refused, match=r"^Up direction: not possible \(up_camera: .*finite"):
+    with pytest.raises(ActionRefused, match=r"^Up direction: not possible \(up_camera: .*finite"):
         require_sound(doc, nowhere, "up direction")
 
 
@@ -169,7 +169,7 @@ def test_poses_that_were_not_touched_are_held_against_a_body_that_was() -> None:
     doc = desk().doc
     part = doc.body.parts[1]
     far = doc.body.with_part(part.model_copy(update={"joint_m": (0.0, 0.0, -90.0)}))
-    with pytest.raises(Refused, match="behind the camera"):
+    with pytest.raises(ActionRefused, match="behind the camera"):
         require_sound(doc, doc.model_copy(update={"body": far}), "resize")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.body_edits import with_body
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.fitted import (
     pose_to_fit,
     require_sizes_to_fit,
@@ -62,12 +62,12 @@ def test_a_pose_is_fitted_where_it_was_asked_for_though_one_has_gone_on() -> Non
 
 
 def test_without_a_pose_nothing_can_be_fitted() -> None:
-    with pytest.raises(Refused, match="Pose the body roughly first"):
+    with pytest.raises(ActionRefused, match="Pose the body roughly first"):
         pose_to_fit(desk(keyframes=False))
 
 
 def test_sizes_want_two_keyframes() -> None:
-    with pytest.raises(Refused, match="Needs 2 keyframes"):
+    with pytest.raises(ActionRefused, match="Needs 2 keyframes"):
         require_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
     require_sizes_to_fit(desk())
 

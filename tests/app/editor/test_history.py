@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.store.sections.work_values import MOST_LISTED, history
 from keypose.app.store.state import AppState
@@ -43,9 +43,9 @@ def test_going_to_where_one_is_changes_nothing() -> None:
 
 def test_a_step_of_a_history_that_has_changed_is_refused() -> None:
     state = edited(3)
-    with pytest.raises(Refused, match="history has changed"):
+    with pytest.raises(ActionRefused, match="history has changed"):
         after(state, {"do": "go_to_step", "done": 1, "of": 5})
-    with pytest.raises(Refused, match="history has changed"):
+    with pytest.raises(ActionRefused, match="history has changed"):
         after(state, {"do": "go_to_step", "done": 4, "of": 3})
     with pytest.raises(ValidationError):
         ACTIONS.validate_python({"do": "go_to_step", "done": -1, "of": 3})

@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from tests.app.editor.desk import after, desk
 
 KEYS = (0, 24, 48, 72)
@@ -47,9 +47,9 @@ def test_copies_leave_the_keyframes_where_they_are() -> None:
 
 
 def test_another_keyframe_is_never_swallowed() -> None:
-    with pytest.raises(Refused, match="Frame 72 is already a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 72 is already a keyframe"):
         after(desk(), retime([24, 48], [48, 72]))
-    with pytest.raises(Refused, match="Frames 24 and 48 are already keyframes"):
+    with pytest.raises(ActionRefused, match="Frames 24 and 48 are already keyframes"):
         after(desk(), retime([0, 24], [24, 48], copy_them=True))
 
 
@@ -57,10 +57,10 @@ def test_a_limb_that_is_keyed_alone_is_never_swallowed() -> None:
     state = after(
         desk(), {"do": "go", "frame": 12}, {"do": "key_parts", "frame": 12, "parts": ["left_hand"]}
     )
-    with pytest.raises(Refused, match="Frame 12 is already a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 12 is already a keyframe"):
         after(state, retime([0, 24], [12, 30]))
     copied = after(state, {"do": "copy_pose", "frames": [0, 24]})
-    with pytest.raises(Refused, match="Frame 12 is already a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 12 is already a keyframe"):
         after(copied, {"do": "paste_pose"})
     replaced = after(copied, {"do": "go", "frame": 12}, {"do": "paste_pose", "replace": True})
     assert replaced.keys == (0, 12, 24, 36, 48, 72)
@@ -68,9 +68,9 @@ def test_a_limb_that_is_keyed_alone_is_never_swallowed() -> None:
 
 
 def test_frames_outside_the_video_and_those_without_a_keyframe_are_refused() -> None:
-    with pytest.raises(Refused, match="The video has frames 0 to 72"):
+    with pytest.raises(ActionRefused, match="The video has frames 0 to 72"):
         after(desk(), retime([48, 72], [50, 74]))
-    with pytest.raises(Refused, match="Frame 25 is not a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 25 is not a keyframe"):
         after(desk(), retime([24, 25], [30, 31]))
 
 
@@ -93,5 +93,5 @@ def test_several_keyframes_are_deleted_as_one_step() -> None:
     left = after(desk(), {"do": "delete_keys", "frames": [24, 72]})
     assert left.keys == (0, 48)
     assert left.history.past[-1].label == "delete 2 keyframes"
-    with pytest.raises(Refused, match="Frame 24 is not a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 24 is not a keyframe"):
         after(left, {"do": "delete_keys", "frames": [24]})

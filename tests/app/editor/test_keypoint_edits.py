@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.session.annotations import KeypointCorrection
 from tests.app import surface_cases
@@ -71,10 +71,10 @@ def test_of_a_bent_lens_it_is_kept_where_the_film_shows_it() -> None:
     ],
 )
 def test_what_cannot_be_a_keypoint_is_refused(wrong: dict[str, object], words: str) -> None:
-    with pytest.raises(Refused, match=words):
+    with pytest.raises(ActionRefused, match=words):
         after(person(), {**WRIST, "at": [9, 9], **wrong})
 
 
 def test_surfaces_have_no_keypoints() -> None:
-    with pytest.raises(Refused, match="in a video"):
+    with pytest.raises(ActionRefused, match="in a video"):
         after(person().with_doc(surface_cases.session()), {**WRIST, "at": [9, 9]})

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import pose_transforms
@@ -109,5 +109,5 @@ def test_an_action_camera_bends_straight_edges_and_another_lens_does_not() -> No
 
 
 def test_a_lens_so_wide_that_the_body_comes_behind_the_camera_is_refused() -> None:
-    with pytest.raises(Refused, match=r"^.*camera.*\.$"):
+    with pytest.raises(ActionRefused, match=r"^.*camera.*\.$"):
         after(desk(), {"do": "root", "z": 1.5}, {"do": "lens", "mm": 4})

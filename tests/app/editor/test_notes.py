@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.tracker.session.annotations import LONGEST
 from keypose.tracker.session.schema import MOST, Session
@@ -36,17 +36,17 @@ def test_a_note_moves_and_goes_and_comes_back_by_undo() -> None:
     state = after(desk(), a_note(12, "one"), a_note(20, "two"))
     moved = after(state, {"do": "move_note", "frame": 12, "to": 30})
     assert noted(moved) == [(20, "two"), (30, "one")]
-    with pytest.raises(Refused, match="Frame 20 has a note already"):
+    with pytest.raises(ActionRefused, match="Frame 20 has a note already"):
         after(moved, {"do": "move_note", "frame": 30, "to": 20})
     gone = after(moved, {"do": "delete_note", "frame": 30})
     assert noted(gone) == [(20, "two")]
     assert noted(after(gone, {"do": "undo"}, {"do": "undo"})) == noted(state)
-    with pytest.raises(Refused, match="Frame 5 has no note"):
+    with pytest.raises(ActionRefused, match="Frame 5 has no note"):
         after(gone, {"do": "delete_note", "frame": 5})
 
 
 def test_a_note_is_within_the_video_and_not_endless() -> None:
-    with pytest.raises(Refused, match="frames 0 to"):
+    with pytest.raises(ActionRefused, match="frames 0 to"):
         after(desk(), a_note(100_000))
     with pytest.raises(ValidationError):
         ACTIONS.validate_python(a_note(3, "x" * (LONGEST + 1)))

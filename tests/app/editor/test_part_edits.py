@@ -10,7 +10,7 @@ import pytest
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.body_edits import with_body
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.edits import label_of
 from keypose.app.editor.part_edits import limbs_of
 from keypose.app.editor.shown import pose_behind, shown_pose
@@ -67,7 +67,7 @@ def test_a_drag_may_key_its_limb_at_once_as_one_step_of_undo() -> None:
 
 def test_a_drag_that_moves_the_whole_body_keys_no_limb() -> None:
     moved = pull("right_hand", (9, 9), partial=True) | {"handle": {"kind": "root"}}
-    with pytest.raises(Refused, match="Press K to key all of it"):
+    with pytest.raises(ActionRefused, match="Press K to key all of it"):
         keyed(moved)
 
 
@@ -124,10 +124,10 @@ def test_part_keyframes_are_moved_copied_and_deleted_like_keyframes() -> None:
     both = after(state, {"do": "duplicate_key", "frame": 12, "to": 15})
     assert [part.frame for part in both.doc.part_keyframes] == [12, 15]
     assert after(both, {"do": "delete_key", "frame": 12}).doc.part_keyframes[0].frame == 15
-    with pytest.raises(Refused, match="Frame 24 is already a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 24 is already a keyframe"):
         after(state, {"do": "move_key", "frame": 12, "to": 24})
     alone = after(state, {"do": "delete_key", "frame": 72})
-    with pytest.raises(Refused, match="between two keyframes"):
+    with pytest.raises(ActionRefused, match="between two keyframes"):
         after(alone, {"do": "move_key", "frame": 12, "to": 60})
 
 
@@ -152,7 +152,7 @@ def test_a_keyframe_that_comes_to_its_frame_takes_its_place() -> None:
 def test_what_cannot_be_keyed_is_said_in_one_sentence(
     messages: list[dict[str, Any]], words: str
 ) -> None:
-    with pytest.raises(Refused, match=words):
+    with pytest.raises(ActionRefused, match=words):
         keyed(*messages)
 
 

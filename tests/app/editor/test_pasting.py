@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton
@@ -57,7 +57,7 @@ def test_one_keyframe_is_a_pose_and_needs_no_keyframe_where_it_goes() -> None:
 
 
 def test_what_stands_in_the_way_is_named_and_replaced_only_when_asked() -> None:
-    with pytest.raises(Refused, match="Frames 24 and 48 are already keyframes"):
+    with pytest.raises(ActionRefused, match="Frames 24 and 48 are already keyframes"):
         pasted(desk(), text_of(0, 24), 24)
     state = pasted(desk(), text_of(0, 24), 24, replace=True)
     assert state.keys == desk().keys
@@ -65,11 +65,13 @@ def test_what_stands_in_the_way_is_named_and_replaced_only_when_asked() -> None:
 
 
 def test_keyframes_that_would_end_after_the_video_say_where_they_fit() -> None:
-    with pytest.raises(Refused, match=r"reach frame 78, the video ends at 72\. Go to frame 24 or"):
+    with pytest.raises(
+        ActionRefused, match=r"reach frame 78, the video ends at 72\. Go to frame 24 or"
+    ):
         pasted(desk(), text_of(0, 48), 30)
     long = text_of(0, 48)
     long["keys"][1]["after"] = 90
-    with pytest.raises(Refused, match="span 91 frames, this video has 73"):
+    with pytest.raises(ActionRefused, match="span 91 frames, this video has 73"):
         pasted(desk(), long, 0)
 
 
@@ -98,7 +100,7 @@ def test_a_body_without_any_of_the_parts_takes_nothing_and_says_so() -> None:
     copied = text_of(24)
     copied["body"] = "box"
     copied["keys"][0]["rotations_wxyz"] = {"lid": [1, 0, 0, 0]}
-    with pytest.raises(Refused, match="The copied body, box, has no part that this body has"):
+    with pytest.raises(ActionRefused, match="The copied body, box, has no part that this body has"):
         pasted(desk(), copied, 0)
 
 
@@ -107,7 +109,7 @@ def test_another_session_whose_body_is_a_box_takes_no_person() -> None:
     other = replace(
         desk(), doc=box, skeleton=Skeleton.of(box.body), file_times_s=np.arange(200) / 30, frame=0
     )
-    with pytest.raises(Refused, match="no part that this body has"):
+    with pytest.raises(ActionRefused, match="no part that this body has"):
         pasted(other, text_of(24), 0)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.edits import label_of
 from keypose.app.editor.pinned import open_proposals, pinned_ends
 from keypose.app.editor.shown import shown_pose
@@ -169,14 +169,14 @@ def test_whole_foot_heel_or_toes_can_be_held_unless_another_pin_holds_them() -> 
     state = after(pinned(10, 40), {"do": "change_pin", "index": 0, "landmarks": ["left_toe"]})
     assert state.doc.pins[0].landmarks == ("left_toe",)
     both = after(state, {**FOOT, "frame": 12, "landmarks": ["left_heel"]})
-    with pytest.raises(Refused, match=r"Another pin holds this point in frames 0–24\."):
+    with pytest.raises(ActionRefused, match=r"Another pin holds this point in frames 0–24\."):
         after(both, {"do": "change_pin", "index": 0, "landmarks": list(SOLE)})
 
 
 def test_a_split_pin_is_two_that_touch() -> None:
     state = pinned(10, 40)
     assert spans(after(state, {"do": "split_pin", "index": 0, "frame": 24})) == [(10, 23), (24, 40)]
-    with pytest.raises(Refused, match="Frame 10 does not split this pin, frames 10–40"):
+    with pytest.raises(ActionRefused, match="Frame 10 does not split this pin, frames 10–40"):
         after(state, {"do": "split_pin", "index": 0, "frame": 10})
 
 
@@ -212,7 +212,7 @@ def test_one_proposal_is_accepted_alone() -> None:
     state = after(proposing(), {"do": "accept_pins", "part": "left_foot", "first": 30})
     assert state.doc.pins == PROPOSED[2:]
     assert open_proposals(state) == PROPOSED[:2]
-    with pytest.raises(Refused, match="No pin is proposed here any more"):
+    with pytest.raises(ActionRefused, match="No pin is proposed here any more"):
         after(state, {"do": "accept_pins", "part": "left_foot", "first": 30})
 
 
@@ -244,7 +244,7 @@ def test_the_first_pin_on_the_floor_lays_it_under_the_foot() -> None:
 
 
 def test_the_floor_is_given_taken_from_pinned_feet_or_forgotten() -> None:
-    with pytest.raises(Refused, match="No foot is pinned yet"):
+    with pytest.raises(ActionRefused, match="No foot is pinned yet"):
         after(desk(), {"do": "floor", "pinned_feet": True})
     given = after(desk(), {"do": "floor", "height_m": -1.5})
     assert given.doc.floor_m == -1.5
@@ -257,7 +257,7 @@ def test_the_floor_is_given_taken_from_pinned_feet_or_forgotten() -> None:
 
 
 def test_up_is_found_from_pinned_feet_in_one_step() -> None:
-    with pytest.raises(Refused, match="Pin two steps first"):
+    with pytest.raises(ActionRefused, match="Pin two steps first"):
         after(desk(), {**FOOT, "frame": 24}, {"do": "up_from_feet"})
     other = {"do": "set_pin", "part": "right_foot", "frame": 66, "floor": True}
     pinned = after(desk(), {**FOOT, "frame": 6}, other)
@@ -302,7 +302,9 @@ def test_a_drawn_horizon_lays_the_floor_under_pinned_feet_before_others() -> Non
 def test_a_horizon_below_the_feet_is_refused_and_loses_nothing() -> None:
     state = desk()
     low = state.doc.camera.height - 4
-    with pytest.raises(Refused, match=r"foot stands above this line\. Draw the horizon higher\.$"):
+    with pytest.raises(
+        ActionRefused, match=r"foot stands above this line\. Draw the horizon higher\.$"
+    ):
         after(state, {"do": "horizon", "a": (0, low), "b": (400, low)})
 
 
@@ -377,7 +379,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("message", "why"), REFUSED)
 def test_what_cannot_be_pinned_is_refused_in_a_sentence(message: dict[str, Any], why: str) -> None:
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(ActionRefused, match=why):
         after(pinned(10, 40), message)
 
 
@@ -388,7 +390,7 @@ def test_a_body_without_the_pinned_part_is_refused() -> None:
             update={"pins": (state.doc.pins[0].model_copy(update={"part": "wing"}),)}
         )
     )
-    with pytest.raises(Refused, match="Wing is pinned and not part"):
+    with pytest.raises(ActionRefused, match="Wing is pinned and not part"):
         after(renamed, {"do": "preset", "name": "adult_female"})
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from keypose.app.document.open import with_kept_motion
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.motion import motion_between
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
 from keypose.app.editor.shown import shown_pose
@@ -221,12 +221,14 @@ def test_what_cannot_be_reduced_is_said_in_a_sentence(given: dict[str, object], 
 
 
 def test_without_a_motion_there_is_nothing_to_reduce() -> None:
-    with pytest.raises(Refused, match="There is no motion to reduce: track, draft or import one"):
+    with pytest.raises(
+        ActionRefused, match="There is no motion to reduce: track, draft or import one"
+    ):
         reducible(desk().doc, {}, None)
     one = drafted(desk(keyframes=False), range(30, 31))
-    with pytest.raises(Refused, match="no motion to reduce in these frames"):
+    with pytest.raises(ActionRefused, match="no motion to reduce in these frames"):
         reducible(one.doc, {}, None, frames=(20, 40))
-    with pytest.raises(Refused, match="Only the motion of a video"):
+    with pytest.raises(ActionRefused, match="Only the motion of a video"):
         reducible(surface_cases.session(), {}, None)
 
 

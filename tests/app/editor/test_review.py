@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.app.editor.documents import Refused
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.review import Review, review_of
 from keypose.app.editor.review_words import label_of_place, reason_of_place
 from keypose.app.editor.state import EditorState
@@ -144,12 +144,12 @@ def test_what_cannot_be_told_leaves_the_list_and_its_segment_to_be_checked() -> 
 
 
 def test_where_nothing_is_to_be_reviewed_an_answer_is_refused() -> None:
-    with pytest.raises(Refused, match="nothing left to review at frame 3"):
+    with pytest.raises(ActionRefused, match="nothing left to review at frame 3"):
         after(doubting(**ARM_AND_FOOT), {"do": "accept_place", "frame": 3, "part": "head"})
 
 
 def test_what_hides_a_part_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Judged, "hidden_behind", lambda *_: "head")
+    monkeypatch.setattr(JudgedSegments, "hidden_behind", lambda *_: "head")
     place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
     assert (place.cause, reason_of_place(place)) == ("not_seen", "hidden behind the head, 9–11")
 
@@ -157,7 +157,7 @@ def test_what_hides_a_part_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_reason_is_seldom_more_than_that_the_passes_differ(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(Judged, "hidden_behind", lambda *_: None)
+    monkeypatch.setattr(JudgedSegments, "hidden_behind", lambda *_: None)
     place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
     assert reason_of_place(place) == "forward and backward passes differ"
 

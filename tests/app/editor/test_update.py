@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from keypose.app.editor import body_edits
 from keypose.app.editor.actions import ACTIONS, Clavicles
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body, preset
@@ -140,7 +140,7 @@ def test_of_two_gestures_at_once_the_one_that_began_last_goes_on() -> None:
 
 def test_a_new_edit_forgets_what_could_be_done_again() -> None:
     state = after(desk(), TURN, {"do": "undo"}, {"do": "root", "x": 0.1})
-    with pytest.raises(Refused, match="Nothing to redo"):
+    with pytest.raises(ActionRefused, match="Nothing to redo"):
         after(state, {"do": "redo"})
 
 
@@ -329,7 +329,7 @@ def test_a_body_of_other_parts_stands_though_nothing_is_posed_yet() -> None:
 def test_a_body_behind_the_camera_is_no_keyframe_for_no_file_could_hold_it() -> None:
     state = desk(keyframes=False)
     near = Pose(state.opening.Rs_parent_part, np.array([0.0, 0.0, 0.03]))
-    with pytest.raises(Refused, match="behind the camera"):
+    with pytest.raises(ActionRefused, match="behind the camera"):
         after(replace(state, opening=near), {"do": "add_key", "frame": 0})
 
 
@@ -390,7 +390,7 @@ def test_a_renamed_part_is_renamed_wherever_the_session_names_it() -> None:
 
 
 def test_the_first_part_stays() -> None:
-    with pytest.raises(Refused, match="The first part carries all others"):
+    with pytest.raises(ActionRefused, match="The first part carries all others"):
         after(desk(), {"do": "delete_part", "part": "waist"})
 
 
@@ -398,5 +398,5 @@ def test_a_body_without_arms_has_no_clavicles() -> None:
     state = desk()
     trunk = Body(name="trunk", parts=state.doc.body.parts[:4])
     bare = replace(state, doc=body_edits.with_body(state, trunk))
-    with pytest.raises(Refused, match="Clavicles need a chest with two upper arms"):
+    with pytest.raises(ActionRefused, match="Clavicles need a chest with two upper arms"):
         body_edits.set_clavicles(bare, Clavicles(on=True))

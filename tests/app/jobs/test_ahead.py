@@ -7,7 +7,7 @@ from threading import Event
 import pytest
 
 from keypose.app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.work import WorkerCache
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
@@ -32,7 +32,7 @@ def worked(cache: WorkerCache, session: Session, frame: int, *, cancel: bool) ->
         cancelled.set()
     video, folder = BOX.with_name("box.mp4"), str(BOX.parent)
     order = AheadOrder(session.model_dump_json().encode(), str(video), frame, way, folder, 7)
-    Fit(order, cancelled, message.append).run(cache)
+    FitJob(order, cancelled, message.append).run(cache)
     return message
 
 

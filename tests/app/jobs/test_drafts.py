@@ -8,7 +8,7 @@ from threading import Event
 import pytest
 
 from keypose.app.document.new import new_session
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.messages import Drafted, Drafting, DraftOrder, JobFailed, JobFinished, Report
 from keypose.app.jobs.work import WorkerCache
 from keypose.tracker.video import Video
@@ -36,7 +36,7 @@ def reported(order: DraftOrder, cancelled: Event | None = None, leave_at: int = 
 
     cache = WorkerCache()
     try:
-        Fit(order, left, send).run(cache)
+        FitJob(order, left, send).run(cache)
     finally:
         cache.close()
     return reports

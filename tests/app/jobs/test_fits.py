@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.messages import (
     FitOrder,
     JobFailed,
@@ -70,7 +70,7 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
 def reported(order: FitOrder, cancelled: Event | None = None) -> Report:
     """The one report that an order ends in."""
     reports: list[Report] = []
-    Fit(order, cancelled or Event(), reports.append).run(Bench())  # type: ignore[arg-type]
+    FitJob(order, cancelled or Event(), reports.append).run(Bench())  # type: ignore[arg-type]
     (report,) = reports
     return report
 

@@ -22,7 +22,7 @@ from keypose.app.jobs import (
     SegmentFinished,
     SizesOrder,
 )
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.messages import Order
 from keypose.app.jobs.rerun import save_found
 from keypose.app.jobs.tracking import _only_needed
@@ -90,7 +90,7 @@ def fitted(bench: WorkerCache, path: Path, frame: int, pose: Pose) -> Report:
     meshes = str(path.parent / "meshes")
     reported: list[Report] = []
     order = PoseOrder(content, meshes, frame, pose, folder=str(path.parent), job=3)
-    Fit(order, Event(), reported.append).run(bench)
+    FitJob(order, Event(), reported.append).run(bench)
     return reported[-1]
 
 
@@ -336,7 +336,7 @@ def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(
 def test_sizes_are_not_fitted_to_surfaces(bench: WorkerCache, path: Path) -> None:
     reported: list[Report] = []
     content = load_session(path).model_dump_json().encode()
-    Fit(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), reported.append).run(
+    FitJob(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), reported.append).run(
         bench
     )
     (report,) = reported

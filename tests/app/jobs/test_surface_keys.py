@@ -12,7 +12,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe, SegmentSummary, Session
 from keypose.tracker.session import schema as saved
 from keypose.tracker.session.verdict import GOOD
-from keypose.tracker.storage.chronicle import Moment, base_record, mark_of
+from keypose.tracker.storage.edit_history import Moment, base_record, mark_of
 from keypose.tracker.storage.files import session_json
 from keypose.tracker.storage.fingerprints import setup_hash
 from keypose.tracker.storage.outdated import outdated_words

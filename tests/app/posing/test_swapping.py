@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.app.editor import actions as do
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.posing import opening_pose, swap_left_right
@@ -84,5 +84,5 @@ def test_the_page_exchanges_and_takes_back_in_one_step() -> None:
 
 
 def test_a_box_has_no_sides_to_exchange() -> None:
-    with pytest.raises(Refused, match="no left and right"):
+    with pytest.raises(ActionRefused, match="no left and right"):
         update(_state(recordings.session("box")), do.Exchange())

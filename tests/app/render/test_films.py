@@ -19,7 +19,7 @@ from keypose.app.render.films import Film, film_pictures, film_size
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.studio import Look, Studio, snapshot
+from keypose.app.render.studio import Studio, ViewStyle, snapshot
 from keypose.app.render.viewpoints import Viewpoint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
@@ -64,7 +64,7 @@ def test_a_film_is_the_shots_of_all_frames_one_after_the_other(
         for number, picture in zip(range(2, 7), pictures, strict=True):
             pose = poses.pose(number)
             assert pose is not None
-            expected = snapshot(session, video, number, pose, Look())
+            expected = snapshot(session, video, number, pose, ViewStyle())
             np.testing.assert_array_equal(picture, expected)
 
 

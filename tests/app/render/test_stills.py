@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from keypose.app.cli.main import main
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Look, Paint, Size, Studio, snapshot
+from keypose.app.render.studio import Paint, Size, Studio, ViewStyle, snapshot
 from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, smoothed, view_from
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
@@ -61,7 +61,7 @@ def test_a_plain_shot_is_the_picture_that_the_page_draws(
     assert pose is not None
     found = shot(tracked_path, tmp_path / "a.png", "--style", "wire")
     with open_video_of(session, tracked_path) as video:
-        expected = snapshot(session, video, FRAME, pose, Look("main", "wire", 0.5))
+        expected = snapshot(session, video, FRAME, pose, ViewStyle("main", "wire", 0.5))
     np.testing.assert_array_equal(cv2.cvtColor(found, cv2.COLOR_BGR2RGB), expected)
 
 

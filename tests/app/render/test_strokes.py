@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.app.render.palette import SIDE_COLOURS
-from keypose.app.render.strokes import HIDDEN_OPACITY, Lines, paint_lines
+from keypose.app.render.strokes import OCCLUDED_OPACITY, Lines, paint_lines
 
 WHITE, ROW, THICKNESS = 255, 20, 2
 
@@ -30,6 +30,6 @@ def test_a_line_that_is_seen_has_its_colour_and_a_halo_about_it() -> None:
 
 def test_a_line_that_is_hidden_is_faint_and_has_no_halo() -> None:
     column = painted(hidden=True)
-    faint = WHITE + HIDDEN_OPACITY * (np.array(SIDE_COLOURS["left"]) - WHITE)
+    faint = WHITE + OCCLUDED_OPACITY * (np.array(SIDE_COLOURS["left"]) - WHITE)
     np.testing.assert_allclose(column[ROW], faint, atol=3)
     assert column.min() == pytest.approx(column[ROW].min())

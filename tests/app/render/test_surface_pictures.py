@@ -22,7 +22,7 @@ from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Look, Studio, snapshot
+from keypose.app.render.studio import Studio, ViewStyle, snapshot
 from keypose.app.render.surfaces import SurfaceLayer, draw_surface
 from keypose.app.render.viewpoints import Viewpoint, least_distance, view_from
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -118,8 +118,8 @@ def eye_of(view: ViewName, session: Session, poses: KnownPoses) -> ViewCamera:
 def test_the_surface_is_seen_from_the_side_where_its_vertices_project(
     session: Session, video: Video, poses: KnownPoses, view: ViewName
 ) -> None:
-    alone = snapshot(session, None, FRAME, posed(poses), Look(view))
-    both = snapshot(session, video, FRAME, posed(poses), Look(view))
+    alone = snapshot(session, None, FRAME, posed(poses), ViewStyle(view))
+    both = snapshot(session, video, FRAME, posed(poses), ViewStyle(view))
     eye, mesh = eye_of(view, session, poses), surfaces_of(video).steps.shape(FRAME)
     changed = (alone != both).any(axis=2)
     require_surface_at(changed, covered(mesh, eye), body_in(poses, eye))
@@ -167,10 +167,10 @@ def plane(p_camera: Array) -> SurfaceLayer:
 def test_all_four_views_show_the_surface_and_the_cameras_own_is_as_it_was(
     session: Session, video: Video, poses: KnownPoses
 ) -> None:
-    look = Look("all")
+    look = ViewStyle("all")
     both = snapshot(session, video, FRAME, posed(poses), look)
     places = FourViewLayout.of(session.camera, session.camera.height)
-    main_alone = snapshot(session, video, FRAME, posed(poses), Look("main"))
+    main_alone = snapshot(session, video, FRAME, posed(poses), ViewStyle("main"))
     plate = 60  # where the frame's number is written
     width = places.main[0]
     np.testing.assert_array_equal(both[plate:, :width], main_alone[plate:])
@@ -200,7 +200,7 @@ def test_a_film_of_the_camera_is_its_shots_in_colours_too(
     for tint in ("clay", "distance"):
         film = Film("main", FRAME, FRAME, tint=tint)
         (picture,) = film_pictures(session, video, poses, film, 25.0)
-        look = Look("main", tint=tint)
+        look = ViewStyle("main", tint=tint)
         expected = snapshot(session, video, FRAME, posed(poses), look)
         np.testing.assert_array_equal(picture, expected)
 
@@ -212,8 +212,8 @@ def test_of_a_session_about_a_film_other_views_show_the_body_alone_as_ever(
     known = KnownPoses.of(of, tracked_path)
     with open_video_of(of, tracked_path) as film:
         for view in SMALL:
-            seen = snapshot(of, film, 3, posed(known, 3), Look(view))
-            alone = snapshot(of, None, 3, posed(known, 3), Look(view))
+            seen = snapshot(of, film, 3, posed(known, 3), ViewStyle(view))
+            alone = snapshot(of, None, 3, posed(known, 3), ViewStyle(view))
             np.testing.assert_array_equal(seen, alone)
 
 
@@ -229,7 +229,7 @@ def test_the_tint_that_is_chosen_colours_every_view(
 ) -> None:
     """The body stands 6 cm beside the surface: by distance most of that is plum."""
     clay, distance = (
-        snapshot(session, video, FRAME, posed(poses), Look(view, opacity=0.2, tint=tint))
+        snapshot(session, video, FRAME, posed(poses), ViewStyle(view, opacity=0.2, tint=tint))
         for tint in ("clay", "distance")
     )
     assert plum(distance) > plum(clay) + 1000

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.advice import surface_suggestion
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.motion import end_trail
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
@@ -92,7 +92,7 @@ def test_poses_go_along_with_the_surface_when_its_units_change() -> None:
 
 def test_units_that_put_the_body_behind_the_camera_are_refused() -> None:
     near = after(desk(), {"do": "root", "z": 0.5})
-    with pytest.raises(Refused, match="would be at the camera"):
+    with pytest.raises(ActionRefused, match="would be at the camera"):
         observe(near, units="mm")
 
 
@@ -119,7 +119,7 @@ def test_poses_turn_with_the_surface_when_its_axes_change() -> None:
 
 
 def test_axes_that_put_the_body_behind_the_camera_are_refused() -> None:
-    with pytest.raises(Refused, match="behind the camera"):
+    with pytest.raises(ActionRefused, match="behind the camera"):
         observe(desk(), up="-z")  # turned about the camera itself
 
 
@@ -136,7 +136,7 @@ def test_with_another_rate_everything_is_at_other_times() -> None:
 
 
 def test_only_a_keyframe_s_surface_can_move_with_the_body() -> None:
-    with pytest.raises(Refused, match="Frame 4 is not a keyframe"):
+    with pytest.raises(ActionRefused, match="Frame 4 is not a keyframe"):
         observe(desk(), model_frame=4)
     keyed = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 4})
     model = observe(keyed, model_frame=4).doc.model_keyframe
@@ -152,7 +152,7 @@ def test_the_moving_surface_stays_with_its_keyframe_when_that_is_moved() -> None
 
 
 def test_a_film_has_no_surfaces_to_edit() -> None:
-    with pytest.raises(Refused, match="not surfaces"):
+    with pytest.raises(ActionRefused, match="not surfaces"):
         observe(film(), weights="none")
 
 

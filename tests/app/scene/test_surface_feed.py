@@ -18,7 +18,7 @@ from keypose.app.document.library import Library
 from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor.state import EditorState
 from keypose.app.render.surfaces import SurfaceLayer
-from keypose.app.scene.observed import Observed, Outdated, skin
+from keypose.app.scene.observed import Outdated, SurfaceViews, skin
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import VideoError
@@ -98,7 +98,7 @@ def test_of_many_frames_at_once_the_newest_is_looked_at(
 
     views = looking(work)
     assert [seen.frame for seen in views.seen] == [LAST]
-    surface = Observed(piece).layer(edit, LAST)
+    surface = SurfaceViews(piece).layer(edit, LAST)
     assert views.skins == [skin(surface.mesh, surface.colours)]
 
 
@@ -137,13 +137,13 @@ def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
 def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    read, usual = threading.Event(), Observed.layer
+    read, usual = threading.Event(), SurfaceViews.layer
 
-    def slow(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
+    def slow(observed: SurfaceViews, state: EditorState, frame: int) -> SurfaceLayer:
         assert frame == 0 or read.wait(60)
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "layer", slow)
+    monkeypatch.setattr(SurfaceViews, "layer", slow)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, edit)
@@ -218,7 +218,7 @@ def test_what_asks_for_an_older_reading_does_not_bring_it_back(
     piece: OpenSession, edit: EditorState
 ) -> None:
     older, newer = observe(edit, units="dm"), observe(edit, units="mm")
-    observed = Observed(piece)
+    observed = SurfaceViews(piece)
     for state in (older, newer):
         observed.follow(state.settled)
         video = observed.video(state.settled)
@@ -253,15 +253,15 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     older, newer = observe(edit, units="mm"), observe(edit, p_camera_surface=(0.3, 0, 2.2))
-    under_way, go_on, usual = threading.Event(), threading.Event(), Observed.rims
+    under_way, go_on, usual = threading.Event(), threading.Event(), SurfaceViews.rims
 
-    def slow(observed: Observed, state: EditorState) -> int:
+    def slow(observed: SurfaceViews, state: EditorState) -> int:
         if state is older:
             under_way.set()
             assert go_on.wait(60)
         return usual(observed, state)
 
-    monkeypatch.setattr(Observed, "rims", slow)
+    monkeypatch.setattr(SurfaceViews, "rims", slow)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, older)
@@ -274,7 +274,7 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
         assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=newer)))) > 50
 
     views = looking(work)
-    surface = Observed(piece).layer(edit, 0)
+    surface = SurfaceViews(piece).layer(edit, 0)
     assert [seen.problem for seen in views.seen] == [""]
     assert views.seen[0].middle is not None
     assert views.seen[0].middle[0] > surface.mesh.vertices[:, 0].mean() + 0.05
@@ -297,14 +297,14 @@ def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> Non
 def test_after_a_fault_the_next_wish_is_looked_at(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usual = Observed.layer
+    usual = SurfaceViews.layer
 
-    def faulty(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
+    def faulty(observed: SurfaceViews, state: EditorState, frame: int) -> SurfaceLayer:
         if frame == 3:
             raise OSError
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "layer", faulty)
+    monkeypatch.setattr(SurfaceViews, "layer", faulty)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, replace(edit, frame=3))
@@ -320,15 +320,15 @@ def test_after_a_fault_the_next_wish_is_looked_at(
 def test_the_page_goes_on_while_surfaces_are_read(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    read, usual = threading.Event(), Observed.video
+    read, usual = threading.Event(), SurfaceViews.video
 
-    def slow(observed: Observed, doc: Session) -> SurfaceVideo:
+    def slow(observed: SurfaceViews, doc: Session) -> SurfaceVideo:
         assert read.wait(20), "nothing else was done meanwhile"
         return usual(observed, doc)
 
     async def work(surfaces: Surfaces, _: Views) -> None:
         surfaces.follow(piece, edit)
-        monkeypatch.setattr(Observed, "video", slow)
+        monkeypatch.setattr(SurfaceViews, "video", slow)
         asked = asyncio.create_task(surfaces.video(edit))
         await asyncio.sleep(0)
         read.set()
@@ -371,7 +371,7 @@ def test_of_meshes_that_are_closed_meanwhile_nothing_is_asked_any_more(folder: P
     opened = open_for_editing(folder / "session.json", lambda path: path)
     assert isinstance(opened.video, SurfaceVideo)
     opened.video.close()
-    assert Observed(opened).unusable() == ""
+    assert SurfaceViews(opened).unusable() == ""
     assert opened.video.steps.sequence._reader._child is None
 
 
@@ -381,6 +381,6 @@ def test_steps_that_cannot_be_used_are_looked_for_for_a_while_only(
     opened = open_for_editing(folder / "session.json", lambda path: path)
     assert isinstance(opened.video, SurfaceVideo)
     with opened.video:
-        assert "step_0004.ply" in Observed(opened).unusable()
+        assert "step_0004.ply" in SurfaceViews(opened).unusable()
         monkeypatch.setattr(source, "CHECKED_S", -1.0)
-        assert Observed(opened).unusable() == ""
+        assert SurfaceViews(opened).unusable() == ""

@@ -16,7 +16,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_a_browser_is_known_by_cookie_and_key_also_to_the_next_server(file: Path) -> None:
-    given = Browsers(file).let_in()
+    given = Browsers(file).admit()
     again = Browsers(file)
     assert again.has_cookie(given.cookie)
     assert again.has_key(given.cookie, given.key)
@@ -27,7 +27,7 @@ def test_a_browser_is_known_by_cookie_and_key_also_to_the_next_server(file: Path
 
 
 def test_the_file_is_its_owners_alone_and_holds_no_secret(file: Path) -> None:
-    given = Browsers(file).let_in()
+    given = Browsers(file).admit()
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     assert given.cookie not in file.read_text()
     assert given.key not in file.read_text()
@@ -35,7 +35,7 @@ def test_the_file_is_its_owners_alone_and_holds_no_secret(file: Path) -> None:
 
 def test_two_servers_of_one_workspace_forget_none_of_each_others_browsers(file: Path) -> None:
     one, other = Browsers(file), Browsers(file)
-    given = [one.let_in(), other.let_in(), one.let_in()]
+    given = [one.admit(), other.admit(), one.admit()]
     assert all(Browsers(file).has_cookie(g.cookie) for g in given)
 
 
@@ -44,7 +44,7 @@ def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
     browsers = Browsers(file, lambda: now[0])
     given = []
     for now[0] in range(MOST + 1):
-        given.append(browsers.let_in())
+        given.append(browsers.admit())
     assert not browsers.has_cookie(given[0].cookie)
     assert browsers.has_cookie(given[1].cookie)
     now[0] = LONGEST_S + 1.5
@@ -56,15 +56,15 @@ def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
 def test_one_that_was_let_in_under_a_clock_of_the_future_is_not_known_under_the_right_one(
     file: Path,
 ) -> None:
-    given = Browsers(file, lambda: 10 * LONGEST_S).let_in()
+    given = Browsers(file, lambda: 10 * LONGEST_S).admit()
     assert not Browsers(file, lambda: 0.0).has_cookie(given.cookie)
-    near = Browsers(file, lambda: 60.0).let_in()
+    near = Browsers(file, lambda: 60.0).admit()
     assert Browsers(file, lambda: 0.0).has_cookie(near.cookie)
 
 
 @pytest.mark.parametrize("how", ["readable", "link", "folder", "damaged", "other", "huge"])
 def test_a_file_that_others_may_have_made_lets_nobody_in(file: Path, how: str) -> None:
-    given = Browsers(file).let_in()
+    given = Browsers(file).admit()
     content = file.read_bytes()
     if how == "readable":
         file.chmod(0o644)
@@ -79,12 +79,12 @@ def test_a_file_that_others_may_have_made_lets_nobody_in(file: Path, how: str) -
         file.write_bytes(bad)
     again = Browsers(file)
     assert not again.has_cookie(given.cookie)
-    other = again.let_in()
+    other = again.admit()
     assert again.has_key(other.cookie, other.key)
 
 
 def test_where_the_workspace_cannot_be_written_it_still_lets_in(tmp_path: Path) -> None:
     (tmp_path / "workspace").write_text("a file")
     browsers = Browsers(tmp_path / "workspace" / NAME)
-    given = browsers.let_in()
+    given = browsers.admit()
     assert browsers.has_key(given.cookie, given.key)

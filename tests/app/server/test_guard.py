@@ -19,7 +19,7 @@ PORT = 8123
 HOST = f"127.0.0.1:{PORT}"
 ORIGIN = f"http://{HOST}"
 BROWSERS = Browsers()
-GIVEN = BROWSERS.let_in()
+GIVEN = BROWSERS.admit()
 COOKIE = f"keypose_{PORT}={GIVEN.cookie}"
 PROTOCOLS = f"keypose, keypose-key.{GIVEN.key}"
 OPENED = {"sec_fetch_mode": "navigate", "sec_fetch_dest": "document"}
@@ -246,7 +246,7 @@ def test_a_wrong_key_is_refused_even_where_none_is_needed() -> None:
 
 
 def test_the_key_of_another_browser_does_not_fit() -> None:
-    other = BROWSERS.let_in()
+    other = BROWSERS.admit()
     assert ask("/library", cookie=f"keypose_{PORT}={other.cookie}", x_keypose_key=other.key).text
     assert refused(ask("/library", x_keypose_key=other.key))
 

@@ -11,13 +11,13 @@ from pydantic import ValidationError
 
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.actions import DeletePose, InsertPose, KeepPose, RenamePose, RestorePose
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.posing import mirror_pose
 from keypose.app.store.sections import Sections
-from keypose.app.store.shelf import PoseLibrary
+from keypose.app.store.session_manager import PoseLibrary
 from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 
@@ -77,7 +77,7 @@ def test_poses_are_renamed_deleted_and_had_back(tmp_path: Path) -> None:
         ["One", "Other"],
         ["One", "Other"],
     ]
-    with pytest.raises(Refused, match="not in the library any more"):
+    with pytest.raises(ActionRefused, match="not in the library any more"):
         library.inserting(InsertPose(id="0" * 12))
 
 

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from keypose.app.editor.judged import Judged
+from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.store.sections import motion_values
@@ -114,7 +114,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
 ) -> None:
     """What hides a part is told by its name: looking along the line of sight takes its time."""
     monkeypatch.setattr(
-        Judged,
+        JudgedSegments,
         "hidden_behind",
         lambda _, __, frame, part: "chest" if (frame + len(part)) % 3 == 0 else None,
     )

@@ -12,7 +12,7 @@ import pytest
 
 from keypose.app.editor.shown import shown_pose
 from keypose.app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.messages import Report
 from keypose.app.jobs.work import WorkerCache
 from keypose.app.store import runner
@@ -53,7 +53,7 @@ def worked(desk: Desk, cancelled: bool = False) -> list[Report]:
     stop = Event()
     if cancelled:
         stop.set()
-    Fit(desk.worker.fits[-1], stop, reports.append).run(WorkerCache())
+    FitJob(desk.worker.fits[-1], stop, reports.append).run(WorkerCache())
     return reports
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import (
     JobFailed,
@@ -31,7 +31,7 @@ from keypose.app.store.runner import Runner
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.session import Session
-from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
@@ -71,7 +71,7 @@ class Orders:
         self.stages.append(())
         return len(self.wanted)
 
-    def solve_space(self, doc: Session, stretches: Sequence[Stretch]) -> int:
+    def solve_space(self, doc: Session, stretches: Sequence[SegmentRun]) -> int:
         self.solved.append([stretch.key for stretch in stretches])
         return self.fit(doc)
 
@@ -147,7 +147,7 @@ def few(count: int) -> EditorState:
 def test_where_there_is_no_segment_yet_tracking_says_what_to_do_first(
     runner: Runner, edit: EditorState, words: str, what: Any
 ) -> None:
-    with pytest.raises(Refused) as refusal:
+    with pytest.raises(ActionRefused) as refusal:
         runner.track(PIECE, edit, what)
     assert str(refusal.value) == words
     assert orders(runner).wanted == []
@@ -165,7 +165,7 @@ def test_where_nothing_has_changed_since_there_is_nothing_to_do(
         orders(runner).say(finished(runner, number))
     assert runner.results is not None
     edit = replace(edit, results=runner.results)
-    with pytest.raises(Refused, match=f"^All segments are {done} and up to date"):
+    with pytest.raises(ActionRefused, match=f"^All segments are {done} and up to date"):
         runner.track(PIECE, edit, "changed")
     runner.track(PIECE, edit, "all")
     assert len(orders(runner).wanted) == 2

@@ -16,7 +16,7 @@ from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import MOST, Clients, Tab
 from keypose.tracker.session import Session
-from keypose.tracker.storage.chronicle import mark_of, without_results
+from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.journal import Journal
 from tests.app.document.test_edit_log import NoWorker

@@ -16,7 +16,7 @@ from keypose.app.store.store import Store
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.storage.tracks import load_tracks
 from tests.app.store.test_store import _copy, _track
 from tests.tracker.storage.space_cases import solution
@@ -34,14 +34,14 @@ class _Tracking:
         self.report = report
         self.jobs = 0
         self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-        self.solved: list[Sequence[Stretch]] = []
+        self.solved: list[Sequence[SegmentRun]] = []
         _Tracking.newest = self
 
     def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
         self.orders.append((doc, wanted))
         return self._job()
 
-    def solve_space(self, _: Session, stretches: Sequence[Stretch]) -> int:
+    def solve_space(self, _: Session, stretches: Sequence[SegmentRun]) -> int:
         self.solved.append(stretches)
         return self._job()
 

@@ -27,7 +27,7 @@ from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.jobs.drafts import learned
-from keypose.app.jobs.fits import Fit
+from keypose.app.jobs.fits import FitJob
 from keypose.app.jobs.messages import (
     Drafted,
     JobFailed,
@@ -227,7 +227,7 @@ class Desk:
     def _fit(self, action: do.FitHere | do.Draft) -> None:
         request = FitRequest.of(self.opened, self.state, action)
         reports: list[Report] = []
-        Fit(replace(request.order, job=1), Event(), reports.append).run(self._cache)
+        FitJob(replace(request.order, job=1), Event(), reports.append).run(self._cache)
         match reports[-1]:
             case PoseFitted() as found:
                 self.state = apply_fit(request, found, self.state)[0]

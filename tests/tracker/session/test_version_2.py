@@ -15,7 +15,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.session.migrate import verdict_of
 from keypose.tracker.session.verdict import GOOD, Cause, Kind, Verdict
-from keypose.tracker.storage.chronicle import Moment, base_record, edit_record, without_results
+from keypose.tracker.storage.edit_history import Moment, base_record, edit_record, without_results
 from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
 from keypose.tracker.storage.journal import lines
 from keypose.tracker.storage.tracks import save_result

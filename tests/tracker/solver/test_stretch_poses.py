@@ -14,7 +14,7 @@ from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_poi
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
-from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses, moved_poses
+from keypose.tracker.solver.stretch_poses import MotionWindow, SharedTerm, StretchPoses, moved_poses
 from tests.tracker.solver.test_links import DOFS, FOOT, SKELETON, motion
 
 CRITERIA = Criteria(
@@ -75,7 +75,7 @@ def test_a_known_motion_and_a_known_place_are_found_from_points_in_space() -> No
     )
     terms = [PointsInSpace(points, points.at(truth.transforms(SKELETON)), 0.005)]
     problem = StretchPoses(SKELETON, terms, (), shared)
-    found = least_squares(problem, Stretch(disturbed(truth, 0.1), begin), CRITERIA)
+    found = least_squares(problem, MotionWindow(disturbed(truth, 0.1), begin), CRITERIA)
     assert found.converged
     assert apart_m(found.state.motion, truth) < 1e-6
     np.testing.assert_allclose(found.state.shared, np.append(place, place @ UP), atol=1e-6)
@@ -101,7 +101,9 @@ def test_a_motion_seen_with_noise_comes_nearer_with_its_place_and_smoothness() -
         Near(place, np.full(3, 1e3)),
     )
     alone, held = (
-        least_squares(StretchPoses(SKELETON, seen, *held), Stretch(start, about), CRITERIA).state
+        least_squares(
+            StretchPoses(SKELETON, seen, *held), MotionWindow(start, about), CRITERIA
+        ).state
         for held, about in ((((), ()), np.zeros(0)), ((links, shared), place + 0.1))
     )
     stands = foot.at(held.motion.transforms(SKELETON))[:, 0]
@@ -115,7 +117,7 @@ def test_a_step_of_squares_leads_to_rest(shared: int) -> None:
     wanted = PosePrior(at.Rs_parent_part, at.ps_camera_root, np.full(DOFS, 100.0))
     values = np.arange(shared, dtype=float)
     problem = StretchPoses(SKELETON, (wanted,), (), (Near(values, np.full(shared, 2.0)),))
-    start = Stretch(disturbed(at, 1e-4), values + 0.5)
+    start = MotionWindow(disturbed(at, 1e-4), values + 0.5)
     here = problem.at(start, 0)
     step = here.step(0.0)
     assert step is not None
@@ -128,7 +130,7 @@ def test_a_step_moves_poses_and_shared_unknowns_each_by_their_own() -> None:
     at = motion(0.3)
     problem = StretchPoses(SKELETON, (), ())
     step = np.random.default_rng(1).normal(0, 0.01, len(at) * DOFS + 3)
-    there = problem.moved(Stretch(at, np.ones(3)), step)
+    there = problem.moved(MotionWindow(at, np.ones(3)), step)
     np.testing.assert_array_equal(there.shared, 1 + step[-3:])
     now = Posed(SKELETON, there.motion.Rs_parent_part, there.motion.ps_camera_root)
     led = now.motion_from(at.Rs_parent_part, at.ps_camera_root, backward=False)

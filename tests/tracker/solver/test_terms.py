@@ -32,7 +32,7 @@ from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from keypose.tracker.solver.terms import RowTerm, Term, total_cost, total_equations
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed, pairs_of
+from keypose.tracker.surface.fit.pairing import TargetSurface, pairs_of
 from keypose.tracker.surface.fit.solving import PairDistances
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.tracking.scene import Scene
@@ -125,7 +125,7 @@ def _pairs(plane: float, offset: bool, smooth: bool) -> Callable[[BodyPoints], T
     model = SurfaceModel.of(surfaces[0], body, pose, 400, smooth)
     posed = Posed.of(SKELETON, pose)
     at = model.posed(posed.Ts_camera_part)
-    pairs = pairs_of(model, at, Observed.of(surfaces[1], options), options)
+    pairs = pairs_of(model, at, TargetSurface.of(surfaces[1], options), options)
     assert (pairs.weights > 0).sum() > 100
     return lambda points: PairDistances(model, pairs, posed, at, plane, offset)
 

@@ -11,7 +11,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.storage.results import Results
-from keypose.tracker.storage.stretches import Stretch
+from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.results_cases import both, session
 from tests.tracker import session_cases as cases
@@ -39,7 +39,7 @@ def softened(of: Session, *frames: int) -> Session:
     return of.model_copy(update={"keyframes": keyframes})
 
 
-def solution(stretch: Stretch, shift_m: float = 0.01, soft: tuple[int, ...] = ()) -> SpaceResult:
+def solution(stretch: SegmentRun, shift_m: float = 0.01, soft: tuple[int, ...] = ()) -> SpaceResult:
     """As the solve might end, with something of every kind to say of it; keyframes stay where they
     are, but for those that are soft."""
     tracked = joined([segment.as_tracked.trajectory for segment in stretch.segments])

@@ -17,7 +17,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.session import IgnoreMask, Keyframe, Session
 from keypose.tracker.session.history import MOST_STEPS, History, Step
 from keypose.tracker.storage.changes import apply_changes, changes
-from keypose.tracker.storage.chronicle import (
+from keypose.tracker.storage.edit_history import (
     OUTSIDE,
     Moment,
     Received,

@@ -15,7 +15,7 @@ import pytest
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.history import History, Step
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.chronicle import Moment, edit_record, whole_record
+from keypose.tracker.storage.edit_history import Moment, edit_record, whole_record
 from keypose.tracker.storage.files import journal_path, load_session, open_session, session_json
 from keypose.tracker.storage.journal import lines
 from tests.tracker import session_cases as cases

@@ -13,7 +13,7 @@ from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage import stretches as of_stretches
 from keypose.tracker.storage.results import Results
-from keypose.tracker.storage.stretches import Stretch, stretches
+from keypose.tracker.storage.stretches import SegmentRun, stretches
 from tests.app.results_cases import track
 from tests.tracker.storage.space_cases import (
     PIN,
@@ -26,7 +26,7 @@ from tests.tracker.storage.space_cases import (
 )
 
 
-def wanted(of: Session, results: Results | None = None) -> list[Stretch]:
+def wanted(of: Session, results: Results | None = None) -> list[SegmentRun]:
     return (both(of) if results is None else results).unsolved(of)
 
 

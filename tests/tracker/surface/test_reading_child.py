@@ -23,7 +23,7 @@ import pytest
 
 from keypose.tracker.surface.files import reading, wire
 from keypose.tracker.surface.files.parsing import raw
-from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.parsing.raw import MeshRefused
 from keypose.tracker.surface.files.reading import MeshReader
 from tests.tracker.surface.mesh_files import BOX, CORNERS, GlbFile, obj, ply, standing_box
 
@@ -37,7 +37,7 @@ def reader() -> Iterator[MeshReader]:
 
 
 def refusal(reader: MeshReader, path: Path) -> str:
-    with pytest.raises(Refused) as caught:
+    with pytest.raises(MeshRefused) as caught:
         reader.mesh(path)
     return str(caught.value)
 
@@ -325,7 +325,7 @@ def test_a_child_may_write_no_file(tmp_path: Path) -> None:
     ],
 )
 def test_an_answer_that_is_no_surface_is_not_believed(arrays: dict[str, np.ndarray]) -> None:
-    with pytest.raises(Refused):
+    with pytest.raises(MeshRefused):
         reading._mesh(arrays)
 
 

@@ -22,7 +22,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.surface.files.parsing.glb import read_glb
 from keypose.tracker.surface.files.parsing.obj import read_obj
 from keypose.tracker.surface.files.parsing.ply import read_ply
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh
 from keypose.tracker.surface.files.parsing.tidying import tidy
 from tests.tracker.surface.mesh_files import (
     BOX,
@@ -47,7 +47,7 @@ def corners(mesh: RawMesh) -> Array:
 
 
 def refusal(read: Callable[[], Any]) -> str:
-    with pytest.raises(Refused) as caught:
+    with pytest.raises(MeshRefused) as caught:
         read()
     sentence = str(caught.value)
     assert sentence.endswith(".")

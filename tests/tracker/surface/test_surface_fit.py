@@ -17,7 +17,7 @@ from keypose.tracker.surface.fit.fitter import fit_solids_to_surface
 from keypose.tracker.surface.fit.measuring import measure
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed, photo_weights, vertex_scalars
+from keypose.tracker.surface.fit.pairing import TargetSurface, photo_weights, vertex_scalars
 from keypose.tracker.surface.fit.solving import UNSEEN, fit_pose
 from keypose.tracker.surface.mesh import SurfaceMesh
 from tests.tracker.surface.surfaces import (
@@ -57,7 +57,7 @@ def _error_m(found: Pose, truth: Pose) -> float:
 @pytest.mark.parametrize("plane", [0.0, 1.0])
 def test_a_known_pose_is_found_again_from_nearby(turn: float, plane: float) -> None:
     truth = bent(BODY, 0.4 + turn, (0.2, turn - 0.3, -0.1), (0.1, -0.2, 2.5))
-    observed = Observed.of(surface_of(BODY, truth), OPTIONS)
+    observed = TargetSurface.of(surface_of(BODY, truth), OPTIONS)
     options = replace(OPTIONS, plane=plane, solves=60)
     start = _disturbed(truth, 0.1, 0.03)
     found = fit_pose(MODEL, observed, start, options)
@@ -66,12 +66,12 @@ def test_a_known_pose_is_found_again_from_nearby(turn: float, plane: float) -> N
 
 
 def test_at_the_right_pose_nothing_moves() -> None:
-    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    observed = TargetSurface.of(surface_of(BODY, START), OPTIONS)
     assert _error_m(fit_pose(MODEL, observed, START, OPTIONS).pose, START) < 1e-4
 
 
 def test_a_pose_that_does_not_lower_the_energy_is_rejected() -> None:
-    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    observed = TargetSurface.of(surface_of(BODY, START), OPTIONS)
     start = _disturbed(START, 0.5, 0.1, seed=3)
     energies = [
         fit_pose(MODEL, observed, start, replace(OPTIONS, solves=n)).energy for n in range(12)
@@ -91,7 +91,7 @@ def test_a_body_does_not_slide_along_its_tapering_limbs_where_the_surface_is_thi
     body = two_bars(TAPERING)
     mesh, truth = surface_of(body, START), joints(body, START)
     model = SurfaceModel.of(mesh, body, START, OPTIONS.points)
-    observed = Observed.of(_thickened(mesh, 0.006, truth[-1]), OPTIONS)
+    observed = TargetSurface.of(_thickened(mesh, 0.006, truth[-1]), OPTIONS)
     errors = {}
     for offset in (False, True):
         found = fit_pose(model, observed, START, replace(OPTIONS, offset=offset)).pose
@@ -106,7 +106,7 @@ def test_the_turn_of_a_round_limb_about_its_length_is_reported_and_stays(shapes)
     start = bent(body, 0.5)
     model = SurfaceModel.of(surface_of(body, start), body, start, 1500)
     truth = bent(body, 0.6, (0.1, 0.0, 0.05))
-    observed = Observed.of(surface_of(body, truth), OPTIONS)
+    observed = TargetSurface.of(surface_of(body, truth), OPTIONS)
     fit = fit_pose(model, observed, start, OPTIONS)
     step = measure(model, observed, fit)
     assert step.least_seen[1] < UNSEEN
@@ -116,7 +116,7 @@ def test_the_turn_of_a_round_limb_about_its_length_is_reported_and_stays(shapes)
 
 
 def test_the_turn_of_a_flat_limb_is_seen() -> None:
-    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    observed = TargetSurface.of(surface_of(BODY, START), OPTIONS)
     step = measure(MODEL, observed, fit_pose(MODEL, observed, START, OPTIONS))
     assert step.least_seen.min() > 0.8
     assert step.rank == MODEL.skeleton.dof_count
@@ -140,7 +140,7 @@ def test_a_volume_that_the_cameras_do_not_agree_on_draws_nothing() -> None:
     errors = {}
     for photo in (False, True):
         options = replace(plain, photo=photo)
-        found = fit_pose(MODEL, Observed.of(mesh, options), START, options)
+        found = fit_pose(MODEL, TargetSurface.of(mesh, options), START, options)
         errors[photo] = _error_m(found.pose, START)
     assert errors[True] < 0.003
     assert errors[False] > 3 * errors[True]
@@ -150,7 +150,7 @@ def test_what_of_the_first_surface_the_steps_do_not_bear_out_counts_less() -> No
     model = SurfaceModel.of(_with_phantom(surface_of(BODY, START)), BODY, START, OPTIONS.points)
     mesh = surface_of(BODY, START)
     still = replace(OPTIONS, mutual=False, solves=0)
-    fit = fit_pose(model, Observed.of(mesh, OPTIONS), START, still)
+    fit = fit_pose(model, TargetSurface.of(mesh, OPTIONS), START, still)
     record = PointReliability.of(model)
     for _ in range(5):
         record = record.after(model, fit)
@@ -165,7 +165,7 @@ def test_what_is_explained_by_another_place_draws_nothing_even_without_pictures(
     errors = {}
     for mutual in (False, True):
         options = replace(OPTIONS, mutual=mutual)
-        found = fit_pose(MODEL, Observed.of(mesh, options), START, options)
+        found = fit_pose(MODEL, TargetSurface.of(mesh, options), START, options)
         errors[mutual] = _error_m(found.pose, START)
     assert errors[True] < 0.5 * errors[False]
 
@@ -174,7 +174,7 @@ def test_a_part_whose_surface_is_missing_stays_where_the_rest_carries_it() -> No
     truth = bent(BODY, 0.4, (0.25, 0.3, -0.1), (0.02, 0.0, 3.0))
     whole = surface_of(BODY, truth)
     upper = SurfaceMesh(whole.vertices, whole.faces[: len(whole.faces) // 2])
-    observed = Observed.of(upper, OPTIONS)
+    observed = TargetSurface.of(upper, OPTIONS)
     fit = fit_pose(MODEL, observed, START, OPTIONS)
     assert _error_m(fit.pose, truth) < 0.02
     assert measure(MODEL, observed, fit).counts[1] < 0.2

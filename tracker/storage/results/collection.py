@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import Span, segment_keys
-from keypose.tracker.storage.stretches import Stretch, stretches
+from keypose.tracker.storage.stretches import SegmentRun, stretches
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.space.result import SpaceResult
 
@@ -69,7 +69,7 @@ class Results:
                 found |= {segment.span: segment for segment in placed}
         return found
 
-    def unsolved(self, session: Session) -> list[Stretch]:
+    def unsolved(self, session: Session) -> list[SegmentRun]:
         """The stretches whose motion in space is not known yet."""
         found = stretches(session, self._as_tracked(session))
         return [stretch for stretch in found if stretch.key not in self.in_space]

@@ -20,7 +20,7 @@ from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.surface.files.parsing.glb import read_glb
 from keypose.tracker.surface.files.parsing.obj import read_obj
 from keypose.tracker.surface.files.parsing.ply import read_ply
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, open_mesh_file
+from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh, open_mesh_file
 from keypose.tracker.surface.files.parsing.tidying import tidy
 from keypose.tracker.surface.files.wire import answer, question_of
 
@@ -41,7 +41,7 @@ def main() -> None:
         limit_time(seconds)
         try:
             _send(answers, _mesh(question_of(line)))
-        except Refused as why:
+        except MeshRefused as why:
             answer(answers, {"refused": str(why)})
         except MemoryError:
             # Memory that was full is in pieces; the next question goes to a fresh process.

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES, Refused
+from keypose.tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES, MeshRefused
 from keypose.tracker.surface.files.wire import BrokenConnection, ask, receive
 from keypose.tracker.surface.mesh import SurfaceMesh
 
@@ -52,7 +52,7 @@ class MeshReader:
             if facts.get("leaving"):
                 self._stop()
         if "refused" in facts:
-            raise Refused(str(facts["refused"])[:_LONGEST_REFUSAL])
+            raise MeshRefused(str(facts["refused"])[:_LONGEST_REFUSAL])
         return _mesh(arrays)
 
     def close(self) -> None:
@@ -79,7 +79,7 @@ class MeshReader:
             return receive(child.stdout)
         except (BrokenConnection, OSError) as error:
             self._stop()
-            raise Refused(self._failure(child.returncode, late.is_set())) from error
+            raise MeshRefused(self._failure(child.returncode, late.is_set())) from error
         except BaseException:
             self._stop()  # its late answer would be taken for the next one
             raise
@@ -166,7 +166,7 @@ def _mesh(arrays: dict[str, NDArray[Any]]) -> SurfaceMesh:
         or faces.max() >= len(vertices)
         or not (consistency is None or _is_consistency(consistency, len(vertices)))
     ):
-        raise Refused("cannot be read: export it again.")
+        raise MeshRefused("cannot be read: export it again.")
     return SurfaceMesh(vertices, faces.astype(np.int64), consistency)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from keypose.tracker.errors import SurfaceError, numbers_listed
 from keypose.tracker.session.settings import Units, UpAxis
-from keypose.tracker.surface.files.parsing.raw import Refused
+from keypose.tracker.surface.files.parsing.raw import MeshRefused
 from keypose.tracker.surface.files.reading import MeshReader
 from keypose.tracker.surface.files.sources import FolderSource, source_at
 from keypose.tracker.surface.mesh import SurfaceMesh
@@ -106,7 +106,7 @@ class MeshSequence:
         if frame not in self.missing:
             try:
                 self._source.read(self._reader, frame)
-            except Refused as refusal:
+            except MeshRefused as refusal:
                 return self._sentence(frame, str(refusal))
         return self.missing.get(frame, "")
 
@@ -127,7 +127,7 @@ class MeshSequence:
     def _read(self, frame: int) -> SurfaceMesh:
         try:
             mesh = self._source.read(self._reader, frame)
-        except Refused as refusal:
+        except MeshRefused as refusal:
             raise self._unusable(frame, str(refusal)) from refusal
         self._sizes[frame] = float(np.linalg.norm(mesh.extent))
         return mesh

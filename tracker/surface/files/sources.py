@@ -18,7 +18,7 @@ import numpy as np
 
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.session.settings import Units, UpAxis
-from keypose.tracker.surface.files.parsing.raw import Refused, open_mesh_file
+from keypose.tracker.surface.files.parsing.raw import MeshRefused, open_mesh_file
 from keypose.tracker.surface.files.reading import MeshReader
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.video.folder import natural
@@ -188,5 +188,5 @@ def _ends(path: Path) -> bytes:
             head = file.read(_CHUNK)
             file.seek(max(size - _CHUNK, 0))
             return f"{size} bytes\n".encode() + head + file.read(_CHUNK)
-    except (Refused, OSError):
+    except (MeshRefused, OSError):
         return b"nothing\n"

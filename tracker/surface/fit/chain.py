@@ -17,8 +17,8 @@ from keypose.tracker.geometry.rotations import Array, frozen, transpose
 from keypose.tracker.surface.fit.measuring import StepFit, measure, misfit, point_weights
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed
-from keypose.tracker.surface.fit.solving import Fit, fit_pose
+from keypose.tracker.surface.fit.pairing import TargetSurface
+from keypose.tracker.surface.fit.solving import SurfaceRegistration, fit_pose
 from keypose.tracker.surface.mesh import Steps
 
 OFF_SHARE = 0.0025
@@ -46,7 +46,7 @@ class PointReliability:
         nothing = frozen(np.zeros(len(model.own)))
         return cls(nothing, nothing)
 
-    def after(self, model: SurfaceModel, fit: Fit) -> PointReliability:
+    def after(self, model: SurfaceModel, fit: SurfaceRegistration) -> PointReliability:
         """Return the reliability after one more step, fitted with that model."""
         pairs = fit.pairs
         there = slice(pairs.forward)
@@ -109,7 +109,7 @@ def follow(
     reliability = before[-1].reliability or PointReliability.of(model)
     for frame in frames:
         try:
-            observed = Observed.of(steps.mesh(frame), options)
+            observed = TargetSurface.of(steps.mesh(frame), options)
         except SurfaceError as error:
             yield Link(frame, pose, None, str(error), reliability)
             continue
@@ -121,8 +121,8 @@ def follow(
 
 
 def _fit_step(
-    model: SurfaceModel, observed: Observed, pose: Pose, ahead: Pose | None, options: Options
-) -> tuple[Fit, StepFit]:
+    model: SurfaceModel, observed: TargetSurface, pose: Pose, ahead: Pose | None, options: Options
+) -> tuple[SurfaceRegistration, StepFit]:
     """The step fitted from the pose before; where that leaves much unexplained, also from where
     the body would be if its motion went on, and the better of the two."""
     fit = fit_pose(model, observed, pose, options)

@@ -21,7 +21,7 @@ from keypose.tracker.surface.fit.judging import lies_off, off_its_surface
 from keypose.tracker.surface.fit.measuring import measure
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.pairing import TargetSurface
 from keypose.tracker.surface.fit.segment import SurfaceTracker
 from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import Steps, SurfaceMesh
@@ -172,7 +172,7 @@ def fit_solids_to_surface(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> 
     """
     size = float(np.linalg.norm(mesh.extent))
     model = SurfaceModel.of_solids(skeleton.body, pose, OPTIONS.points, size)
-    observed = Observed.of(mesh, OPTIONS)
+    observed = TargetSurface.of(mesh, OPTIONS)
     fit = fit_pose(model, observed, pose, OPTIONS)
     left = measure(model, observed, fit).unexplained
     return FittedPose(

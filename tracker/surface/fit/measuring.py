@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.surface.fit.model import SurfaceModel
-from keypose.tracker.surface.fit.pairing import Observed, Pairs
-from keypose.tracker.surface.fit.solving import Fit, turns_seen
+from keypose.tracker.surface.fit.pairing import Pairs, TargetSurface
+from keypose.tracker.surface.fit.solving import SurfaceRegistration, turns_seen
 
 FAR_SHARE = 0.02
 """Of the surface's size: a point that has nothing within it is not explained."""
@@ -45,7 +45,7 @@ class StepFit:
     rms_m: float
 
 
-def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
+def misfit(model: SurfaceModel, observed: TargetSurface, pairs: Pairs) -> float:
     """Mean squared distance of the two surfaces, both ways, each point's capped; metres².
 
     Unlike the energy, which counts only reliable pairs, it compares poses that are far apart.
@@ -58,7 +58,7 @@ def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
     return float(sum(side @ weight / max(weight.sum(), 1e-12) for side, weight in sides))
 
 
-def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
+def measure(model: SurfaceModel, observed: TargetSurface, fit: SurfaceRegistration) -> StepFit:
     """The measures of a step's outcome."""
     pairs = fit.pairs
     turns = turns_seen(model, point_weights(model, pairs))

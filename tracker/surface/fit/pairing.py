@@ -68,7 +68,7 @@ CONTACT_SHARE = 0.015
 
 
 @dataclass(frozen=True, eq=False)
-class Observed:
+class TargetSurface:
     """One step's surface, ready to be paired with.  weights: (N,) ρ_p of its points."""
 
     samples: SurfaceSamples
@@ -76,7 +76,7 @@ class Observed:
     grid: Any
 
     @classmethod
-    def of(cls, mesh: SurfaceMesh, options: Options) -> Observed:
+    def of(cls, mesh: SurfaceMesh, options: Options) -> TargetSurface:
         """Prepare a mesh in the camera frame, metres."""
         samples = SurfaceSamples.of(mesh, options.points)
         photo = options.photo and mesh.consistency is not None
@@ -103,7 +103,7 @@ class Pairs:
 
 
 def pairs_of(
-    model: SurfaceModel, posed: PosedSurface, observed: Observed, options: Options
+    model: SurfaceModel, posed: PosedSurface, observed: TargetSurface, options: Options
 ) -> Pairs:
     """Nearest points, both ways."""
     seen = observed.samples

@@ -27,7 +27,7 @@ from keypose.tracker.surface.fit.judging import (
 )
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed
+from keypose.tracker.surface.fit.pairing import TargetSurface
 from keypose.tracker.surface.fit.solving import fit_pose
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.tracking.pool import Cancelled
@@ -119,7 +119,7 @@ class SurfaceTracker:
 
     def fit_frame(self, frame: int, pose: Pose) -> Pose:
         """A pose fitted to the surface of one step; SurfaceError where that cannot be used."""
-        observed = Observed.of(self._steps.mesh(frame), self._options)
+        observed = TargetSurface.of(self._steps.mesh(frame), self._options)
         return fit_pose(self.model, observed, pose, self._options).pose
 
     def _extend(self, chain: list[Link], span: tuple[int, int], reporter: _Reporter) -> None:

@@ -33,7 +33,7 @@ from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.terms import Equations, total_equations
 from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.pairing import Observed, Pairs, pairs_of
+from keypose.tracker.surface.fit.pairing import Pairs, TargetSurface, pairs_of
 
 WANDER = 0.15
 """Radians by which normals of an observed surface are off, about."""
@@ -170,7 +170,7 @@ the average at the end."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class SurfaceRegistration:
     """The outcome of one step.
 
     energy:      SURFACE (4) at the best offset, with the pull and the limits, metres².
@@ -203,7 +203,9 @@ class _Iterate:
         return damped_step(normal, self.slope, damping, 1e-9 * np.diag(normal).max())
 
 
-def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Options) -> Fit:
+def fit_pose(
+    model: SurfaceModel, observed: TargetSurface, start: Pose, options: Options
+) -> SurfaceRegistration:
     """The pose near `start` whose surface lies on the observed one.  SURFACE (4)"""
     skeleton = model.skeleton
     stiffness = options.stiff * STIFFNESS * model.size_m**2 * np.diag(skeleton.dof_turns == 1)
@@ -212,7 +214,7 @@ def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Opti
     criteria = replace(CRITERIA, most_solves=options.solves)
     start_state = start, np.zeros(skeleton.dof_count)
     last = least_squares(_Step(model, observed, stiffness, options), start_state, criteria).here
-    return Fit(last.pose, 2 * last.cost, last.information, last.pairs, last.posed)
+    return SurfaceRegistration(last.pose, 2 * last.cost, last.information, last.pairs, last.posed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +222,7 @@ class _Step(Problem[tuple[Pose, Array], _Iterate]):
     """A step's problem. Its states: a pose, and the sum (D,) of all motions that led to it."""
 
     model: SurfaceModel
-    observed: Observed
+    observed: TargetSurface
     stiffness: Array
     options: Options
 
@@ -249,7 +251,7 @@ def _unseen_stiffness(model: SurfaceModel) -> Array:
 
 def _evaluate(
     model: SurfaceModel,
-    observed: Observed,
+    observed: TargetSurface,
     pose: Pose,
     away: Array,
     stiffness: Array,

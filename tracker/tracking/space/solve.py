@@ -40,7 +40,7 @@ from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_poi
 from keypose.tracker.solver.robust import SQUARED, Huber
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
-from keypose.tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
+from keypose.tracker.solver.stretch_poses import MotionWindow, SharedTerm, StretchPoses
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.cues.soft_correction import (
@@ -152,14 +152,14 @@ def solve_space(
         _pinned(problem, pins, frames, shared),
     )
     with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
-        found = least_squares(poses, Stretch(start, shared), CRITERIA, cancelled).state
+        found = least_squares(poses, MotionWindow(start, shared), CRITERIA, cancelled).state
     return _solution(problem, skeleton, found, pins, frames)
 
 
 def _solution(
     problem: SpaceProblem,
     skeleton: Skeleton,
-    found: Stretch,
+    found: MotionWindow,
     pins: list[BodyPoints],
     frames: list[slice],
 ) -> SpaceSolution:

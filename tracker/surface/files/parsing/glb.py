@@ -13,7 +13,7 @@ from typing import Any, BinaryIO, Final
 
 import numpy as np
 
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
+from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh, require_counts
 from keypose.tracker.surface.files.parsing.tidying import require_range
 
 _JSON: Final = 0x4E4F534A
@@ -57,18 +57,18 @@ def read_document(file: BinaryIO) -> dict[str, Any]:
     file.seek(0)
     head = file.read(20)
     if head[:4] != b"glTF" or len(head) < 20:
-        raise Refused("does not begin as a GLB file does: export it again.")
+        raise MeshRefused("does not begin as a GLB file does: export it again.")
     version, whole, length, kind = struct.unpack("<4I", head[4:])
     if version != 2:
-        raise Refused(f"is a GLB file of version {version}: export it as version 2.")
+        raise MeshRefused(f"is a GLB file of version {version}: export it as version 2.")
     if max(whole, len(head) + length) > size:
-        raise Refused("is cut short: export it again.")
+        raise MeshRefused("is cut short: export it again.")
     try:
         document = json.loads(file.read(length))
     except (ValueError, RecursionError):
         document = None
     if kind != _JSON or not isinstance(document, dict):
-        raise Refused("is a damaged GLB file: export it again.")
+        raise MeshRefused("is a damaged GLB file: export it again.")
     return document
 
 
@@ -76,16 +76,18 @@ def _require_plain(document: dict[str, Any]) -> None:
     """Refused where there is more to the document than meshes at rest."""
     named = {*document.get("extensionsUsed", []), *document.get("extensionsRequired", [])}
     if named & _COMPRESSED:
-        raise Refused("holds a compressed mesh: export it without mesh compression.")
+        raise MeshRefused("holds a compressed mesh: export it without mesh compression.")
     if any("uri" in buffer for buffer in document.get("buffers", [])):
-        raise Refused("keeps its numbers in other files: export it as a single GLB file.")
+        raise MeshRefused("keeps its numbers in other files: export it as a single GLB file.")
     primitives = [p for mesh in document.get("meshes", []) for p in mesh["primitives"]]
     moved = document.get("animations") or document.get("skins")
     if moved or any(p.get("targets") for p in primitives):
-        raise Refused(
+        raise MeshRefused(
             "has an animation, a skin or morph targets, which are not played: "
             "export numbered meshes, one per time step."
         )
     fans = any(p.get("mode") == _FAN for p in primitives)
     if fans or any("sparse" in accessor for accessor in document.get("accessors", [])):
-        raise Refused("holds fans of triangles or sparse numbers: export it with plain triangles.")
+        raise MeshRefused(
+            "holds fans of triangles or sparse numbers: export it with plain triangles."
+        )

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.surface.files.parsing.raw import (
+    MeshRefused,
     RawMesh,
-    Refused,
     fan,
     numbers,
     require_counts,
@@ -46,7 +46,7 @@ def read_obj(file: BinaryIO) -> RawMesh:
 def _require_text(file: BinaryIO) -> None:
     """Refused where the file is no text, or has too many faces: before anything is kept of it."""
     if b"\0" in file.read(_BEGINNING):
-        raise Refused("is no text as an OBJ file is: export it again.")
+        raise MeshRefused("is no text as an OBJ file is: export it again.")
     file.seek(0)
     vertices = faces = 0
     last = b"\n"
@@ -74,9 +74,9 @@ def _corners(
     values = numbers(text)
     starts = np.flatnonzero(values == 0)
     if len(starts) != len(lines):
-        raise Refused("has a face with a corner numbered 0: export it again.")
+        raise MeshRefused("has a face with a corner numbered 0: export it again.")
     if not (np.isfinite(values).all() and (np.abs(values) < 2**53).all()):
-        raise Refused("has a face with an impossible corner: export it again.")
+        raise MeshRefused("has a face with an impossible corner: export it again.")
     counts = np.diff(np.append(starts, len(values))) - 1
     corners = runs(values, starts + 1, counts)
     return corners, counts, np.repeat(np.arange(len(lines)), counts)

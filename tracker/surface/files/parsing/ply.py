@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused, fan, numbers, require_counts
+from keypose.tracker.surface.files.parsing.raw import (
+    MeshRefused,
+    RawMesh,
+    fan,
+    numbers,
+    require_counts,
+)
 
 Form: TypeAlias = Literal["text", "<", ">"]
 
@@ -39,7 +45,7 @@ _MOST_OTHER_ROWS: Final = 4_000_000
 
 
 @dataclass(frozen=True)
-class Column:
+class PlyColumn:
     """One property; `counted` is the type of a list's length, None for a single number."""
 
     name: str
@@ -53,7 +59,7 @@ class Element:
 
     name: str
     rows: int
-    columns: tuple[Column, ...]
+    columns: tuple[PlyColumn, ...]
 
     @property
     def least_bytes(self) -> int:
@@ -72,14 +78,14 @@ class Header:
 def read_header(file: BinaryIO) -> Header:
     """Reads up to where the rows begin. Refused where it is no header, or announces too much."""
     if file.readline(16).strip() != b"ply":
-        raise Refused("does not begin as a PLY file does: export it again.")
+        raise MeshRefused("does not begin as a PLY file does: export it again.")
     form, elements = _statements(_lines(file))
     counts = {element.name: element.rows for element in elements}
     if "tristrips" in counts:
-        raise Refused("holds strips of triangles: export it with single faces.")
+        raise MeshRefused("holds strips of triangles: export it with single faces.")
     require_counts(counts.get("vertex", 0), counts.get("face", 0))
     if sum(counts.values()) - counts["vertex"] - counts["face"] > _MOST_OTHER_ROWS:
-        raise Refused("holds much besides vertices and faces: export it with these alone.")
+        raise MeshRefused("holds much besides vertices and faces: export it with these alone.")
     return Header(form, elements)
 
 
@@ -96,12 +102,12 @@ def _lines(file: BinaryIO) -> list[list[str]]:
         if not line.endswith(b"\n"):
             break
         lines.append(words)
-    raise Refused("has a header without an end: export it again.")
+    raise MeshRefused("has a header without an end: export it again.")
 
 
 def _statements(lines: list[list[str]]) -> tuple[Form, tuple[Element, ...]]:
     form: Form | None = None
-    elements: list[tuple[str, int, list[Column]]] = []
+    elements: list[tuple[str, int, list[PlyColumn]]] = []
     for words in lines:
         match words:
             case ["format", name, *_] if name in _FORMS:
@@ -109,21 +115,21 @@ def _statements(lines: list[list[str]]) -> tuple[Form, tuple[Element, ...]]:
             case ["element", name, count] if count.isascii() and count.isdigit():
                 elements.append((name, int(count[:18]), []))
             case ["property", "list", counted, type_, name] if elements:
-                elements[-1][2].append(Column(name, _type(type_), _type(counted)))
+                elements[-1][2].append(PlyColumn(name, _type(type_), _type(counted)))
             case ["property", type_, name] if elements:
-                elements[-1][2].append(Column(name, _type(type_)))
+                elements[-1][2].append(PlyColumn(name, _type(type_)))
             case [] | ["comment", *_] | ["obj_info", *_]:
                 pass
             case _:
-                raise Refused("has a header that is not understood: export it again.")
+                raise MeshRefused("has a header that is not understood: export it again.")
     if form is None:
-        raise Refused("does not say how it is written: export it again.")
+        raise MeshRefused("does not say how it is written: export it again.")
     return form, tuple(Element(name, rows, tuple(columns)) for name, rows, columns in elements)
 
 
 def _type(name: str) -> str:
     if name not in _TYPES:
-        raise Refused("has numbers of an unknown type: export it again.")
+        raise MeshRefused("has numbers of an unknown type: export it again.")
     return _TYPES[name]
 
 
@@ -176,7 +182,7 @@ class Rows:
         for _ in range(element.rows):
             yield [self._next(column) for column in element.columns]
 
-    def _next(self, column: Column) -> NDArray[Any]:
+    def _next(self, column: PlyColumn) -> NDArray[Any]:
         length = 1
         if column.counted is not None:
             length = _list_length(float(self._take(column.counted, 1)[0]))
@@ -194,15 +200,15 @@ class Rows:
 _layout = cache(np.dtype)  # asked for twice a row
 
 
-def _cut_short() -> Refused:
+def _cut_short() -> MeshRefused:
     """The refusal of a file that ends before what its header announces."""
-    return Refused("is cut short, it ends before its last face: export it again.")
+    return MeshRefused("is cut short, it ends before its last face: export it again.")
 
 
 def _as_doubles(element: Element) -> Element:
     """The element with every number, and every list's length, a double."""
     columns = [
-        Column(column.name, _DOUBLE, None if column.counted is None else _DOUBLE)
+        PlyColumn(column.name, _DOUBLE, None if column.counted is None else _DOUBLE)
         for column in element.columns
     ]
     return replace(element, columns=tuple(columns))
@@ -211,7 +217,7 @@ def _as_doubles(element: Element) -> Element:
 def _list_length(length: float) -> int:
     """A list's length."""
     if not 0 <= length <= 1_000_000:  # not a number is neither
-        raise Refused("has a list of impossible length: export it again.")
+        raise MeshRefused("has a list of impossible length: export it again.")
     return int(length)
 
 
@@ -266,7 +272,7 @@ def _single(
     """Columns of single numbers."""
     for name in names:
         if not _is_single(of, name):
-            raise Refused(f"does not say where its vertices are ({name}): export it again.")
+            raise MeshRefused(f"does not say where its vertices are ({name}): export it again.")
     return [found[name][0].astype(np.float64) for name in names]
 
 
@@ -280,5 +286,5 @@ def _corners(
     lists = [c.name for c in element.columns if c.counted is not None]
     named = [name for name in lists if name in _CORNERS] or lists
     if not named:
-        raise Refused("has faces without corners: export it again.")
+        raise MeshRefused("has faces without corners: export it again.")
     return found[named[0]]

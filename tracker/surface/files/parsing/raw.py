@@ -18,7 +18,7 @@ MOST_FACES: Final = 2_000_000
 MOST_VERTICES: Final = 1_000_000
 
 
-class Refused(Exception):
+class MeshRefused(Exception):
     """Why a mesh cannot be used: the end of a sentence whose subject is the file's name."""
 
 
@@ -37,13 +37,13 @@ class RawMesh:
 def require_counts(vertices: int, faces: int) -> None:
     """Refused where a file announces more than is read, or no surface at all."""
     if faces > MOST_FACES:
-        raise Refused(f"has {faces:,} faces: simplify it to {MOST_FACES:,} at most.")
+        raise MeshRefused(f"has {faces:,} faces: simplify it to {MOST_FACES:,} at most.")
     if vertices > MOST_VERTICES:
-        raise Refused(f"has {vertices:,} vertices: simplify it to {MOST_VERTICES:,} at most.")
+        raise MeshRefused(f"has {vertices:,} vertices: simplify it to {MOST_VERTICES:,} at most.")
     if vertices <= 0:
-        raise Refused("holds no vertices: export it again.")
+        raise MeshRefused("holds no vertices: export it again.")
     if faces <= 0:
-        raise Refused("holds no faces, only points: make a mesh of them first.")
+        raise MeshRefused("holds no faces, only points: make a mesh of them first.")
 
 
 def numbers(text: bytes) -> Array:
@@ -56,7 +56,7 @@ def numbers(text: bytes) -> Array:
         try:
             return np.fromstring(text, sep=" ")
         except (DeprecationWarning, ValueError) as error:
-            raise Refused(
+            raise MeshRefused(
                 "holds something else where numbers should be: export it again."
             ) from error
 
@@ -72,7 +72,7 @@ def table(lines: list[bytes], least: int) -> Array:
         return flat.reshape(len(lines), width)
     rows = [line.split(None, least)[:least] for line in lines]
     if min(map(len, rows), default=least) < least:
-        raise Refused(f"has a vertex with fewer than {least} numbers: export it again.")
+        raise MeshRefused(f"has a vertex with fewer than {least} numbers: export it again.")
     return numbers(b" ".join(b" ".join(row) for row in rows)).reshape(len(rows), least)
 
 
@@ -122,13 +122,13 @@ def open_mesh_file(path: Path) -> BinaryIO:
     try:
         file = open_regular(path)
     except NotRegular as error:
-        raise Refused("is not a regular file: put a mesh in its place.") from error
+        raise MeshRefused("is not a regular file: put a mesh in its place.") from error
     except FileNotFoundError as error:
-        raise Refused("is no longer there: put it back, or open the folder again.") from error
+        raise MeshRefused("is no longer there: put it back, or open the folder again.") from error
     except PermissionError as error:
-        raise Refused("may not be read by you: change its permissions.") from error
+        raise MeshRefused("may not be read by you: change its permissions.") from error
     except OSError as error:
-        raise Refused("cannot be read: check the disk or connection it is on.") from error
+        raise MeshRefused("cannot be read: check the disk or connection it is on.") from error
     try:
         _require_sensible_size(os.fstat(file.fileno()).st_size)
         _require_no_archive(file)
@@ -140,9 +140,9 @@ def open_mesh_file(path: Path) -> BinaryIO:
 
 def _require_sensible_size(size: int) -> None:
     if size == 0:
-        raise Refused("is empty: export it again.")
+        raise MeshRefused("is empty: export it again.")
     if size > LARGEST_BYTES:
-        raise Refused(
+        raise MeshRefused(
             f"is {size / 2**20:,.0f} MB large, and no more than "
             f"{LARGEST_BYTES // 2**20} MB are read: simplify it, or save it in a binary form."
         )
@@ -153,4 +153,4 @@ def _require_no_archive(file: BinaryIO) -> None:
     file.seek(0)
     for start, what in _ARCHIVES.items():
         if head.startswith(start):
-            raise Refused(f"is a {what}, not a mesh: unpack it.")
+            raise MeshRefused(f"is a {what}, not a mesh: unpack it.")

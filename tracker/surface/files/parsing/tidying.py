@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.surface.files.parsing.raw import RawMesh, Refused
+from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh
 
 FARTHEST, SMALLEST = 1e9, 1e-9
 """In units of the file. Beyond them there is no sensible surface, and squares lose their sense."""
@@ -33,7 +33,7 @@ def tidy(raw: RawMesh) -> RawMesh:
 def require_range(faces: NDArray[np.int64], vertices: int) -> None:
     """Refused where a face names a vertex that is not there."""
     if len(faces) and (faces.min() < 0 or faces.max() >= vertices):
-        raise Refused("has faces whose corners are not among its vertices: export it again.")
+        raise MeshRefused("has faces whose corners are not among its vertices: export it again.")
 
 
 def _require_surface(mesh: RawMesh) -> RawMesh:
@@ -41,9 +41,9 @@ def _require_surface(mesh: RawMesh) -> RawMesh:
     _require_sense(mesh.vertices)
     longest = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.faces) else 0.0
     if longest < SMALLEST:
-        raise Refused("has no face that is larger than a point: export it again.")
+        raise MeshRefused("has no face that is larger than a point: export it again.")
     if _area(mesh) < LEAST_AREA * longest**2:
-        raise Refused("has no face that is wider than a line: export it again.")
+        raise MeshRefused("has no face that is wider than a line: export it again.")
     return mesh
 
 
@@ -93,9 +93,9 @@ def _drop_unused(raw: RawMesh) -> RawMesh:
 
 def _require_sense(vertices: Array) -> None:
     if not np.isfinite(vertices).all():
-        raise Refused("has vertices that are not finite numbers: export it again.")
+        raise MeshRefused("has vertices that are not finite numbers: export it again.")
     if (np.abs(vertices) > FARTHEST).any():
-        raise Refused(f"has vertices farther than {FARTHEST:,.0f} units away: export it again.")
+        raise MeshRefused(f"has vertices farther than {FARTHEST:,.0f} units away: export it again.")
 
 
 def _as_zncc(consistency: Array | None) -> Array | None:

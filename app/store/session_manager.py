@@ -10,7 +10,7 @@ from keypose.app.document.library import Library
 from keypose.app.document.library.poses import KeptPose, PoseShelf
 from keypose.app.editor import actions
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.documents import Refused
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.pose_strokes import pose_strokes
@@ -55,12 +55,12 @@ class PoseLibrary:
                 return actions.PastePose(
                     copied=pose.copied, mirrored=action.mirrored, onto_body=True, name=pose.name
                 )
-        raise Refused("This pose is not in the library any more.")
+        raise ActionRefused("This pose is not in the library any more.")
 
     def _change(self, action: actions.PoseKeeping, edit: EditorState | None) -> None:
         if isinstance(action, actions.KeepPose):
             if edit is None:
-                raise Refused("Open a video first.")
+                raise ActionRefused("Open a video first.")
             pose = shown_pose(edit).pose
             strokes = pose_strokes(edit.skeleton, pose)
             self._shelf.keep(action.name, Copied.pose_of(edit.skeleton, pose), strokes)
