@@ -30,7 +30,7 @@ LONGEST_S = 30 * 24 * 3600.0
 AHEAD_S = 3600.0
 """By which another computer's clock may be ahead."""
 LARGEST_BYTES = 1 << 16
-NAME = "browsers.json"
+BROWSERS_FILE = "browsers.json"
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def _is_same(one: str, other: str) -> bool:
 
 TOKEN_LONGEST_S = 24 * 3600.0
 
-TOKENS_NAME = "links.json"
+LINKS_FILE = "links.json"
 
 _BYTES = 24
 

@@ -24,9 +24,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.scene.scene import Stage
 from keypose.app.scene.scenery import SceneryMaker
 from keypose.app.scene.viser_compat import PAGE, ROLES
-from keypose.app.server.admission import TOKENS_NAME as BROWSERS
-from keypose.app.server.admission import TOKENS_NAME as LINKS
-from keypose.app.server.admission import Browsers, OneTimeTokens
+from keypose.app.server.admission import BROWSERS_FILE, LINKS_FILE, Browsers, OneTimeTokens
 from keypose.app.server.exports import Exports
 from keypose.app.server.guard import PROTOCOL, Guard
 from keypose.app.server.headers import headers_for
@@ -75,8 +73,8 @@ class Server:
         self._page_files = PageFiles(STATIC, STATIC_MOUNT)
         self.guard = Guard(
             self._application(),
-            browsers=Browsers(library.workspace / BROWSERS),
-            tokens=OneTimeTokens(library.workspace / LINKS),
+            browsers=Browsers(library.workspace / BROWSERS_FILE),
+            tokens=OneTimeTokens(library.workspace / LINKS_FILE),
             extra_hosts=hosts,
             public_hosts=public_hosts,
         )

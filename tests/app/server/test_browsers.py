@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.admission import LONGEST_S, MOST, NAME, Browsers
+from keypose.app.server.admission import BROWSERS_FILE, LONGEST_S, MOST, Browsers
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    return tmp_path / "workspace" / NAME
+    return tmp_path / "workspace" / BROWSERS_FILE
 
 
 def test_a_browser_is_known_by_cookie_and_key_also_to_the_next_server(file: Path) -> None:
@@ -85,6 +85,6 @@ def test_a_file_that_others_may_have_made_lets_nobody_in(file: Path, how: str) -
 
 def test_where_the_workspace_cannot_be_written_it_still_lets_in(tmp_path: Path) -> None:
     (tmp_path / "workspace").write_text("a file")
-    browsers = Browsers(tmp_path / "workspace" / NAME)
+    browsers = Browsers(tmp_path / "workspace" / BROWSERS_FILE)
     given = browsers.admit()
     assert browsers.has_key(given.cookie, given.key)

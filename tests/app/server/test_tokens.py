@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.admission import TOKEN_LONGEST_S, TOKENS_NAME, OneTimeTokens
+from keypose.app.server.admission import LINKS_FILE, TOKEN_LONGEST_S, OneTimeTokens
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    return tmp_path / "workspace" / TOKENS_NAME
+    return tmp_path / "workspace" / LINKS_FILE
 
 
 def test_a_link_that_was_not_used_lets_one_browser_in_after_a_restart(file: Path) -> None:
