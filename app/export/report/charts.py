@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,14 +49,6 @@ def timeline(rows: Iterable[tuple[str, Html]], scale: Scale) -> Html:
     """Strips by name, one below the other, above the frames."""
     strips = [_row(name, strip, "strip") for name, strip in rows]
     return element("div", *strips, _row("Frame", _axis(scale), "axis"), class_="time")
-
-
-def framed(caption: Html, drawn: Html, ends: tuple[str, str], ticks: tuple[str, ...]) -> Html:
-    """A small chart: its drawing, the highest and lowest figure, and words evenly below it."""
-    places = [(100.0 * i / (len(ticks) - 1), words) for i, words in enumerate(ticks)]
-    return element(
-        "figure", caption, _plot(drawn, high=ends[0], low=ends[1]), _ticks(places), class_="multi"
-    )
 
 
 def score_chart(track: SegmentResult) -> Html:
@@ -218,58 +211,82 @@ def _multiple(
     least: float,
     unit: str,
 ) -> Iterator[Html]:
-    """One small chart of up to three curves (N, 3); none where nothing moves."""
+    """Draw one small chart of up to three curves (N, 3); none where nothing moves."""
     moving = [k for k in range(3) if _span_of(values[:, k]) > least]
     if not moving:
         return
     shown = values[:, moving]
     low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
-    keys, (start, end) = subject.keys, subject.ends
-    scale = Scale(start, end, low - 0.08 * (high - low), high + 0.08 * (high - low))
     digits = 0 if unit == "°" else 2
-    curves = [path(curve(values[:, k], first, scale), f"curve {AXES[k]}") for k in moving]
-    marks = [
-        path(dots(_at_keys(values[:, k], first, keys, scale)), f"dots {AXES[k]}") for k in moving
-    ]
-    axes = ", ".join(words[AXES[k]] for k in moving)
-    drawn = drawing(path(uprights(keys, scale), "keys"), *curves, *marks, words=f"{title}: {axes}")
-    yield element(
-        "figure",
+    yield line_chart(
         _caption(title, [(AXES[k], words[AXES[k]]) for k in moving]),
-        _plot(
-            drawn,
-            high=number_text(high, digits) + unit,
-            low=number_text(low, digits) + unit,
-        ),
-        _ticks([(0.0, str(start)), (100.0, str(end))]),
-        class_="multi",
+        Scale(*subject.ends, low - 0.08 * (high - low), high + 0.08 * (high - low)),
+        [Line(values[:, k], AXES[k], first, subject.keys) for k in moving],
+        words=f"{title}: {', '.join(words[AXES[k]] for k in moving)}",
+        high=number_text(high, digits) + unit,
+        low=number_text(low, digits) + unit,
+        uprights_at={"keys": subject.keys},
     )
 
 
 def single_chart(subject: Subject, title: str, values: Array, first: int) -> Html:
-    """A small chart of one curve (N,) from frame `first` on, of values from 0 up."""
-    high, (start, end) = float(np.nanmax(values)), subject.ends
-    scale = Scale(start, end, 0.0, 1.08 * high or 1.0)
-    drawn = drawing(
-        path(uprights(subject.keys, scale), "keys"),
-        path(curve(values, first, scale), "curve x"),
-        words=f"{title}: {number_text(high, 2)} at most",
-    )
-    return element(
-        "figure",
+    """Draw a small chart of one curve (N,) from frame `first` on, of values from 0 up."""
+    high = float(np.nanmax(values))
+    return line_chart(
         _caption(title, []),
-        _plot(drawn, high=number_text(high, 2), low="0"),
-        _ticks([(0.0, str(start)), (100.0, str(end))]),
-        class_="multi",
+        Scale(*subject.ends, 0.0, 1.08 * high or 1.0),
+        [Line(values, "x", first)],
+        words=f"{title}: {number_text(high, 2)} at most",
+        high=number_text(high, 2),
+        low="0",
+        uprights_at={"keys": subject.keys},
     )
 
 
-def _at_keys(
-    values: Array, first: int, keys: tuple[int, ...], scale: Scale
-) -> Iterator[tuple[float, float]]:
-    for key in keys:
-        if 0 <= key - first < len(values) and np.isfinite(values[key - first]):
-            yield scale.x(key), scale.y(float(values[key - first]))
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A curve (N,) from frame `first` on, with dots at some frames; style: its classes."""
+
+    values: Array
+    style: str
+    first: int = 0
+    dots_at: Sequence[int] = ()
+
+    def dots(self, scale: Scale) -> str:
+        at = (frame for frame in self.dots_at if 0 <= frame - self.first < len(self.values))
+        known = ((frame, float(self.values[frame - self.first])) for frame in at)
+        return dots((scale.x(x), scale.y(y)) for x, y in known if math.isfinite(y))
+
+
+def line_chart(
+    caption: Html,
+    scale: Scale,
+    lines: Sequence[Line],
+    *,
+    words: str,
+    high: str,
+    low: str,
+    uprights_at: Mapping[str, Sequence[float]],
+    ticks: tuple[str, ...] = (),
+    has_zero: bool = False,
+) -> Html:
+    """Draw a small chart: curves with dots, lines from top to bottom by their style, a zero line.
+
+    words: for those who cannot see it.  high, low: the figures of its ends.  ticks: words evenly
+    below it; the first and the last frame where there are none.
+    """
+    drawn = drawing(
+        path(f"M0 {scale.y(0.0):.1f}H1000", "zero") if has_zero else None,
+        *(path(uprights(at, scale), style) for style, at in uprights_at.items()),
+        *(path(curve(one.values, one.first, scale), f"curve {one.style}") for one in lines),
+        *(path(one.dots(scale), f"dots {one.style}") for one in lines),
+        words=words,
+    )
+    below = ticks or (f"{scale.first:g}", f"{scale.last:g}")
+    places = [(100.0 * i / (len(below) - 1), word) for i, word in enumerate(below)]
+    return element(
+        "figure", caption, _plot(drawn, high=high, low=low), _ticks(places), class_="multi"
+    )
 
 
 def _span_of(values: Array) -> float:

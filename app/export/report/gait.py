@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypose.app.export.report.charts import framed, timeline
+from keypose.app.export.report.charts import Line, line_chart, timeline
 from keypose.app.export.report.markup import Child, Html, element, joined
-from keypose.app.export.report.plots import Scale, curve, dots, drawing, path, uprights
+from keypose.app.export.report.plots import Scale
 from keypose.app.export.report.subject import Subject
 from keypose.app.export.report.tables import figure, table, tile
 from keypose.app.posing import part_label
@@ -122,33 +122,21 @@ def _chart(
     subject: Subject, joint: str, angle: Angle, curves: Mapping[str, Array], first: int
 ) -> Html:
     low, high = chart_range(list(curves.values()))
-    room = 0.06 * (high - low)
-    (start, end), keys = subject.ends, subject.keys
-    scale = Scale(start, end, low - room, high + room)
-    lines = [path(curve(values, first, scale), f"curve {side}") for side, values in curves.items()]
-    marks = [
-        path(dots(_at(values, first, keys, scale)), f"dots {side}")
-        for side, values in curves.items()
-    ]
-    words = f"{part_label(joint)} {' and '.join(angle_words(angle))}, {', '.join(curves)}"
-    drawn = drawing(
-        path(f"M0 {scale.y(0.0):.1f}H1000", "zero"), path(uprights(keys, scale), "keys"),
-        *lines, *marks, words=words,
-    )  # fmt: skip
-    return framed(
+    return line_chart(
         caption(joint, angle),
-        drawn,
-        (f"{number_text(high, 0)}°", f"{number_text(low, 0)}°"),
-        (str(start), str(end)),
+        _with_room(*subject.ends, low, high),
+        [Line(values, side, first, subject.keys) for side, values in curves.items()],
+        words=f"{part_label(joint)} {' and '.join(angle_words(angle))}, {', '.join(curves)}",
+        high=f"{number_text(high, 0)}°",
+        low=f"{number_text(low, 0)}°",
+        uprights_at={"keys": subject.keys},
+        has_zero=True,
     )
 
 
-def _at(
-    values: Array, first: int, keys: Sequence[int], scale: Scale
-) -> Iterator[tuple[float, float]]:
-    for key in keys:
-        if 0 <= key - first < len(values) and np.isfinite(values[key - first]):
-            yield scale.x(key), scale.y(float(values[key - first]))
+def _with_room(first: float, last: float, low: float, high: float) -> Scale:
+    room = 0.06 * (high - low)
+    return Scale(first, last, low - room, high + room)
 
 
 def _known(angles: Array) -> Array:
@@ -312,17 +300,24 @@ def _cycle(recording: Recording, values: Array, stride: Stride) -> Array | None:
 
 def _cycle_chart(name: str, angle: Angle, cycles: dict[str, list[Array]], gait: Gait) -> Html:
     low, high = chart_range([one for side in cycles.values() for one in side])
-    room = 0.06 * (high - low)
-    scale = Scale(0, 100, low - room, high + room)
-    lines: list[Child] = [path(f"M0 {scale.y(0.0):.1f}H1000", "zero")]
+    lines: list[Line] = []
+    toes_leave: dict[str, Sequence[float]] = {}
     for side, strides in cycles.items():
         shares = [s.stance_share for s in gait.strides if s.part == f"{side}_foot"]
         known = [share for share in shares if share is not None]
         if known:
-            lines.append(path(uprights([100 * float(np.mean(known))], scale), f"off {side}"))
-        lines += [path(curve(one, 0, scale), f"curve thin {side}") for one in strides]
+            toes_leave[f"off {side}"] = [100 * float(np.mean(known))]
+        lines += [Line(one, f"thin {side}") for one in strides]
         if strides:
-            lines.append(path(curve(np.mean(strides, axis=0), 0, scale), f"curve {side}"))
-    drawn = drawing(*lines, words=f"{part_label(name)} over the gait cycle, left and right")
-    ends = (f"{number_text(high, 0)}°", f"{number_text(low, 0)}°")
-    return framed(caption(name, angle), drawn, ends, ("0", "50", "100 %"))
+            lines.append(Line(np.mean(strides, axis=0), side))
+    return line_chart(
+        caption(name, angle),
+        _with_room(0, 100, low, high),
+        lines,
+        words=f"{part_label(name)} over the gait cycle, left and right",
+        high=f"{number_text(high, 0)}°",
+        low=f"{number_text(low, 0)}°",
+        uprights_at=toes_leave,
+        ticks=("0", "50", "100 %"),
+        has_zero=True,
+    )
