@@ -21,7 +21,7 @@ from keypose.app.cli.arguments import (
 from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.import_choices import EVERY, LEAST_TRACKED, KeypointChoices, MotionChoices
-from keypose.app.export.import_words import note_words
+from keypose.app.words.imports import note_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.keypoints.layouts import LAYOUTS
 

@@ -101,7 +101,7 @@ def _save_found(
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
     summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
-    from keypose.app.editor.problem_words import space_sentence
+    from keypose.app.words.problems import space_sentence
 
     results = _write(session, asked, found, arguments)
     if results is None:

@@ -9,7 +9,7 @@ from keypose.app.cli.arguments import Subcommands, add_command, add_json, add_se
 from keypose.app.cli.json_output import print_json
 
 if TYPE_CHECKING:
-    from keypose.app.editor.review import Place, Review
+    from keypose.tracker.review.places import Place, Review
 
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""
@@ -41,7 +41,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.editor.review import review_of
+    from keypose.tracker.review.places import review_of
     from keypose.tracker.storage.files import load_session
     from keypose.tracker.storage.results import load_results
 
@@ -69,7 +69,7 @@ def _facts(found: Review, goal: int) -> dict[str, Any]:
 
 
 def _place(place: Place) -> dict[str, Any]:
-    from keypose.app.editor.review_words import reason_of_place
+    from keypose.app.words.review import reason_of_place
 
     return {
         "frame": place.frame,
@@ -83,8 +83,8 @@ def _place(place: Place) -> dict[str, Any]:
 
 
 def _table(found: Review, goal: int) -> list[str]:
-    from keypose.app.editor.problem_words import size_of
-    from keypose.app.editor.review_words import (
+    from keypose.app.words.problems import size_of
+    from keypose.app.words.review import (
         answers_words,
         label_of_place,
         left_words,

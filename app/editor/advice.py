@@ -9,15 +9,15 @@ from itertools import pairwise
 from typing import Literal
 
 from keypose.app.editor.ahead import stands, tracked_to, why_stopped
-from keypose.app.editor.judged import JudgedSegments
-from keypose.app.editor.problem_words import (
+from keypose.app.words.problems import (
     add_keyframe,
     detail_of,
     frame_range,
     named_frames,
     reason,
 )
-from keypose.app.editor.problems import (
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.review.problems import (
     SHORT_FRAMES,
     Problem,
     ProblemCause,
@@ -26,8 +26,8 @@ from keypose.app.editor.problems import (
     is_worth_a_keyframe,
     problem_of,
 )
-from keypose.app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
-from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.review.segment_errors import gain, part_errors_px, possible_drift_px
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Ahead, Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.session.schema import Session

@@ -7,11 +7,11 @@ import numpy as np
 from keypose.app.editor import actions as do
 from keypose.app.editor import keyframe_edits
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.review import Place, review_of
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.review.places import Place, review_of
 from keypose.tracker.session.annotations import (
     Answer,
     DraftPlace,

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from keypose.app.editor.shown import counts, find, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import handles
-from keypose.app.posing.labels import kind_of
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.ground import floor_height, lowest_heights
+from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import (
     Pose,
     joint_names,

@@ -17,8 +17,8 @@ from keypose.app.editor.documents import (
 from keypose.app.editor.shown import draft_at, find, pose_behind, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import lanes, part_label
-from keypose.app.posing.labels import kind_of
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed

@@ -17,10 +17,10 @@ from keypose.app.editor.pinned import (
     range_to_pin,
     shares_points,
 )
-from keypose.app.editor.problem_words import named_frames
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
+from keypose.app.words.problems import named_frames
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session

@@ -11,8 +11,8 @@ from typing import Any, Final, Literal, TypeAlias
 
 from keypose.app.export.import_camera import turned_deg, with_camera_file
 from keypose.app.export.import_choices import EVERY
-from keypose.app.export.import_words import note_words
 from keypose.app.export.importing import names_of, video_facts
+from keypose.app.words.imports import note_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.files import TooLarge, read_regular

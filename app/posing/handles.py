@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
-from keypose.app.posing.labels import joint_label, kind_of, part_label
+from keypose.app.posing.labels import joint_label, part_label
 from keypose.tracker.body.body import Body, Part
+from keypose.tracker.body.limb_groups import chains, kind_of, limb_groups
 from keypose.tracker.body.skeleton import Skeleton, once_per_body
 from keypose.tracker.errors import BodyError
 
@@ -44,7 +43,7 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
     skeleton = Skeleton.of(body)
     root = body.parts[0].name
     found = [BodyHandle("root", "root", root, root, "Body", (root,), (root,))]
-    for limb in _limbs(skeleton):
+    for limb in chains(skeleton):
         if limb[-1] == "head":
             found.append(_head(skeleton, limb))
         elif not _carries_more(skeleton, limb):
@@ -95,45 +94,8 @@ def handle_at_far_end(body: Body, part: str) -> BodyHandle | None:
 
 
 def lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Groups of parts by name, for lists: trunk, arms and legs of a person, else by limb."""
-    names = set(body.names)
-    if {"chest", "left_upper_arm", "right_thigh"} <= names:
-        return _person_lanes(body)
-    skeleton = Skeleton.of(body)
-    groups = [(body.parts[0].name,), *_limbs(skeleton)]
-    return tuple((_group_label(group), group) for group in groups)
-
-
-def _person_lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    arm, leg = {"clavicle", "upper_arm", "forearm", "hand"}, {"thigh", "shin", "foot"}
-    groups: dict[str, list[str]] = {"Trunk": []}
-    for side in ("Right", "Left"):
-        groups[f"{side} arm"] = []
-    for side in ("Right", "Left"):
-        groups[f"{side} leg"] = []
-    for name in body.names:
-        side = name.split("_")[0].capitalize()
-        kind = "arm" if kind_of(name) in arm else "leg" if kind_of(name) in leg else ""
-        groups.get(f"{side} {kind}", groups["Trunk"]).append(name)
-    return tuple((label, tuple(parts)) for label, parts in groups.items() if parts)
-
-
-def _group_label(group: tuple[str, ...]) -> str:
-    """The words that all names share, else the first name."""
-    if len(group) == 1:
-        return part_label(group[0])
-    words = [name.split("_") for name in group]
-    shared = [word for word in words[0] if all(word in other for other in words)]
-    if shared:
-        return part_label("_".join(shared))
-    return part_label(" and ".join((group[0], group[-1])))
-
-
-def _limbs(skeleton: Skeleton) -> list[tuple[str, ...]]:
-    """The unbranched chains that the body is made of, without the root, in the parts' order."""
-    names, limbs = skeleton.body.names, skeleton.limbs
-    order = dict.fromkeys(limbs[1:].tolist())
-    return [tuple(names[i] for i in np.flatnonzero(limbs == limb)) for limb in order]
+    """Return the groups of parts for lists, each with its label."""
+    return tuple((part_label(name), parts) for name, parts in limb_groups(body))
 
 
 def _carries_more(skeleton: Skeleton, limb: tuple[str, ...]) -> bool:

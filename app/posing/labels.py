@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.limb_groups import SIDES, kind_of
 
 _AXES = {"x": "Bend", "y": "Twist", "z": "Side"}
 _ROOT_AXES = {"x": "Lean", "y": "Turn", "z": "Tilt"}
@@ -17,7 +18,6 @@ _JOINTS = {
     "upper_arm": "shoulder", "forearm": "elbow", "hand": "wrist",
     "thigh": "hip", "shin": "knee", "foot": "ankle",
 }  # fmt: skip
-_SIDES = ("left", "right")
 
 
 def part_label(name: str) -> str:
@@ -29,11 +29,6 @@ def part_label(name: str) -> str:
 def short_label(name: str) -> str:
     """Without its side: "Forearm"."""
     return part_label(kind_of(name))
-
-
-def kind_of(name: str) -> str:
-    """The name without its side: "forearm"."""
-    return "_".join(word for word in name.split("_") if word not in _SIDES)
 
 
 def axis_labels(body: Body, name: str) -> dict[str, str]:
@@ -49,7 +44,7 @@ def joint_label(name: str) -> str:
     kind = kind_of(name)
     if kind not in _JOINTS:
         return f"{part_label(name)} joint"
-    side = [word for word in name.split("_") if word in _SIDES]
+    side = [word for word in name.split("_") if word in SIDES]
     return part_label(" ".join([*side, _JOINTS[kind]]))
 
 

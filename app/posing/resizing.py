@@ -10,12 +10,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from keypose.app.posing.gesture import Gesture, GestureContext, Posed, Readout, SizeHandle
-from keypose.app.posing.labels import kind_of, number_text, part_label
+from keypose.app.posing.labels import number_text, part_label
 from keypose.app.posing.moving import STEP_M, aim
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.vectors import length
 from keypose.tracker.body import modify
 from keypose.tracker.body.body import Body, Part, Point
+from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.modify import with_parts
 from keypose.tracker.body.shapes import KINDS, Shape
 from keypose.tracker.errors import BodyError

@@ -11,9 +11,9 @@ from keypose.app.editor.documents import ActionRefused, require_sound
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.import_choices import LEAST_TRACKED
-from keypose.app.export.import_words import note_words
 from keypose.app.export.importing import DraftImport, Import, MotionImport
 from keypose.app.store.sections.json_value import unchanged
+from keypose.app.words.imports import note_words
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder

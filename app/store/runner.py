@@ -43,14 +43,14 @@ from keypose.app.jobs import (
     Warming,
     seconds_left,
 )
-from keypose.app.store.job_words import (
+from keypose.app.store.state import Job, Running
+from keypose.app.words.jobs import (
     Ending,
     closing_words,
     drafting_progress,
     following_progress,
     spans_text,
 )
-from keypose.app.store.state import Job, Running
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.session.verdict import worst_of

@@ -121,6 +121,12 @@ class Camera(BaseModel):
         xy = _distorted(p_camera[..., :2] / z[..., None], self.distortion)
         return xy * (self.fx, self.fy) + (self.cx, self.cy)
 
+    def ray_to(self, p_camera: Array) -> tuple[Array, Array]:
+        """Return where the line of sight to a point (3,) begins, and its unit direction (3,)."""
+        if self.telephoto_distance_m is not None:
+            return np.array([p_camera[0], p_camera[1], 0.0]), np.array([0.0, 0.0, 1.0])
+        return np.zeros(3), p_camera / np.sqrt(p_camera @ p_camera)
+
     def back_project(self, uv: Array, depth_m: Array | float) -> Array:
         """Points (..., 3) in metres that are seen at pixels (..., 2), at z = depth_m.
 

@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from keypose.app.editor.advice import next_step
-from keypose.app.editor.judged import JudgedSegments
-from keypose.app.editor.review_words import answers_words
 from keypose.app.export.report.charts import angle_charts, over_time, score_chart
 from keypose.app.export.report.derivatives import derivatives_section
 from keypose.app.export.report.gait import CONVENTIONS, clinical_charts, gait_section, legend
@@ -27,7 +25,9 @@ from keypose.app.export.report.tables import (
 )
 from keypose.app.posing.labels import number_text
 from keypose.app.render.studio import ViewStyle
+from keypose.app.words.review import answers_words
 from keypose.tracker.errors import FormatError
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
 from keypose.tracker.video import Video

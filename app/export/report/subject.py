@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.problem_words import sentence
 from keypose.app.render.poses import KnownPoses
+from keypose.app.words.problems import sentence
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, SessionError
 from keypose.tracker.formats.recording import RecordedSegment, Recording

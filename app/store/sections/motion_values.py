@@ -8,16 +8,16 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.advice import next_step
-from keypose.app.editor.judged import JudgedSegments
-from keypose.app.editor.problem_words import sentence_of, size_of, todo_of
-from keypose.app.editor.problems import BY_MOTION, Problem, problem_of
-from keypose.app.editor.review import GOALS_PX, Place, Review, review_of
-from keypose.app.editor.review_words import label_of_place, reason_of_place
-from keypose.app.editor.segment_evidence import best_row, part_errors_px
 from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.state import AppState
+from keypose.app.words.problems import sentence_of, size_of, todo_of
+from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.places import GOALS_PX, Place, Review, review_of
+from keypose.tracker.review.problems import BY_MOTION, Problem, problem_of
+from keypose.tracker.review.segment_errors import best_row, part_errors_px
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import DraftPlace
 from keypose.tracker.session.evidence import Words
 from keypose.tracker.session.schema import Session

@@ -7,21 +7,22 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.floor_edits import uneven_feet_m
-from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
-from keypose.app.editor.problem_words import pin_sentence, space_sentence
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
-from keypose.app.posing.labels import joint_label, kind_of, number_text
+from keypose.app.posing.labels import joint_label, number_text
 from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
+from keypose.app.words.problems import pin_sentence, space_sentence
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from keypose.app.editor.drafted import frame_runs, missing_frames
-from keypose.app.editor.review import drafts_to_confirm
 from keypose.app.editor.shown import counts
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.tracker.body.modify import height
+from keypose.tracker.review.places import drafts_to_confirm
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
 

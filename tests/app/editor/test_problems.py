@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from keypose.app.editor.problems import blames_keys
+from keypose.tracker.review.problems import blames_keys
 from keypose.tracker.session.verdict import Verdict
 
 

@@ -10,13 +10,13 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.judged import JudgedSegments
-from keypose.app.editor.review import Review, review_of
-from keypose.app.editor.review_words import label_of_place, reason_of_place
 from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
+from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.review.places import Review, review_of
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.storage.files import save_session
@@ -149,7 +149,7 @@ def test_where_nothing_is_to_be_reviewed_an_answer_is_refused() -> None:
 
 
 def test_what_hides_a_part_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(JudgedSegments, "hidden_behind", lambda *_: "head")
+    monkeypatch.setattr(JudgedSegments, "occluder", lambda *_: "head")
     place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
     assert (place.cause, reason_of_place(place)) == ("not_seen", "hidden behind the head, 9–11")
 
@@ -157,7 +157,7 @@ def test_what_hides_a_part_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_reason_is_seldom_more_than_that_the_passes_differ(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(JudgedSegments, "hidden_behind", lambda *_: None)
+    monkeypatch.setattr(JudgedSegments, "occluder", lambda *_: None)
     place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
     assert reason_of_place(place) == "forward and backward passes differ"
 

@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 
-from keypose.app.editor.problem_words import reason_with_frames, sentence, short_sentence
+from keypose.app.words.problems import reason_with_frames, sentence, short_sentence
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 
 HAND = "right_hand"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from keypose.app.cli.main import main
 from keypose.app.export.import_motion import ImportedMotion, fit_to_session
-from keypose.app.export.import_words import note_words
+from keypose.app.words.imports import note_words
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory

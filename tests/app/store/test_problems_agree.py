@@ -8,12 +8,12 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from keypose.app.editor.judged import JudgedSegments
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.store.sections import motion_values
 from keypose.app.store.state import AppState
 from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.storage.results import Results, segment_keys
@@ -115,7 +115,7 @@ def test_head_card_strip_and_review_name_the_same_frame_part_and_reason(
     """What hides a part is told by its name: looking along the line of sight takes its time."""
     monkeypatch.setattr(
         JudgedSegments,
-        "hidden_behind",
+        "occluder",
         lambda _, __, frame, part: "chest" if (frame + len(part)) % 3 == 0 else None,
     )
     problems = suggested = 0

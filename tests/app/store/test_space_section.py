@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.editor.problem_words import space_sentence
 from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
+from keypose.app.words.problems import space_sentence
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.storage.results import Results

@@ -22,7 +22,6 @@ from keypose.app.document.open import OpenSession, edit_state
 from keypose.app.editor import actions as do
 from keypose.app.editor.advice import Suggestion, next_step
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
-from keypose.app.editor.review import Place, review_of
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
@@ -45,6 +44,7 @@ from keypose.app.store.fitter import FitRequest, apply_draft, apply_fit
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.places import Place, review_of
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.space import solved

@@ -1,4 +1,4 @@
-"""The finished segments of a session and what is needed to say what is wrong with them."""
+"""Collect the finished segments of a session, and what is needed to say what is wrong with them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from keypose.app.editor.segment_evidence import gain
-from keypose.app.posing import PointerView, lanes, parts_at
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.limb_groups import limb_groups
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import part_transforms, pose_transforms
+from keypose.tracker.body.ray_parts import parts_on_ray
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import NEAR_M
+from keypose.tracker.review.segment_errors import gain
 from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Results, Span
@@ -83,7 +85,7 @@ class JudgedSegments:
         if self.skeleton is None:
             return tuple((k,) for k in range(len(self.parts)))
         body = self.skeleton.body
-        return tuple(tuple(body.index(name) for name in names) for _, names in lanes(body))
+        return tuple(tuple(body.index(name) for name in names) for _, names in limb_groups(body))
 
     def limb_of(self, part: str | None) -> tuple[int, ...]:
         """The parts looked at together with one; without one, with the root."""
@@ -132,10 +134,9 @@ class JudgedSegments:
         end = self.far_end_m(track, frame, part)
         if end is None or self.skeleton is None or self.camera is None or end[2] <= 0:
             return None
-        view = PointerView.of(self.camera)
-        seen = parts_at(
-            self.skeleton, track.trajectory.pose(frame), view, view.project(end).tolist()
-        )
+        origin, direction = self.camera.ray_to(end)
+        pose, near = track.trajectory.pose(frame), NEAR_M / float(direction[2])
+        seen = parts_on_ray(self.skeleton, pose, origin, direction, near)
         limb = self.limb_of(part)
         return seen[0] if seen and self.index(seen[0]) not in limb else None
 

@@ -1,15 +1,15 @@
-"""A place to review, in the page's words."""
+"""Word a place to review, and the answers to places."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
-from keypose.app.editor.problem_words import reason_of, size_of
-from keypose.app.editor.problems import Problem
-from keypose.app.editor.review import Place, Review
 from keypose.app.posing import part_label
+from keypose.app.words.problems import reason_of, size_of
 from keypose.tracker.errors import readable
+from keypose.tracker.review.places import Place, Review
+from keypose.tracker.review.problems import Problem
 from keypose.tracker.session.annotations import Reason, Reviewed
 from keypose.tracker.session.results import SpaceFinding
 

@@ -1,15 +1,17 @@
-"""What a job is called, how far it is, and how it ended: from facts to words."""
+"""Word what a job is called, how far it is, and how it ended."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from keypose.app.jobs import Drafting, FollowingAhead
 from keypose.tracker.session.verdict import KINDS
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
+
+if TYPE_CHECKING:
+    from keypose.app.jobs import Drafting, FollowingAhead
 
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 

@@ -1,5 +1,4 @@
-"""What a tracked segment shows of its own errors: where a keyframe would gain, what is fast, what
-is hidden, and which joints are in doubt."""
+"""Measure what a tracked segment shows of its own errors: gains, fast motion, occlusion, doubts."""
 
 from __future__ import annotations
 

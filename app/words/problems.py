@@ -1,4 +1,4 @@
-"""Word the problems of a motion for the page: verdicts, reasons with sizes, implausible space."""
+"""Word the problems of a motion: verdicts, reasons with sizes, implausible space."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from keypose.app.editor.problems import Problem, ProblemCause
 from keypose.app.posing.labels import part_label
 from keypose.tracker.errors import readable
+from keypose.tracker.review.problems import Problem, ProblemCause
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.session.verdict import Cause, Verdict
 

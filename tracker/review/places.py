@@ -1,5 +1,4 @@
-"""The places of a motion to look at, the worst first: what tracking is least sure of, feet that
-leave the floor, drafts to confirm. Pure: from a session and its results."""
+"""Rank the places of a motion to look at, the worst first."""
 
 from __future__ import annotations
 
@@ -10,12 +9,12 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from keypose.app.editor.judged import CachedById, JudgedSegments, far_end
-from keypose.app.editor.problems import Problem, problems_of
-from keypose.app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.problems import Problem, problems_of
+from keypose.tracker.review.segment_errors import LEAST_PX, part_errors_px, right_error_px
+from keypose.tracker.review.segments import CachedById, JudgedSegments, far_end
 from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.session.schema import Session

@@ -1,4 +1,4 @@
-"""What is wrong with a tracked segment, and where: the one source of everything that is said of it.
+"""Find what is wrong with a tracked segment, and where: the one source of what is said of it.
 
 The head of the picture, the bar over the timeline, the card of the segment and the review name the
 same frame, part and reason because all of them take a `Problem` from here.
@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
-from keypose.app.editor.judged import JudgedSegments
-from keypose.app.editor.segment_evidence import (
+from keypose.tracker.review.segment_errors import (
     Doubt,
     body_error_px,
     doubts,
@@ -23,6 +22,7 @@ from keypose.app.editor.segment_evidence import (
     possible_drift_px,
     unseen_share,
 )
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Answer
 from keypose.tracker.session.verdict import Cause, Kind, Verdict
 from keypose.tracker.storage.results import Span

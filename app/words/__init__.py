@@ -1,0 +1,1 @@
+"""Word facts for a person: problems, places to review, imports, jobs."""
