@@ -52,13 +52,13 @@ check: .venv/.ready-dev build/names
 
 bench: .venv/.ready-dev
 	@.venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
-	@.venv/bin/python -m tests.benchmarks
+	@.venv/bin/python -m bench
 
 # What the commands above have made; the compiled loops in ~/.cache/keypose stay.
 clean:
 	rm -rf .venv out build $(NODE_TOOLS) *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
 	    .import_linter_cache benchmarks.json
-	find app tracker tests sample_videos -name __pycache__ -prune -exec rm -rf {} +
+	find app bench tracker tests sample_videos -name __pycache__ -prune -exec rm -rf {} +
 
 # What checks the page's JavaScript; the page itself is served as it is written.
 $(NODE_TOOLS)/.ready: tests/page/package.json tests/page/package-lock.json

@@ -16,6 +16,7 @@ import av
 import numpy as np
 from av.video.reformatter import Interpolation
 
+from bench.posing import HUMAN, Habit, Marked, Posed, fit
 from keypose.tracker.body.body import Body, Point, preset
 from keypose.tracker.body.modify import resized
 from keypose.tracker.geometry.camera import Camera
@@ -24,7 +25,6 @@ from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import session_json
 from keypose.tracker.video import Video
-from tests.benchmarks.posing import HUMAN, Habit, Marked, Posed, fit
 
 FOLDER = Path(__file__).parent / "balance"
 WIDTH, HEIGHT, FPS, FRAMES = 544, 960, 60, 61

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from bench.keeping import ROOT, digest, place_for
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -13,7 +14,6 @@ from keypose.tracker.surface.cameras.footage import consistency
 from keypose.tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
 from keypose.tracker.surface.cameras.rig import View
 from keypose.tracker.surface.mesh import SurfaceMesh
-from tests.benchmarks.keeping import ROOT, digest, place_for
 from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.keeping import DATA
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.surface.cameras.hull import surface_of
-from tests.benchmarks.keeping import DATA
 from tests.rendering.walker import WalkKind, brought_together, walker
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.rendering.winding import united

@@ -13,12 +13,12 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from bench.keeping import digest, place_for
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.surface.mesh import SurfaceMesh
-from tests.benchmarks.keeping import digest, place_for
 from tests.rendering.arms import made_by, observed
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Skin, ring_of

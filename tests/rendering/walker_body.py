@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.keeping import data_folder
 from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.shapes import Frustum
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.surface.placing import Placement
-from tests.benchmarks.keeping import data_folder
 
 PLACED = Placement("m", "+y", np.array([0.0, 0.72, 3.2]))
 

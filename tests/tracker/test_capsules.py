@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.sequences import video_of
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import resized
 from keypose.tracker.body.pose import joint_positions, moved, pose_transforms
@@ -18,7 +19,6 @@ from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.fitting.pose import fit_pose_to_picture
 from keypose.tracker.fitting.sizes import fit_sizes
 from keypose.tracker.fitting.sizes.proportions import Proportions
-from tests.benchmarks.sequences import video_of
 from tests.rendering import scenes
 from tests.rendering.motions import stride
 from tests.rendering.render import render

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bench.contact_sheet import contact_sheet
 from keypose.app.render import pictures
 from keypose.app.render.lettering import axes, length_name, round_length, scale_bar, write_name
 from keypose.app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
@@ -20,7 +21,6 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from keypose.tracker.geometry.view import ViewName
-from tests.benchmarks.contact_sheet import contact_sheet
 
 CAMERA = Camera(width=320, height=180, fx=300.0, fy=300.0, cx=163.2, cy=88.7)
 GREY = np.full((180, 320, 3), 90, dtype=np.uint8)

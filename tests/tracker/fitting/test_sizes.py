@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bench.sequences import video_of
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import resized
 from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
@@ -30,7 +31,6 @@ from keypose.tracker.solver.fit_joints import fit_picture
 from keypose.tracker.solver.posed import BodyPoint
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import WorkingSize
-from tests.benchmarks.sequences import video_of
 from tests.rendering.motions import stride, throw
 from tests.rendering.render import render
 from tests.rendering.scenes import camera

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.keeping import DATA
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.surface.fit.judging import OFF_SHARE, lies_off
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.mesh import SurfaceMesh
-from tests.benchmarks.keeping import DATA
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.tracker.surface.surfaces import BOXES, CAPSULES, ROUND, bent, surface_of, two_bars
 

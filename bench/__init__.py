@@ -1,0 +1,1 @@
+"""How exact and how quick the tracker is: `python -m bench`."""

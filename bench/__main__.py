@@ -1,0 +1,71 @@
+"""`python -m bench [GROUP …]`: measure, print, and write benchmarks.json.
+
+Figures stand beside what is expected of them; one that falls short is said to, and nothing more
+happens. Groups whose material is not here say so and the others go on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from bench.keeping import ROOT, Absent, digest
+from bench.options import Options, add_options, options_of
+from bench.table import Report
+
+GROUPS = (
+    "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
+    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "drafts", "reduction",
+    "effort", "rigs", "install", "fuzz",
+)  # fmt: skip
+OUT = Path("benchmarks.json")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("groups", nargs="*", metavar="GROUP", help=", ".join(GROUPS))
+    add_options(parser)
+    given = parser.parse_args()
+    asked, options = given.groups or list(GROUPS), options_of(given)
+    for name in asked:
+        if name not in GROUPS:
+            parser.error(f"there is no group {name!r}; the groups are {', '.join(GROUPS)}")
+    kept = _earlier()
+    for name in asked:
+        kept[name] = _measured(name, options)
+        OUT.write_text(json.dumps(kept, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print()
+    for name in asked:
+        short, seconds = kept[name]["short"], kept[name]["seconds"]
+        print(f"{name}: {short or 'no'} figures short, {seconds:.0f} s")
+
+
+def _measured(name: str, options: Options) -> dict[str, Any]:
+    """Run one group."""
+    report, began = Report(name, options), time.perf_counter()
+    try:
+        getattr(importlib.import_module(f"bench.{name}"), name)(report)
+    except Absent as absent:
+        report.note(f"left out: {absent} is not here")
+    seconds = time.perf_counter() - began
+    when = datetime.now(UTC).isoformat(timespec="seconds")
+    tracker = digest(ROOT / "tracker")
+    return {"when": when, "tracker": tracker, "seconds": round(seconds, 1), **report.as_json()}
+
+
+def _earlier() -> dict[str, Any]:
+    """Groups of an earlier run that are not measured now; each tells when it was measured."""
+    try:
+        kept = json.loads(OUT.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {name: kept[name] for name in GROUPS if name in kept}
+
+
+if __name__ == "__main__":
+    main()

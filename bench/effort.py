@@ -1,0 +1,257 @@
+"""How much a person has to do until a clip is right, and how long that takes them.
+
+A scripted person (`human/`) sees pictures and joints in them, with errors of 2 px and 2°, and works
+with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
+Actions are clicks, keys and drags; looks are counted beside them. The times are of the
+keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
+frame that is judged, 1/15 s one that is watched. What is done once a clip is given as it is; the
+rest for 1,800 frames. What is begun once a clip and not before the first frame, such as keyframes
+at both ends, weighs a short clip down. So work is divided into what it consists of, and a clip is
+worked in its first half as well: what the second half costs beyond that is what a film costs for
+each further frame, and what is left is done once a film, however long it is.
+
+"watched" plays the motion and is done when nothing looks wrong (`human/watching.py`); that is how
+it is expected to be worked. "now" goes from place to place as the review lists them, never plays
+anything, and learns from somebody else when all is right: kept to compare with.
+
+What begins with a draft begins as a clip is opened, with the body of a preset, which the draft
+sizes. What does not has a body that is sized already.
+
+Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
+are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
+`--no-page` is given.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+from threadpoolctl import threadpool_limits
+
+from bench.human.at_page import repeated, session_for
+from bench.human.clips import CLIPS, Watched, noisy, watched
+from bench.human.counting import KINDS, LONG_FRAMES, SHARES, Effort, Kind
+from bench.human.desk import desk
+from bench.human.first import FIRSTS, first_keyframe
+from bench.human.hand import Hand, px
+from bench.human.strategies import (
+    NOW,
+    STRATEGIES,
+    WATCHED,
+    Outcome,
+    Strategy,
+    go,
+    key,
+    outcome,
+)
+from bench.keeping import Absent
+from bench.measures import Over
+from bench.stand import serving
+from bench.table import Expected, Report, Table
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session import Keyframe
+from tests.browser.chromium import ARGUMENTS, find
+from tests.browser.shared import admit, opened
+
+SIGMA_PX = 2.0
+MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
+COLUMNS = (
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "frames watched", "seconds",
+    "first keyframe", "s a frame after", "actions for 1800", "minutes for 1800",
+)  # fmt: skip
+LONG_CLIP = 60
+"""From so many frames on a clip is worked in its first half as well."""
+WIDE = COLUMNS[1:]
+CAUSES = 12
+ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
+WINDOW, PAGE_FRAMES, PAGE_PX = (1440, 900), (15, 40), 3.0
+"""A pointer rests on whole pixels of the screen, which are larger than those of the film."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One person at one clip. seconds: that the computer took."""
+
+    effort: Effort
+    outcome: Outcome
+    keyframes: int
+    seconds: float
+
+
+def effort(report: Report) -> None:
+    """The whole group."""
+    options = report.options
+    clips, seeds = options.clips or CLIPS, range(options.seeds)
+    report.note("clicks, keys and drags are actions; looks are frames judged; computing is not")
+    report.note(
+        f"counted. Median (least–most) over {len(seeds)} persons. right: how many got every"
+    )
+    report.note(
+        "joint to 5 px in the median and 10 px at worst. For 1800 frames: clips are a second"
+    )
+    report.note("or two of fast motion, so that is work for a minute of nothing else")
+    with threadpool_limits(1):
+        if options.in_page:
+            _in_page(report)
+        _first_keyframes(report, clips, options.seeds)
+        for name in clips:
+            try:
+                _clip(report, watched(name), options.seeds, options.strategies)
+            except Absent as absent:
+                report.note(f"{name} left out: {absent} is not here")
+
+
+def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
+    """One person's work on a clip."""
+    began = time.process_time()
+    clip = clip.unsized() if strategy.drafts else clip
+    with desk(noisy(clip, SIGMA_PX, seed), strategy.settings) as there:
+        there.tracks = strategy.tracks
+        strategy.work(Hand.of(there, seed, strategy.by_picture))
+        done = there.ledger.effort(clip.frames)
+        return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
+
+
+def _first_keyframes(report: Report, clips: tuple[str, ...], seeds: int) -> None:
+    """From a clip that was just opened to its first keyframe, the body not known."""
+    columns = ("right", "actions", "seconds", "worst, px")
+    table = report.table("the first keyframe, from nothing", *columns, wide=columns[1:])
+    for name in clips:
+        try:
+            clip = watched(name)
+        except Absent:
+            continue
+        for first in FIRSTS:
+            found = [
+                first_keyframe(noisy(clip, SIGMA_PX, seed), first, seed) for seed in range(seeds)
+            ]
+            actions = Over(tuple(float(f.effort.actions) for f in found))
+            table.row(
+                f"{name}, {first.name}",
+                f"{sum(f.outcome.right for f in found)} of {seeds}",
+                actions,
+                Over(tuple(f.effort.seconds for f in found)),
+                Over(tuple(f.outcome.worst for f in found)),
+                expected=[Expected("actions", actions.median, first.most)],
+            )
+
+
+def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> None:
+    table = report.table(f"{clip.name}, {clip.frames} frames", *COLUMNS, wide=WIDE)
+    for strategy in STRATEGIES:
+        if names and strategy.name not in names:
+            continue
+        trials = [trial(clip, strategy, seed) for seed in range(seeds)]
+        _row(table, strategy, trials)
+        _shares(report, f"{clip.name}, {strategy.name}", trials)
+        if strategy in (NOW, WATCHED):
+            _causes(report, f"{clip.name}, {strategy.name}", trials)
+        if strategy is WATCHED and clip.frames >= LONG_CLIP:
+            _further_frame(report, clip, seeds, trials)
+
+
+def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
+    right = sum(t.outcome.right for t in trials)
+    counts = [Over(tuple(float(t.effort.count(kind)) for t in trials)) for kind in KINDS]
+    actions = Over(tuple(t.effort.scaled_actions() for t in trials))
+    minutes = Over(tuple(t.effort.scaled_minutes() for t in trials))
+    expected = []
+    if strategy is WATCHED:
+        expected = [
+            Expected("actions", actions.median, MOST_ACTIONS),
+            Expected("minutes", minutes.median, MOST_MINUTES),
+        ]
+    keyframes = Over(tuple(float(t.keyframes) for t in trials))
+    seconds = Over(tuple(t.effort.seconds for t in trials))
+    first = Over(tuple(t.effort.first_seconds for t in trials))
+    then = Over(tuple(t.effort.seconds_a_frame for t in trials))
+    measured = (keyframes, *counts, seconds, first, then, actions, minutes)
+    cells = (f"{right} of {len(trials)}", *measured)
+    table.row(strategy.name, *cells, expected=expected)
+
+
+def _further_frame(report: Report, clip: Watched, seeds: int, trials: list[Trial]) -> None:
+    """What a frame costs once the work has begun: the clip against its first half."""
+    half = clip.until((clip.first + clip.last) // 2)
+    begun = [trial(half, WATCHED, seed) for seed in range(seeds)]
+    frames = clip.frames - half.frames
+    more = [(a.effort, b.effort) for a, b in zip(trials, begun, strict=True)]
+    columns = ("once", "a frame", f"for {LONG_FRAMES}")
+    table = report.table(f"{clip.name}: what a further frame costs", *columns)
+    for what in ("actions", "seconds"):
+        whole = float(np.median([getattr(a, what) for a, _ in more]))
+        each = float(np.median([getattr(a, what) - getattr(b, what) for a, b in more])) / frames
+        once = whole - each * clip.frames
+        name = f"  {what}, {half.frames} to {clip.frames}"
+        table.row(name, once, each, once + each * LONG_FRAMES)
+
+
+def _shares(report: Report, name: str, trials: list[Trial]) -> None:
+    """What the work consists of: its beginning, further keyframes, limbs corrected, and looks."""
+    table = report.table(f"{name}: what it consists of", "actions", "seconds", "s a frame")
+    for share in SHARES:
+        actions, seconds = np.median([t.effort.of_share(share) for t in trials], axis=0).tolist()
+        per_frame = "" if share == "begin" else seconds / trials[0].effort.frames
+        table.row(f"  {share}", actions, seconds, per_frame)
+
+
+def _causes(report: Report, name: str, trials: list[Trial]) -> None:
+    """What the work consists of, the most time first."""
+    spent: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for found in trials:
+        for why, count, seconds in found.effort.by_cause():
+            spent[why][0] += count / len(trials)
+            spent[why][1] += seconds / len(trials)
+    whole = sum(seconds for _, seconds in spent.values())
+    table = report.table(f"{name}: where the time goes", "times", "seconds", "share, %")
+    most = sorted(spent.items(), key=lambda row: -row[1][1])[:CAUSES]
+    for why, (times, seconds) in most:
+        table.row(f"  {why}", float(np.round(times, 1)), seconds, 100 * seconds / whole)
+
+
+def _in_page(report: Report) -> None:
+    """Two keyframes beside one that stands, without a page and with one."""
+    path = find()
+    if path is None:
+        report.note("not compared with a browser: there is no Chromium")
+        return
+    clip = noisy(_begun(watched("balance")), SIGMA_PX, 0)
+    with desk(clip, NOW.settings) as there:
+        hand, poses = Hand.of(there, 0), dict[int, dict[str, Array]]()
+        for frame in PAGE_FRAMES:
+            go(there, frame)
+            hand.carry()
+            hand.correct_limbs()
+            key(there)
+            poses[there.frame] = there.project(there.shown().pose)
+        with TemporaryDirectory() as folder, sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+            session = session_for(clip, NOW.settings, Path(folder))
+            with serving(session) as keypose, admit(browser, drawn=False, size=WINDOW) as context:
+                seen = repeated(opened(context, keypose), there)
+            browser.close()
+        apart = [px(seen.joints[f][n] - uv) for f, at in poses.items() for n, uv in at.items()]
+        table = report.table("the same done in a browser", "clicks", "keys", "drags", "apart, px")
+        done = there.ledger.effort(clip.frames)
+        table.row("without a page", *(done.count(kind) for kind in ACTIONS), 0.0)
+        counted = [seen.counts[kind] for kind in ACTIONS]
+        expected = [
+            Expected(f"{kind}s apart", abs(found - done.count(kind)), 0)
+            for kind, found in zip(ACTIONS, counted, strict=True)
+        ]
+        expected.append(Expected("poses apart", max(apart), PAGE_PX, "px"))
+        table.row("in a browser", *counted, max(apart), expected=expected)
+
+
+def _begun(clip: Watched) -> Watched:
+    """With its first frame posed, as the person understands it."""
+    skeleton = Skeleton.of(clip.session.body)
+    keyframe = Keyframe.of(skeleton, clip.poses[clip.first], clip.first, 0.0)
+    return replace(clip, session=clip.session.model_copy(update={"keyframes": (keyframe,)}))

@@ -1,0 +1,291 @@
+"""The product without its page: every action goes through the editor and the jobs of the real one.
+
+What is done is noted as a person does it, with the mouse and the keyboard, and kept as a script, so
+that a browser can be made to do the same (`at_page.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Event
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bench.human.clips import Watched
+from bench.human.counting import Kind, Ledger, Share
+from keypose.app.document.open import OpenSession, edit_state
+from keypose.app.editor import actions as do
+from keypose.app.editor.advice import Suggestion, next_step
+from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
+from keypose.app.editor.shown import ShownPose, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.editor.update import update
+from keypose.app.jobs.drafts import learned
+from keypose.app.jobs.fits import FitJob
+from keypose.app.jobs.messages import (
+    Drafted,
+    JobFailed,
+    Order,
+    PoseFitted,
+    Report,
+    SegmentFinished,
+)
+from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.posing.gesture import GestureContext, Handle, Ring
+from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.turning import EDGE_ON, EDGE_RADIUS_M
+from keypose.app.posing.vectors import across, any_across, cross, unit
+from keypose.app.store.fitter import FitRequest, apply_draft, apply_fit
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.places import Place, review_of
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.storage.space import solved
+from keypose.tracker.video import Video
+
+
+@dataclass(frozen=True)
+class Did:
+    """One thing done: how, what for, and the messages that the page would send."""
+
+    kind: Kind
+    why: str
+    messages: tuple[Any, ...] = ()
+
+
+class Desk:
+    """One person's session of a clip. `clip` is as they see it."""
+
+    def __init__(self, clip: Watched, settings: TrackSettings, folder: Path) -> None:
+        self.clip, self.ledger, self.script = clip, Ledger(), list[Did]()
+        session = clip.session.model_copy(update={"settings": settings})
+        self.video = Video.open(clip.video)
+        self.opened = OpenSession(folder / "session.json", session, self.video, fresh=True)
+        self.state: EditorState = edit_state(self.opened)[0]
+        self.tracks = True
+        self._alone = False
+        self._cache, self._threads = WorkerCache(), ThreadPoolExecutor(1)
+
+    def close(self) -> None:
+        self._threads.shutdown()
+        with suppress(KeyposeError, OSError):
+            self._cache.close()
+        self.video.close()
+
+    # --- what a person does
+
+    def act(self, kind: Kind, why: str, *messages: Any) -> None:
+        """Click, press or drag, and what comes of it."""
+        self.ledger.note(kind, why, self._share(kind, messages))
+        self.script.append(Did(kind, why, messages))
+        for message in messages:
+            self._send(message)
+
+    def _share(self, kind: Kind, messages: tuple[Any, ...]) -> Share:
+        """Of the work that something is part of."""
+        if any(isinstance(message, do.Live) for message in messages):
+            return "begin"
+        goes = all(isinstance(message, do.Go | do.AcceptPlace) for message in messages)
+        if goes and (messages or kind == "key"):
+            return "looks"
+        return "limbs" if self._alone else "keyframes"
+
+    def judge(self) -> None:
+        """Look whether the present frame is right."""
+        self.ledger.note("judged", "judge a frame")
+
+    def drag(self, why: str, handle: Handle, by: Array, view: str = "main", **how: Any) -> None:
+        """Drag a handle by a way in its view."""
+        self.act("drag", why, self.as_drag(handle, by, view, **how))
+
+    @contextmanager
+    def limbs_alone(self) -> Iterator[None]:
+        """Drags key the limbs that they move; tracked is when the last of them is let go."""
+        self._alone, tracks, self.tracks = True, self.tracks, False
+        try:
+            yield
+        finally:
+            self._alone, self.tracks = False, tracks
+            self._live()
+
+    def look(self, frame: int) -> None:
+        """The page goes to a frame by itself."""
+        self._send(do.Go(frame=frame))
+
+    def turn(self, why: str, ring: Ring, deg: float) -> None:
+        """Drag a ring of a part so that the part turns by so many degrees."""
+        self.act("drag", why, self.as_turn(ring, deg))
+
+    def as_turn(self, ring: Ring, deg: float) -> do.Drag:
+        """A ring dragged by so many degrees, as the page sends it."""
+        context = GestureContext.of(self.state.skeleton, self.shown().pose, True)
+        part = self.state.doc.body.index(ring.part)
+        axis = context.R_camera_part(part)[:, "xyz".index(ring.axis)]
+        view = PointerView.of(self.state.doc.camera)
+        start, end = ring_way(view, context.joint(part), axis, np.radians(deg))
+        return self.as_drag(ring, end - start, "main", start)
+
+    def tried(self, *messages: Any) -> EditorState:
+        """The state as it would be; nothing is done."""
+        state = self.state
+        for message in messages:
+            state = update(state, message)
+        return state
+
+    def as_drag(
+        self, handle: Handle, by: Array, view: str, start: ArrayLike = (0.0, 0.0), **how: Any
+    ) -> do.Drag:
+        """A handle dragged by a way in its view, as the page sends it."""
+        given = {"view": view, "handle": handle, "from": _spot(start)}
+        how |= {"partial": True} if self._alone else {}
+        return do.Drag(**given, at=_spot(np.add(start, by)), **how)  # type: ignore[arg-type]
+
+    # --- what a person sees
+
+    @property
+    def frame(self) -> int:
+        return self.state.frame
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        return self.state.keys
+
+    @property
+    def suggested(self) -> Suggestion:
+        """What the page says to do next."""
+        return next_step(self.keys, self.state.doc, self.state.fitting)
+
+    @property
+    def to_confirm(self) -> list[int]:
+        """Frames of the draft that wait to be confirmed."""
+        drafted, waiting = self.state.doc.drafted, {d.frame for d in self.state.doc.drafts}
+        return [p.frame for p in drafted.places if p.frame in waiting] if drafted else []
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """What the review lists, the worst first."""
+        found = review_of(self.state.doc, self.state.results)
+        return found.above(found.goal_px)
+
+    def shown(self, frame: int | None = None) -> ShownPose:
+        return shown_pose(self.state, frame)
+
+    def off(self, frame: int | None = None, pose: Pose | None = None) -> dict[str, Array]:
+        """How far (2,) pixels each joint that is seen lies from where the body has it."""
+        frame = self.frame if frame is None else frame
+        seen = self.clip.seen.get(frame, {})
+        at = self.project(pose or self.shown(frame).pose)
+        return {name: np.array(uv) - at[name] for name, uv in seen.items()}
+
+    def project(self, pose: Pose) -> dict[str, Array]:
+        """Where the joints that are looked at are drawn, pixels of the main view."""
+        p = self.points(pose)
+        uv = self.state.doc.camera.without_distortion().project(np.stack(list(p.values())))
+        return dict(zip(p, uv, strict=True))
+
+    def points(self, pose: Pose) -> dict[str, Array]:
+        """The same, metres, camera frame."""
+        places, skeleton = self.clip.places, self.state.skeleton
+        points = BodyPoints(skeleton, tuple(places.values()))
+        return dict(zip(places, points.at(pose_transforms(skeleton, pose)), strict=True))
+
+    # --- what the computer does
+
+    def _send(self, message: Any) -> None:
+        match message:
+            case do.FitHere() | do.Draft():
+                self._fit(message)
+            case do.Track():
+                self._track()
+            case _:
+                before, self.state = self.state, update(self.state, message)
+                self._live()
+                self._learn(before)
+
+    def _live(self) -> None:
+        """With Live on, what is posed is tracked at once."""
+        if self.state.display.live and self.tracks:
+            self._track()
+
+    def _learn(self, before: EditorState) -> None:
+        """Drafts learn from a keyframe that is new."""
+        around = newly_posed(before, self.state)
+        if around:
+            used = self.state.doc
+            found = learned(near_frames(used, around), self.opened.session_path.parent, around)
+            self.state = with_learned(self.state, used, found)
+
+    def _fit(self, action: do.FitHere | do.Draft) -> None:
+        request = FitRequest.of(self.opened, self.state, action)
+        reports: list[Report] = []
+        FitJob(replace(request.order, job=1), Event(), reports.append).run(self._cache)
+        match reports[-1]:
+            case PoseFitted() as found:
+                self.state = apply_fit(request, found, self.state)[0]
+            case Drafted() as found:
+                self.state = apply_draft(request, found, self.state, self.opened)
+            case JobFailed() as failed:
+                raise AssertionError(failed.words)
+
+    def _track(self) -> None:
+        """Whatever is not tracked as it is posed now, and the motion in space."""
+        doc = self.state.doc
+        wanted = self.state.results.wanted(doc)
+        if not doc.spans:
+            return
+        content = doc.model_copy(update={"drafts": (), "results": None}).model_dump_json().encode()
+        folder, stages = str(self.opened.session_path.parent), (doc.settings.quality,)
+        order = Order(1, content, str(self.video.info.path), tuple(wanted), stages, folder)
+        job = Job(order, Event(), self._take)
+        if wanted:
+            job.run(self._cache, self._threads)
+        if job.error is not None:
+            raise job.error
+        results = self.state.results
+        for stretch in results.unsolved(doc):
+            results = results.with_space(solved(doc, stretch))
+        self.state = replace(self.state, results=results)
+
+    def _take(self, report: Report) -> None:
+        if isinstance(report, SegmentFinished):
+            results = self.state.results.with_result(report.result, self.state.results.by_key)
+            self.state = replace(self.state, results=results)
+
+
+@contextmanager
+def desk(clip: Watched, settings: TrackSettings) -> Iterator[Desk]:
+    """A desk while it is needed."""
+    with TemporaryDirectory() as folder:
+        made = Desk(clip, settings, Path(folder))
+        try:
+            yield made
+        finally:
+            made.close()
+
+
+def _spot(at: ArrayLike) -> tuple[float, float]:
+    x, y = np.asarray(at, dtype=np.float64).tolist()
+    return x, y
+
+
+def ring_way(view: PointerView, centre: Array, axis: Array, angle: float) -> tuple[Array, Array]:
+    """Where a pointer goes down on a ring and where it is let go, (2,) each, to turn it by an angle
+    of less than half a turn; the way round that `turning.pointer_angle` reads."""
+    middle, slope = view.project(centre), view.slope(centre)
+    away = view.ray_through(centre)
+    if abs(float(axis @ away)) < EDGE_ON:
+        tangent = slope @ cross(axis, unit(across(-away, axis)))
+        return middle, middle + tangent * (angle * EDGE_RADIUS_M)
+    e1 = any_across(axis)
+    to_view = slope @ np.column_stack([e1, cross(axis, e1)]) * EDGE_RADIUS_M
+    ends = [middle + to_view @ (np.cos(a), np.sin(a)) for a in (0.0, angle)]
+    return ends[0], ends[1]

@@ -1,1 +1,0 @@
-"""How exact and how quick the tracker is: `python -m tests.benchmarks`."""
