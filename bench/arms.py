@@ -33,7 +33,7 @@ def load_arms() -> Person:
         for frame, joints in frames.items()
     ]
     sources = [ROOT / "tracker" / name for name in FITTED_FROM]
-    key = digest(ROOT / "tests" / "benchmarks" / "posing.py", *sources, MARKS)
+    key = digest(ROOT / "bench" / "posing.py", *sources, MARKS)
     place = place_for("posed-arms", key, ".npz")
     if not place.is_file():
         posed = fit(preset("adult_female"), camera, marked, DEPTH_M)

@@ -96,7 +96,7 @@ def _posed(given: _Given) -> Person:
     """Sized and posed on all marked frames together, which takes a minute, or as kept of it."""
     sources = [ROOT / "tracker" / name for name in FITTED_FROM]
     inputs = [given.folder / "meta.json", given.folder / "marked_joints.json"]
-    key = digest(ROOT / "tests" / "benchmarks" / "posing.py", *sources, *inputs)
+    key = digest(ROOT / "bench" / "posing.py", *sources, *inputs)
     place = place_for(f"posed-{given.folder.name}", key, ".npz")
     if not place.is_file():
         posed = fit(given.body, given.camera, given.marked, given.depth_m)
