@@ -51,7 +51,6 @@ check: .venv/.ready-dev build/names
 	fi
 
 bench: .venv/.ready-dev
-	@.venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
 	@.venv/bin/python -m bench
 
 # What the commands above have made; the compiled loops in ~/.cache/keypose stay.

@@ -15,13 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from bench.keeping import ROOT, Absent, digest
-from bench.options import Options, add_options, options_of
 from bench.table import Report
 
 GROUPS = (
-    "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
-    "sessions", "repeat", "batch", "surface", "space", "parts", "ahead", "drafts", "reduction",
-    "effort", "rigs", "install", "fuzz",
+    "rendered", "cube", "real", "fit_here", "fit_sizes", "cost", "page", "surface", "space",
+    "drafts", "effort", "rigs", "install", "fuzz",
 )  # fmt: skip
 OUT = Path("benchmarks.json")
 
@@ -29,15 +27,13 @@ OUT = Path("benchmarks.json")
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=", ".join(GROUPS))
-    add_options(parser)
-    given = parser.parse_args()
-    asked, options = given.groups or list(GROUPS), options_of(given)
+    asked = parser.parse_args().groups or list(GROUPS)
     for name in asked:
         if name not in GROUPS:
             parser.error(f"there is no group {name!r}; the groups are {', '.join(GROUPS)}")
     kept = _earlier()
     for name in asked:
-        kept[name] = _measured(name, options)
+        kept[name] = _measured(name)
         OUT.write_text(json.dumps(kept, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print()
     for name in asked:
@@ -45,9 +41,9 @@ def main() -> None:
         print(f"{name}: {short or 'no'} figures short, {seconds:.0f} s")
 
 
-def _measured(name: str, options: Options) -> dict[str, Any]:
+def _measured(name: str) -> dict[str, Any]:
     """Run one group."""
-    report, began = Report(name, options), time.perf_counter()
+    report, began = Report(name), time.perf_counter()
     try:
         getattr(importlib.import_module(f"bench.{name}"), name)(report)
     except Absent as absent:

@@ -17,11 +17,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from bench.arms import MARKS as ARMS_MARKS
-from bench.arms import SIDE
-from bench.arms import VIDEO as ARMS_VIDEO
 from bench.keeping import Absent, data_folder, kept_folder
-from bench.measured_person import person_reference
 from bench.posing import MARKS
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.evaluate import JointReference
@@ -32,6 +28,7 @@ from keypose.tracker.solver.posed import BodyPoint
 Marks: TypeAlias = Mapping[int, Mapping[str, tuple[float, float]]]
 
 MORE_MARKS = Path(__file__).with_name("real_marks.json")
+ARMS_MARKS = Path(__file__).with_name("arms_marks.json")
 WHEEL = "pose2sim-0.10.49-py3-none-any.whl"
 
 
@@ -115,6 +112,21 @@ def _person() -> Clip:
     )
 
 
+def person_reference(folder: Path) -> tuple[str, Camera, list[str], Array]:
+    """Of the man on the balance beam: his video's name, its camera, the joints that were measured
+    beside it, and where they were: (frames, joints, 3), metres, camera frame."""
+    meta = _json(folder / "meta.json")
+    lens, K = meta["camera"], meta["camera"]["K"]
+    camera = Camera(
+        width=lens["width"], height=lens["height"], fx=K[0][0], fy=K[1][1], cx=K[0][2], cy=K[1][2],
+        distortion=(*lens["dist_k1k2p1p2"], 0.0),
+    )  # fmt: skip
+    with np.load(folder / "reference.npz") as reference:
+        names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
+    joints = world @ np.array(lens["R_world_to_cam"]).T + np.array(lens["t_world_to_cam_m"])
+    return meta["video"], camera, names, joints
+
+
 def _walk() -> Clip:
     """The woman who walks from right to left."""
     folder = data_folder("walk")
@@ -128,11 +140,11 @@ def _walk() -> Clip:
 
 def _arms() -> Clip:
     """A woman on one leg who raises both arms; the camera is guessed."""
-    video = data_folder("arms") / ARMS_VIDEO
+    video, side = data_folder("arms") / "arms_576x576.mp4", 576
     marks = _marked("arms", ARMS_MARKS)
     still = (Stance("LAnkle", 20, 60),)
     return Clip(
-        "arms", video, Camera.guess(SIDE, SIDE), preset("adult_female"), 0.0, marks, still
+        "arms", video, Camera.guess(side, side), preset("adult_female"), 0.0, marks, still
     )  # fmt: skip
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 
 import cv2
@@ -12,16 +14,6 @@ from threadpoolctl import threadpool_limits
 
 from bench import children
 from bench.keeping import ROOT
-from bench.literal import (
-    DENSE_POINTS,
-    FLOW_POINTS,
-    DenseRows,
-    Timing,
-    floor,
-    most_solves,
-    optical_flow,
-    own_solve,
-)
 from bench.sequences import Sequence, walking
 from bench.table import Report
 from bench.tracking import keyframes_every, scene_of
@@ -29,7 +21,7 @@ from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.tracking.cycle import track_segment
-from keypose.tracker.tracking.method import FULL, Paper
+from keypose.tracker.tracking.method import Paper
 from keypose.tracker.tracking.pool import run
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.tracker import Tracker
@@ -45,6 +37,35 @@ PLENTY_BYTES = 4_000_000_000
 SMALL_MEMORY_MB, MEMORY_FRAMES = 300, (100, 400, 1000)
 
 
+@dataclass(frozen=True)
+class Timing:
+    """Milliseconds: the least and the median of several runs."""
+
+    least: float
+    median: float
+
+    @classmethod
+    def of(cls, work: Callable[[], object], repeats: int = 7, per: float = 1.0) -> Timing:
+        """Time `work`, run once before, and divide by `per` (frames, solves)."""
+        work()
+        return cls.spent([_seconds(work) for _ in range(repeats)], per)
+
+    @classmethod
+    def spent(cls, seconds: list[float], per: float = 1.0) -> Timing:
+        ms = 1000 * np.array(seconds) / per
+        return cls(float(ms.min()), float(np.median(ms)))
+
+    def __str__(self) -> str:
+        digits = 3 if self.median < 0.1 else 2 if self.median < 10 else 1
+        return f"{self.least:.{digits}f}/{self.median:.{digits}f}"
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
+
+
 def cost(report: Report) -> None:
     """The whole group."""
     cv2.setNumThreads(1)
@@ -53,9 +74,8 @@ def cost(report: Report) -> None:
     report.note("one thread, least/median; 640×360, a walk, 16 parts")
     report.note(f"load when this began: {busy:.1f} on {cores} cores; beside others all is slower")
     with threadpool_limits(1):
-        full = _chains(report, shown)
+        _chains(report, shown)
         _preparation(report, shown)
-        _forms(report, shown, full)
         _papers_own(report)
         _live(report, shown)
         _by_length(report, shown)
@@ -79,19 +99,14 @@ def _run(tracker: Tracker, segments: list[int] | None = None, workers: int = 1, 
         pass
 
 
-def _chains(report: Report, shown: Sequence) -> Timing:
-    """The whole chain on prepared pictures; that of full at interval 24 comes back."""
+def _chains(report: Report, shown: Sequence) -> None:
+    """The whole chain on prepared pictures."""
     table = report.table("the whole chain, prepared pictures, ms a frame", "every 12", "every 24")
     trackers = [_tracker(shown, interval) for interval in (12, 24)]
-    spent: dict[str, list[Timing]] = {}
     for quality in ("full", "preview"):
-        spent[quality] = [
-            Timing.of(lambda t=t, q=quality: _run(t, quality=q), 7, 72) for t in trackers
-        ]
-        table.row(quality, *spent[quality])
-    spent["paper"] = [Timing.of(lambda t=t: _run(t, method="paper"), 1, 72) for t in trackers]
-    table.row("paper", *spent["paper"])
-    return spent["full"][1]
+        runs = (Timing.of(lambda t=t, q=quality: _run(t, quality=q), 7, 72) for t in trackers)
+        table.row(quality, *runs)
+    table.row("paper", *(Timing.of(lambda t=t: _run(t, method="paper"), 1, 72) for t in trackers))
 
 
 def _preparation(report: Report, shown: Sequence) -> None:
@@ -117,29 +132,6 @@ def _decoded(path: object) -> None:
     with Video.open(str(path)) as video:
         for _ in video.frames(0, video.info.frame_count):
             pass
-
-
-def _forms(report: Report, shown: Sequence, full: Timing) -> None:
-    """A solve as the paper prints it, as we do it, and what cannot be undercut."""
-    tracker = _tracker(shown, 12)
-    clip, scene = tracker.loader((0, 12)).load(0, 12), scene_of(tracker, (0, 12))
-    dense = DenseRows(shown, clip)
-    A, r = dense.build()
-    least = floor(shown, scene, clip)
-    build, svd = Timing.of(dense.build), Timing.of(lambda: dense.svd(A, r))
-    table = report.table(f"other forms, ms (dense: {A.shape[0]} × {A.shape[1]})", "least/median")
-    table.row("a solve: dense rows built", build)
-    table.row("a solve: their SVD", svd)
-    table.row("a solve: their lstsq", Timing.of(lambda: dense.lstsq(A, r)))
-    table.row("a solve: ours", own_solve(shown, scene, clip))
-    literal = most_solves(FULL) * (build.least + svd.least)
-    table.row(f"a frame: {most_solves(FULL)} dense solves", literal)
-    table.row(f"a frame: LK flow, {FLOW_POINTS[0] * FLOW_POINTS[1]} points", optical_flow(shown))
-    table.row(f"a frame: floor, {least.megaflops:.1f} Mflop", least.compute)
-    table.row(f"a frame: floor, {least.megabytes:.1f} MB", least.read)
-    under = least.compute.least + least.read.least
-    table.row("full over floor", full.least / under)
-    table.row(f"{DENSE_POINTS} dense rows over full", literal / full.least)
 
 
 def _papers_own(report: Report) -> None:

@@ -18,8 +18,7 @@ What begins with a draft begins as a clip is opened, with the body of a preset, 
 sizes. What does not has a body that is sized already.
 
 Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
-are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
-`--no-page` is given.
+are made again in a browser, with real mouse and keys, and counts and poses are compared.
 """
 
 from __future__ import annotations
@@ -60,7 +59,8 @@ from keypose.tracker.session import Keyframe
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.shared import admit, opened
 
-SIGMA_PX = 2.0
+SEEDS, SIGMA_PX = 3, 2.0
+"""Persons, and how far off they see a joint."""
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
 COLUMNS = (
     "right", "keyframes", "clicks", "keys", "drags", "looks", "frames watched", "seconds",
@@ -87,23 +87,18 @@ class Trial:
 
 def effort(report: Report) -> None:
     """The whole group."""
-    options = report.options
-    clips, seeds = options.clips or CLIPS, range(options.seeds)
     report.note("clicks, keys and drags are actions; looks are frames judged; computing is not")
-    report.note(
-        f"counted. Median (least–most) over {len(seeds)} persons. right: how many got every"
-    )
+    report.note(f"counted. Median (least–most) over {SEEDS} persons. right: how many got every")
     report.note(
         "joint to 5 px in the median and 10 px at worst. For 1800 frames: clips are a second"
     )
     report.note("or two of fast motion, so that is work for a minute of nothing else")
     with threadpool_limits(1):
-        if options.in_page:
-            _in_page(report)
-        _first_keyframes(report, clips, options.seeds)
-        for name in clips:
+        _in_page(report)
+        _first_keyframes(report)
+        for name in CLIPS:
             try:
-                _clip(report, watched(name), options.seeds, options.strategies)
+                _clip(report, watched(name))
             except Absent as absent:
                 report.note(f"{name} left out: {absent} is not here")
 
@@ -119,23 +114,23 @@ def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
         return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
 
 
-def _first_keyframes(report: Report, clips: tuple[str, ...], seeds: int) -> None:
+def _first_keyframes(report: Report) -> None:
     """From a clip that was just opened to its first keyframe, the body not known."""
     columns = ("right", "actions", "seconds", "worst, px")
     table = report.table("the first keyframe, from nothing", *columns, wide=columns[1:])
-    for name in clips:
+    for name in CLIPS:
         try:
             clip = watched(name)
         except Absent:
             continue
         for first in FIRSTS:
             found = [
-                first_keyframe(noisy(clip, SIGMA_PX, seed), first, seed) for seed in range(seeds)
+                first_keyframe(noisy(clip, SIGMA_PX, seed), first, seed) for seed in range(SEEDS)
             ]
             actions = Over(tuple(float(f.effort.actions) for f in found))
             table.row(
                 f"{name}, {first.name}",
-                f"{sum(f.outcome.right for f in found)} of {seeds}",
+                f"{sum(f.outcome.right for f in found)} of {SEEDS}",
                 actions,
                 Over(tuple(f.effort.seconds for f in found)),
                 Over(tuple(f.outcome.worst for f in found)),
@@ -143,18 +138,16 @@ def _first_keyframes(report: Report, clips: tuple[str, ...], seeds: int) -> None
             )
 
 
-def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> None:
+def _clip(report: Report, clip: Watched) -> None:
     table = report.table(f"{clip.name}, {clip.frames} frames", *COLUMNS, wide=WIDE)
     for strategy in STRATEGIES:
-        if names and strategy.name not in names:
-            continue
-        trials = [trial(clip, strategy, seed) for seed in range(seeds)]
+        trials = [trial(clip, strategy, seed) for seed in range(SEEDS)]
         _row(table, strategy, trials)
         _shares(report, f"{clip.name}, {strategy.name}", trials)
         if strategy in (NOW, WATCHED):
             _causes(report, f"{clip.name}, {strategy.name}", trials)
         if strategy is WATCHED and clip.frames >= LONG_CLIP:
-            _further_frame(report, clip, seeds, trials)
+            _further_frame(report, clip, trials)
 
 
 def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
@@ -177,10 +170,10 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
     table.row(strategy.name, *cells, expected=expected)
 
 
-def _further_frame(report: Report, clip: Watched, seeds: int, trials: list[Trial]) -> None:
+def _further_frame(report: Report, clip: Watched, trials: list[Trial]) -> None:
     """What a frame costs once the work has begun: the clip against its first half."""
     half = clip.until((clip.first + clip.last) // 2)
-    begun = [trial(half, WATCHED, seed) for seed in range(seeds)]
+    begun = [trial(half, WATCHED, seed) for seed in range(SEEDS)]
     frames = clip.frames - half.frames
     more = [(a.effort, b.effort) for a, b in zip(trials, begun, strict=True)]
     columns = ("once", "a frame", f"for {LONG_FRAMES}")

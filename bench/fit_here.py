@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.clips import clip
 from bench.keeping import ROOT, Absent, digest, place_for
-from bench.marked import load_person, load_walk
+from bench.keyed import keyed
 from bench.sequences import video_of
 from bench.table import Expected, Pair, Report, Table
 from bench.tracking import track
@@ -32,8 +33,8 @@ SEEDS = (1, 2, 3)
 BESIDE = 10
 MOST_PX = {"rendered": 0.5, "person": 5.0, "walk": 3.0}
 REAL = (
-    ("person", load_person, (15, 30, 45), 15),
-    ("walk", load_walk, (40, 50, 60), 10),
+    ("person", (15, 30, 45), 15),
+    ("walk", (40, 50, 60), 10),
 )
 """Frames that are fitted, and how far away the keyframes beside them are."""
 CORRECT_PX = 1.0
@@ -87,16 +88,17 @@ def fit_here(report: Report) -> None:
             report.note(f"left out: {absent} is not here")
             continue
         _rows(table, subject, "rendered")
-    for name, load, frames, interval in REAL:
+    for name, frames, interval in REAL:
         try:
-            person = load()
+            person = clip(name)
         except Absent as absent:
             report.note(f"left out: {absent} is not here")
             continue
+        hand = keyed(person, range(frames[0] - interval, frames[-1] + interval + 1, interval))
         with Video.open(person.video) as video:
             source = DetectedKeypoints(video, person.camera)
             subject = _Subject(
-                name, video, person.camera, person.skeleton, person.poses, frames, interval, source
+                name, video, person.camera, hand.skeleton, hand.poses, frames, interval, source
             )
             _rows(table, subject, name)
 

@@ -1,8 +1,8 @@
 """From the wheel to the open page on a computer that has never seen Keypose, part by part.
 
 The wheel is built, installed into an environment of its own and used outside the checkout, with an
-empty cache. `--python` names other interpreters. Each part is told in seconds by the clock and of
-processors: beside other work the clock says little.
+empty cache. Each part is told in seconds by the clock and of processors: beside other work the
+clock says little.
 """
 
 from __future__ import annotations
@@ -75,9 +75,8 @@ def install(report: Report) -> None:
     with tempfile.TemporaryDirectory() as kept:
         wheel = _built(Path(kept))
         report.note(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB")
-        for python in report.options.pythons or (sys.executable,):
-            with tempfile.TemporaryDirectory() as folder:
-                _measure(report, _place(Path(folder)), wheel, python, uv)
+        with tempfile.TemporaryDirectory() as folder:
+            _measure(report, _place(Path(folder)), wheel, sys.executable, uv)
 
 
 def _measure(report: Report, place: Place, wheel: Path, python: str, uv: str | None) -> None:

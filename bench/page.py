@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -33,9 +32,6 @@ PLAYED, PLAYED_TURNS = (960, 540), 2
 LONG, LONG_TURNS = (640, 360), 20
 """A film whose job lasts: one that ended and began anew would end the drag under way."""
 
-RESTARTS, EDITS = 8, 50
-BACK_S = 3.0
-
 IDLE_S = 5.0
 IDLE_PERCENT = {"server": 3.0, "page": 5.0}
 WINDOW = (1440, 900)
@@ -61,7 +57,6 @@ def page(report: Report) -> None:
             _beside_a_job(report, browser, keypose)
         with serving(film(folder / "played", PLAYED, PLAYED_TURNS)) as keypose:
             _playing(report, browser, keypose)
-        _restarts(report, browser, folder)
         browser.close()
 
 
@@ -250,35 +245,6 @@ def _playing(report: Report, browser: Browser, keypose: Keypose) -> None:
             shown = 1000 * (len(times) - 1) / (times[-1] - times[0])
             missing = Expected("missing", FPS - shown, 0.02 * FPS, "frames/s")
             table.row(name, float(shown), float(np.diff(times).max()), expected=[missing])
-
-
-def _restarts(report: Report, browser: Browser, folder: Path) -> None:
-    """Killed as by a power cut, edits made meanwhile, and started again."""
-    session, workspace = sample(folder / "again"), folder / "workspace"
-    given = (str(session), "--workspace", str(workspace))
-    keypose, back = Keypose(*given), []
-    try:
-        with admit(browser, drawn=False, size=WINDOW) as context:
-            tab = opened(context, keypose)
-            for turn in range(RESTARTS):
-                keypose.kill()
-                until(lambda: not tab.evaluate("() => window.keypose.ui.connected"), "the loss")
-                mark(tab, *range(turn * EDITS, (turn + 1) * EDITS))
-                began = time.perf_counter()
-                keypose = Keypose(*given, port=keypose.port)
-                until(lambda: waiting(tab) == 0, "the last edit")
-                back.append(time.perf_counter() - began)
-            there = marks(session)
-    finally:
-        keypose.end()
-    table = report.table(
-        f"{EDITS} edits wait for a server that is started again, s", "median", "worst"
-    )
-    worst = max(back)
-    late = Expected("worst", worst, BACK_S, "s")
-    made, kept = Counter(range(RESTARTS * EDITS)), Counter(there)
-    lost = Expected("lost or twice", (made - kept).total() + (kept - made).total(), 0)
-    table.row("all are on its disk", float(np.median(back)), worst, expected=[late, lost])
 
 
 def _idle(report: Report, context: BrowserContext, keypose: Keypose) -> Page:

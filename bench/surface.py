@@ -11,7 +11,6 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
 from typing import get_args
@@ -198,36 +197,17 @@ def _time(report: Report) -> None:
     observed = [TargetSurface.of(mesh, options) for mesh in walk.steps]
     fit_pose(model, observed[1], walk.poses[0], options)
     table = report.table("time", "least ms", "median ms")
-    spent, rigid = [], []
+    spent = []
     pose = walk.poses[0]
     for step in observed[1:]:
         began = time.perf_counter()
         fit = fit_pose(model, step, pose, options)
         spent.append(1e3 * (time.perf_counter() - began))
-        rigid.append(_rigid_ms(fit.posed.p, step.samples.p))
         pose = fit.pose
     median = float(np.median(spent))
     report.note(f"{len(model.own)} points a side, {walk.skeleton.part_count} parts, one thread")
     table.row("a step, all its solves", min(spent), median,
               expected=[Expected("median", median, MOST_MS, "ms")])  # fmt: skip
-    if find_spec("small_gicp"):
-        table.row("small_gicp, one rigid iteration", float(np.min(rigid)), float(np.median(rigid)))
-    else:
-        report.note("small_gicp is not installed: pip install small_gicp to see it beside")
-
-
-def _rigid_ms(source: Array, target: Array) -> float:
-    """One iteration of a rigid point-to-plane ICP on the same points, its tree and normals too."""
-    if not find_spec("small_gicp"):
-        return float("nan")
-    import small_gicp
-
-    began = time.perf_counter()
-    small_gicp.align(
-        target, source, registration_type="PLANE_ICP", downsampling_resolution=1e-4,
-        max_iterations=1, num_threads=1,
-    )  # fmt: skip
-    return 1e3 * (time.perf_counter() - began)
 
 
 def _long(report: Report) -> None:

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import Any
 
-from bench.options import Options
-
 NAME_WIDTH, CELL_WIDTH, WIDE = 31, 12, 24
 
 
@@ -69,8 +67,8 @@ class Table:
 class Report:
     """What one group of benchmarks found."""
 
-    def __init__(self, group: str, options: Options | None = None) -> None:
-        self.group, self.options = group, options or Options()
+    def __init__(self, group: str) -> None:
+        self.group = group
         self.tables: list[Table] = []
         self.expected: list[Expected] = []
         self.notes: list[str] = []

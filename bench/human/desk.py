@@ -33,7 +33,6 @@ from keypose.app.jobs.messages import (
     Drafted,
     JobFailed,
     Order,
-    PoseFitted,
     Report,
     SegmentFinished,
 )
@@ -103,10 +102,6 @@ class Desk:
         """Look whether the present frame is right."""
         self.ledger.note("judged", "judge a frame")
 
-    def drag(self, why: str, handle: Handle, by: Array, view: str = "main", **how: Any) -> None:
-        """Drag a handle by a way in its view."""
-        self.act("drag", why, self.as_drag(handle, by, view, **how))
-
     @contextmanager
     def limbs_alone(self) -> Iterator[None]:
         """Drags key the limbs that they move; tracked is when the last of them is let go."""
@@ -160,11 +155,6 @@ class Desk:
         return self.state.keys
 
     @property
-    def suggested(self) -> Suggestion:
-        """What the page says to do next."""
-        return next_step(self.keys, self.state.doc, self.state.fitting)
-
-    @property
     def to_confirm(self) -> list[int]:
         """Frames of the draft that wait to be confirmed."""
         drafted, waiting = self.state.doc.drafted, {d.frame for d in self.state.doc.drafts}
@@ -202,8 +192,8 @@ class Desk:
 
     def _send(self, message: Any) -> None:
         match message:
-            case do.FitHere() | do.Draft():
-                self._fit(message)
+            case do.Draft():
+                self._draft(message)
             case do.Track():
                 self._track()
             case _:
@@ -224,13 +214,11 @@ class Desk:
             found = learned(near_frames(used, around), self.opened.session_path.parent, around)
             self.state = with_learned(self.state, used, found)
 
-    def _fit(self, action: do.FitHere | do.Draft) -> None:
+    def _draft(self, action: do.Draft) -> None:
         request = FitRequest.of(self.opened, self.state, action)
         reports: list[Report] = []
         FitJob(replace(request.order, job=1), Event(), reports.append).run(self._cache)
         match reports[-1]:
-            case PoseFitted() as found:
-                self.state = apply_fit(request, found, self.state)[0]
             case Drafted() as found:
                 self.state = apply_draft(request, found, self.state, self.opened)
             case JobFailed() as failed:

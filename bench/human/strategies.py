@@ -7,33 +7,27 @@ the median over all frames that are seen, and 10 px at worst.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 
 from bench.human.desk import Desk
-from bench.human.hand import TRUNK, Hand, px
+from bench.human.hand import TRUNK, Hand
 from bench.human.watching import Watching
-from bench.needed import MEDIAN_PX, WORST_PX
 from keypose.app.editor import actions as do
 from keypose.app.editor.advice import NEXT_FRAMES
 from keypose.app.editor.shown import shown_pose
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
-Choice: TypeAlias = Callable[[Desk, set[int]], int | None]
-"""The frame to look at next, given those that were looked at; None where there is none."""
-MANY_WRONG = 3
-"""With so many joints wrong, somebody lets the pose be fitted before touching it."""
+MEDIAN_PX, WORST_PX = 5.0, 10.0
+"""A motion is right when every joint is that near, in the median and at worst."""
 LOOK_EVERY = 8
 """Frames between two looks, when somebody goes through the whole clip."""
 GIVE_UP_FRAMES = 3
 """With a keyframe in so many frames, it is given up."""
 MOST_PLACES = 80
-FITTED_FROM_PX = 40.0
-"""A pose that is farther off than this is not one to let the computer fit."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +101,12 @@ def go_next(desk: Desk, frame: int) -> int:
     return near
 
 
-def settle(hand: Hand, *, fit: bool) -> None:
+def settle(hand: Hand) -> None:
     """Judge the present frame, correct it where it is wrong, and key it."""
-    desk = hand.desk
-    desk.judge()
+    hand.desk.judge()
     if not hand.looks_right():
-        if fit and len(hand.wrong()) >= MANY_WRONG and not hand.wrong(FITTED_FROM_PX):
-            desk.act("key", "F", do.FitHere())
-            desk.judge()
         hand.correct()
-    key(desk)
+    key(hand.desk)
 
 
 def key(desk: Desk) -> None:
@@ -140,7 +130,7 @@ def by_intervals(hand: Hand) -> None:
         live(desk)
     for end in (clip.first, clip.last):
         go(desk, end)
-        settle(hand, fit=False)
+        settle(hand)
     looked = {clip.first, clip.last}
     while not outcome(desk).right and len(desk.keys) < clip.frames / GIVE_UP_FRAMES:
         gaps = [g for g in pairwise(sorted(looked)) if any(g[0] < f < g[1] for f in clip.seen)]
@@ -160,19 +150,6 @@ def by_intervals(hand: Hand) -> None:
 # --- with the page's advice
 
 
-def before(hand: Hand) -> None:
-    """Keyframes by hand about a second apart, then wherever the page asks for one."""
-    desk, clip = hand.desk, hand.desk.clip
-    live(desk)
-    frames = list(range(clip.first, clip.last, NEXT_FRAMES))
-    if clip.last - frames[-1] < NEXT_FRAMES // 2 and len(frames) > 1:
-        frames.pop()
-    for frame in (*frames, clip.last):
-        go(desk, frame)
-        settle(hand, fit=True)
-    follow_advice(hand)
-
-
 def now(hand: Hand) -> None:
     """A box and a draft, three of its places confirmed, then the review, each place put right where
     it is wrong: a limb alone, or all of the body."""
@@ -189,20 +166,6 @@ def by_watching(hand: Hand) -> None:
     Watching(hand).until_right(put_right)
 
 
-def now_by_places(hand: Hand) -> None:
-    """The same with every place of the draft confirmed first."""
-    confirm_every_place(hand)
-    live(hand.desk)
-    review(hand)
-
-
-def now_by_keyframes(hand: Hand) -> None:
-    """The same with whole keyframes, wherever the page asks for one."""
-    confirm_draft(hand)
-    live(hand.desk)
-    follow_advice(hand)
-
-
 def confirm_draft(hand: Hand) -> None:
     """A box, a draft, and of its places the next one and both ends as keyframes: what lies between
     is seen better once it is tracked."""
@@ -211,36 +174,28 @@ def confirm_draft(hand: Hand) -> None:
     ends(hand)
 
 
-def confirm_every_place(hand: Hand) -> None:
-    """The same with all places of the draft."""
-    draft(hand.desk)
-    while hand.desk.to_confirm:
-        confirm_next(hand)
-    ends(hand)
-
-
 def confirm_next(hand: Hand) -> None:
     """N, to the next place of the draft, and its pose as a keyframe."""
     desk = hand.desk
     ahead = [f for f in desk.to_confirm if f > desk.frame]
     go_next(desk, (ahead or desk.to_confirm)[0])
-    settle(hand, fit=False)
+    settle(hand)
 
 
 def review(hand: Hand) -> None:
     """Shift R, and place after place until all is right; then whatever else is seen to be wrong."""
-    desk, looks = hand.desk, _Looks()
+    desk, right = hand.desk, set[int]()
     desk.act("key", "Shift R")
     for _ in range(MOST_PLACES):
         if outcome(desk).right or len(desk.keys) >= desk.clip.frames / GIVE_UP_FRAMES:
             return
-        open_ = [place for place in desk.places if place.frame not in looks.right]
+        open_ = [place for place in desk.places if place.frame not in right]
         if not open_:
-            if not _look_through(hand, looks, alone=True):
+            if not _look_through(hand):
                 return
             continue
         place = open_[0]
-        looks.right.add(place.frame)
+        right.add(place.frame)
         desk.look(place.frame)  # the review goes there by itself
         _use_tracked(desk)
         desk.judge()
@@ -280,100 +235,10 @@ def ends(hand: Hand) -> None:
     for end in (desk.clip.first, desk.clip.last):
         if end not in desk.keys:
             go(desk, end, "go to the end of the clip")
-            settle(hand, fit=False)
+            settle(hand)
 
 
-@dataclass
-class _Looks:
-    """Frames that were looked at and found right, with the keyframes there were."""
-
-    right: set[int] = field(default_factory=set)
-    through: bool = False
-
-
-def follow_advice(hand: Hand) -> None:
-    """N and what it asks for, until all is right."""
-    desk, looks = hand.desk, _Looks()
-    most = desk.clip.frames / GIVE_UP_FRAMES
-    for _ in range(MOST_PLACES):
-        if outcome(desk).right or len(desk.keys) >= most:
-            return
-        asked = desk.suggested
-        if asked.frame is None or asked.frame in looks.right:
-            if not _look_through(hand, looks):
-                return
-            continue
-        frame = go_next(desk, asked.frame)
-        _use_tracked(desk)
-        if frame in looks.right:
-            if not _look_through(hand, looks):
-                return
-            continue
-        looks.right.add(asked.frame)
-        looks.right.add(frame)
-        settle(hand, fit=True)
-
-
-# --- which frame next
-
-
-def now_by(choose: Choice) -> Callable[[Hand], None]:
-    """As `now`, with the frames to put right chosen in another way than by the review."""
-
-    def work(hand: Hand) -> None:
-        confirm_draft(hand)
-        live(hand.desk)
-        mend(hand, choose)
-
-    return work
-
-
-def mend(hand: Hand, choose: Choice) -> None:
-    """Go where a rule says and put right what is wrong there, until all is right."""
-    desk, looked = hand.desk, set[int]()
-    most = desk.clip.frames / GIVE_UP_FRAMES
-    for _ in range(MOST_PLACES):
-        if outcome(desk).right or len(desk.keys) >= most:
-            return
-        frame = choose(desk, looked)
-        if frame is None or frame in looked:
-            if not _look_through(hand, _Looks(), alone=True):
-                return
-            continue
-        looked |= {frame, go_next(desk, frame)}
-        _use_tracked(desk)
-        desk.judge()
-        if not hand.looks_right():
-            put_right(hand)
-
-
-def by_advice(desk: Desk, looked: set[int]) -> int | None:
-    """What N says."""
-    return desk.suggested.frame
-
-
-def by_length(desk: Desk, looked: set[int]) -> int | None:
-    """The middle of the longest stretch in which nothing was looked at or posed."""
-    known = looked | {*desk.keys, *(part.frame for part in desk.state.doc.part_keyframes)}
-    first, last = max(pairwise(sorted(known)), key=lambda gap: gap[1] - gap[0])
-    return (first + last) // 2 if last - first > 1 else None
-
-
-def by_truth(desk: Desk, looked: set[int]) -> int | None:
-    """Where a joint is farthest off, which nobody knows: no rule can do better by much."""
-    free = [frame for frame in desk.clip.true if frame not in looked]
-    return max(free, key=lambda frame: worst_px(desk, frame), default=None)
-
-
-def worst_px(desk: Desk, frame: int) -> float:
-    """How far off the worst joint of a frame is."""
-    at, slack = desk.project(motion_at(desk, frame)), desk.clip.slack_px(frame)
-    measured = desk.clip.true[frame].items()
-    off = [px(uv - at[name]) for name, uv in measured if name not in desk.clip.unmeasured]
-    return max(off, default=0.0) - slack
-
-
-def _look_through(hand: Hand, looks: _Looks, alone: bool = False) -> bool:
+def _look_through(hand: Hand) -> bool:
     """Go through the clip, correct the first frame that looks wrong; whether there was one."""
     desk = hand.desk
     frames = sorted(desk.clip.seen)
@@ -384,12 +249,7 @@ def _look_through(hand: Hand, looks: _Looks, alone: bool = False) -> bool:
         if hand.looks_right():
             continue
         before = len(desk.script)
-        if alone:
-            put_right(hand)
-        else:
-            hand.correct()
-            if len(desk.script) > before:
-                key(desk)
+        put_right(hand)
         if len(desk.script) > before:  # else nothing that a hand does brings it nearer
             return True
     return False
@@ -412,13 +272,6 @@ def _use_tracked(desk: Desk) -> None:
 
 LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False, drafts=False)
 PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals, drafts=False)
-BEFORE = Strategy("before", TrackSettings(), before, drafts=False)
-KEYED = Strategy("whole keyframes", TrackSettings(cues=ALL_CUES, smooth=True), now_by_keyframes)
-PLACES = Strategy("every place", TrackSettings(cues=ALL_CUES, smooth=True), now_by_places)
 NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
 WATCHED = Strategy("watched", NOW.settings, by_watching, by_picture=True)
-RULES = tuple(
-    Strategy(f"now, {name}", NOW.settings, now_by(choose))
-    for name, choose in (("N", by_advice), ("middle", by_length), ("truth", by_truth))
-)
-STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, PLACES, NOW, WATCHED, *RULES)
+STRATEGIES = (LINEAR, PAPER, NOW, WATCHED)

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from bench.keyed import JITTER_M, JITTER_RAD, jittered
-from bench.measures import Mark, Over, jitter_px, root_relative
-from bench.needed import Outcome, steps_to_enough, where_worst, words
-from bench.options import way
+from bench.measures import Over, jitter_px, root_relative
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -65,32 +63,3 @@ def test_where_the_hips_are_does_not_count_seen_from_the_hips() -> None:
 
 def test_a_figure_is_shown_with_its_spread() -> None:
     assert str(Over((5.0, 3.0, 9.0))) == "5.0 (3.0–9.0)"
-
-
-def _errors(keyframes: tuple[int, ...]) -> Outcome:
-    """Errors that grow with the distance from the nearest keyframe, twice as fast after 40."""
-    frames = [frame for frame in range(0, 61, 10) if frame not in keyframes]
-    away = {f: min(abs(f - k) for k in keyframes) * (2 if f > 40 else 1) for f in frames}
-    return (), [Mark(f, "LWrist", 0.4 * px, 0.4 * px) for f, px in away.items()]
-
-
-def test_keyframes_are_added_where_the_worst_joint_is_until_the_motion_is_good_enough() -> None:
-    steps = steps_to_enough(_errors, range(0, 61, 10), where_worst)
-    assert [step.keyframes for step in steps] == [(0, 60), (0, 30, 60)]
-    assert [step.enough for step in steps] == [False, True]
-    assert words(steps) == "3"
-
-
-def test_where_no_number_of_keyframes_is_enough_that_is_said() -> None:
-    def never(keyframes: tuple[int, ...]) -> Outcome:
-        left = [frame for frame in (0, 10, 20, 30) if frame not in keyframes]
-        return (), [Mark(frame, "LWrist", 50.0, 50.0) for frame in left]
-
-    assert words(steps_to_enough(never, (0, 10, 20, 30), where_worst)) == "> 3"
-
-
-def test_settings_are_compared_by_name_and_unknown_ones_are_refused() -> None:
-    name, settings = way('static={"static_camera": true}')
-    assert (name, settings.static_camera) == ("static", True)
-    with pytest.raises(Exception, match="there is no setting colour"):
-        way('x={"colour": 1}')

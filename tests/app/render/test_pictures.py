@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench.contact_sheet import contact_sheet
 from keypose.app.render import pictures
 from keypose.app.render.lettering import axes, length_name, round_length, scale_bar, write_name
 from keypose.app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
@@ -299,15 +298,6 @@ def test_axes_scale_bar_and_name_never_cover_each_other(size: tuple[int, int], u
     assert masks[0].any()
     assert masks[1].any()
     assert masks[2].any() == (size in ((150, 100), (312, 238)))
-
-
-def test_a_contact_sheet_fills_its_last_row_with_blanks() -> None:
-    sheet = contact_sheet([GREY, GREY, GREY], 2, ["0", "12", "24"])
-    assert sheet.shape[0] > 2 * 180
-    assert sheet.shape[1] > 2 * 320
-    assert sheet[-90, -160].max() < 40
-    with pytest.raises(ValueError, match="at least one"):
-        contact_sheet([], 2)
 
 
 def test_a_frame_of_another_size_than_the_cameras_is_refused() -> None:
