@@ -18,7 +18,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from bench.keeping import Absent, data_folder, kept_folder
-from bench.posing import MARKS
+from keypose.sample_videos.posing import MARKS
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.evaluate import JointReference
 from keypose.tracker.geometry.camera import Camera

@@ -11,47 +11,38 @@ worked in its first half as well: what the second half costs beyond that is what
 each further frame, and what is left is done once a film, however long it is.
 
 "watched" plays the motion and is done when nothing looks wrong (`human/watching.py`); that is how
-it is expected to be worked. "now" goes from place to place as the review lists them, never plays
-anything, and learns from somebody else when all is right: kept to compare with.
+it is expected to be worked. "linear" and "paper" pose both ends and then the middle of whatever is
+longest unseen, and learn from somebody else when all is right: they are compared with.
 
 What begins with a draft begins as a clip is opened, with the body of a preset, which the draft
 sizes. What does not has a body that is sized already.
 
-Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
-are made again in a browser, with real mouse and keys, and counts and poses are compared.
+Trials run through the product's own editor and jobs, without its page.
 """
 
 from __future__ import annotations
 
 import time
 from collections import defaultdict
-from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass
 
 import numpy as np
-from playwright.sync_api import sync_playwright
 from threadpoolctl import threadpool_limits
 
-from bench.human.at_page import repeated, session_for
 from bench.human.clips import CLIPS, Watched, noisy, watched
 from bench.human.counting import KINDS, LONG_FRAMES, SHARES, Effort, Kind
 from bench.human.desk import desk
 from bench.human.first import FIRSTS, first_keyframe
-from bench.human.hand import Hand, px
+from bench.human.hand import Hand
 from bench.human.strategies import (
-    NOW,
     STRATEGIES,
     WATCHED,
     Outcome,
     Strategy,
-    go,
-    key,
     outcome,
 )
 from bench.keeping import Absent
 from bench.measures import Over
-from bench.stand import serving
 from bench.table import Expected, Report, Table
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
@@ -71,8 +62,6 @@ LONG_CLIP = 60
 WIDE = COLUMNS[1:]
 CAUSES = 12
 ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
-WINDOW, PAGE_FRAMES, PAGE_PX = (1440, 900), (15, 40), 3.0
-"""A pointer rests on whole pixels of the screen, which are larger than those of the film."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +83,6 @@ def effort(report: Report) -> None:
     )
     report.note("or two of fast motion, so that is work for a minute of nothing else")
     with threadpool_limits(1):
-        _in_page(report)
         _first_keyframes(report)
         for name in CLIPS:
             try:
@@ -144,10 +132,10 @@ def _clip(report: Report, clip: Watched) -> None:
         trials = [trial(clip, strategy, seed) for seed in range(SEEDS)]
         _row(table, strategy, trials)
         _shares(report, f"{clip.name}, {strategy.name}", trials)
-        if strategy in (NOW, WATCHED):
+        if strategy is WATCHED:
             _causes(report, f"{clip.name}, {strategy.name}", trials)
-        if strategy is WATCHED and clip.frames >= LONG_CLIP:
-            _further_frame(report, clip, trials)
+            if clip.frames >= LONG_CLIP:
+                _further_frame(report, clip, trials)
 
 
 def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
@@ -207,44 +195,3 @@ def _causes(report: Report, name: str, trials: list[Trial]) -> None:
     most = sorted(spent.items(), key=lambda row: -row[1][1])[:CAUSES]
     for why, (times, seconds) in most:
         table.row(f"  {why}", float(np.round(times, 1)), seconds, 100 * seconds / whole)
-
-
-def _in_page(report: Report) -> None:
-    """Two keyframes beside one that stands, without a page and with one."""
-    path = find()
-    if path is None:
-        report.note("not compared with a browser: there is no Chromium")
-        return
-    clip = noisy(_begun(watched("balance")), SIGMA_PX, 0)
-    with desk(clip, NOW.settings) as there:
-        hand, poses = Hand.of(there, 0), dict[int, dict[str, Array]]()
-        for frame in PAGE_FRAMES:
-            go(there, frame)
-            hand.carry()
-            hand.correct_limbs()
-            key(there)
-            poses[there.frame] = there.project(there.shown().pose)
-        with TemporaryDirectory() as folder, sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
-            session = session_for(clip, NOW.settings, Path(folder))
-            with serving(session) as keypose, admit(browser, drawn=False, size=WINDOW) as context:
-                seen = repeated(opened(context, keypose), there)
-            browser.close()
-        apart = [px(seen.joints[f][n] - uv) for f, at in poses.items() for n, uv in at.items()]
-        table = report.table("the same done in a browser", "clicks", "keys", "drags", "apart, px")
-        done = there.ledger.effort(clip.frames)
-        table.row("without a page", *(done.count(kind) for kind in ACTIONS), 0.0)
-        counted = [seen.counts[kind] for kind in ACTIONS]
-        expected = [
-            Expected(f"{kind}s apart", abs(found - done.count(kind)), 0)
-            for kind, found in zip(ACTIONS, counted, strict=True)
-        ]
-        expected.append(Expected("poses apart", max(apart), PAGE_PX, "px"))
-        table.row("in a browser", *counted, max(apart), expected=expected)
-
-
-def _begun(clip: Watched) -> Watched:
-    """With its first frame posed, as the person understands it."""
-    skeleton = Skeleton.of(clip.session.body)
-    keyframe = Keyframe.of(skeleton, clip.poses[clip.first], clip.first, 0.0)
-    return replace(clip, session=clip.session.model_copy(update={"keyframes": (keyframe,)}))

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from bench.clips import Clip, place
 from bench.keeping import ROOT, digest, place_for
-from bench.posing import HUMAN
+from keypose.sample_videos.posing import HUMAN
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -58,8 +58,9 @@ class Keyed:
 def keyed(clip: Clip, keyframes: Sequence[int]) -> Keyed:
     """The body sized and posed on the marks of these frames alone, or as kept of it."""
     here = Path(__file__).parent
-    sources = [here / name for name in ("keyed.py", "clips.py", "posing.py", "real_marks.json")]
-    sources += [ROOT / "tracker" / name for name in ("body", "solver", "fitting/sizes")]
+    sources = [here / name for name in ("keyed.py", "clips.py", "real_marks.json")]
+    used = ("sample_videos/posing.py", "tracker/body", "tracker/solver", "tracker/fitting/sizes")
+    sources += [ROOT / name for name in used]
     name = "-".join(["keyed", clip.name, *map(str, keyframes)])
     kept = place_for(name, digest(*sources), ".npz")
     if not kept.is_file():

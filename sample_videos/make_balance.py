@@ -16,7 +16,7 @@ import av
 import numpy as np
 from av.video.reformatter import Interpolation
 
-from bench.posing import HUMAN, Habit, Marked, Posed, fit
+from keypose.sample_videos.posing import HUMAN, Habit, Marked, Posed, fit
 from keypose.tracker.body.body import Body, Point, preset
 from keypose.tracker.body.modify import resized
 from keypose.tracker.geometry.camera import Camera

@@ -24,8 +24,8 @@ from bench.clips import Clip, place
 from bench.clips import clip as real_clip
 from bench.keeping import ROOT, Absent, digest, kept_folder
 from bench.keyed import keyed
-from bench.posing import MARKS
 from keypose.sample_videos.make_samples import encode
+from keypose.sample_videos.posing import MARKS
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton

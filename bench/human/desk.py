@@ -1,7 +1,6 @@
 """The product without its page: every action goes through the editor and the jobs of the real one.
 
-What is done is noted as a person does it, with the mouse and the keyboard, and kept as a script, so
-that a browser can be made to do the same (`at_page.py`).
+What is done is noted as a person does it, with the mouse and the keyboard, and kept as a script.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Event
@@ -52,20 +51,11 @@ from keypose.tracker.storage.space import solved
 from keypose.tracker.video import Video
 
 
-@dataclass(frozen=True)
-class Did:
-    """One thing done: how, what for, and the messages that the page would send."""
-
-    kind: Kind
-    why: str
-    messages: tuple[Any, ...] = ()
-
-
 class Desk:
     """One person's session of a clip. `clip` is as they see it."""
 
     def __init__(self, clip: Watched, settings: TrackSettings, folder: Path) -> None:
-        self.clip, self.ledger, self.script = clip, Ledger(), list[Did]()
+        self.clip, self.ledger, self.script = clip, Ledger(), list[str]()
         session = clip.session.model_copy(update={"settings": settings})
         self.video = Video.open(clip.video)
         self.opened = OpenSession(folder / "session.json", session, self.video, fresh=True)
@@ -85,7 +75,7 @@ class Desk:
     def act(self, kind: Kind, why: str, *messages: Any) -> None:
         """Click, press or drag, and what comes of it."""
         self.ledger.note(kind, why, self._share(kind, messages))
-        self.script.append(Did(kind, why, messages))
+        self.script.append(why)
         for message in messages:
             self._send(message)
 
@@ -93,7 +83,7 @@ class Desk:
         """Of the work that something is part of."""
         if any(isinstance(message, do.Live) for message in messages):
             return "begin"
-        goes = all(isinstance(message, do.Go | do.AcceptPlace) for message in messages)
+        goes = all(isinstance(message, do.Go) for message in messages)
         if goes and (messages or kind == "key"):
             return "looks"
         return "limbs" if self._alone else "keyframes"
@@ -153,18 +143,6 @@ class Desk:
     @property
     def keys(self) -> tuple[int, ...]:
         return self.state.keys
-
-    @property
-    def to_confirm(self) -> list[int]:
-        """Frames of the draft that wait to be confirmed."""
-        drafted, waiting = self.state.doc.drafted, {d.frame for d in self.state.doc.drafts}
-        return [p.frame for p in drafted.places if p.frame in waiting] if drafted else []
-
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """What the review lists, the worst first."""
-        found = review_of(self.state.doc, self.state.results)
-        return found.above(found.goal_px)
 
     def shown(self, frame: int | None = None) -> ShownPose:
         return shown_pose(self.state, frame)

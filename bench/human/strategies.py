@@ -6,7 +6,7 @@ the median over all frames that are seen, and 10 px at worst.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,11 +23,8 @@ from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
 MEDIAN_PX, WORST_PX = 5.0, 10.0
 """A motion is right when every joint is that near, in the median and at worst."""
-LOOK_EVERY = 8
-"""Frames between two looks, when somebody goes through the whole clip."""
 GIVE_UP_FRAMES = 3
 """With a keyframe in so many frames, it is given up."""
-MOST_PLACES = 80
 
 
 @dataclass(frozen=True)
@@ -93,14 +90,6 @@ def go(desk: Desk, frame: int, why: str = "go to a frame") -> int:
     return near
 
 
-def go_next(desk: Desk, frame: int) -> int:
-    """N, to the frame that the page names, or the nearest of which anything is seen."""
-    free = [f for f in desk.clip.seen if f not in desk.keys or f == frame]
-    near = min(free or desk.clip.seen, key=lambda f: (abs(f - frame), f))
-    desk.act("key", "N", do.Go(frame=near))
-    return near
-
-
 def settle(hand: Hand) -> None:
     """Judge the present frame, correct it where it is wrong, and key it."""
     hand.desk.judge()
@@ -150,59 +139,12 @@ def by_intervals(hand: Hand) -> None:
 # --- with the page's advice
 
 
-def now(hand: Hand) -> None:
-    """A box and a draft, three of its places confirmed, then the review, each place put right where
-    it is wrong: a limb alone, or all of the body."""
-    confirm_draft(hand)
-    live(hand.desk)
-    review(hand)
-
-
 def by_watching(hand: Hand) -> None:
     """A box, a draft, both ends as keyframes, and whatever looks wrong while the motion plays."""
     draft(hand.desk)
     ends(hand)
     live(hand.desk)
     Watching(hand).until_right(put_right)
-
-
-def confirm_draft(hand: Hand) -> None:
-    """A box, a draft, and of its places the next one and both ends as keyframes: what lies between
-    is seen better once it is tracked."""
-    draft(hand.desk)
-    confirm_next(hand)
-    ends(hand)
-
-
-def confirm_next(hand: Hand) -> None:
-    """N, to the next place of the draft, and its pose as a keyframe."""
-    desk = hand.desk
-    ahead = [f for f in desk.to_confirm if f > desk.frame]
-    go_next(desk, (ahead or desk.to_confirm)[0])
-    settle(hand)
-
-
-def review(hand: Hand) -> None:
-    """Shift R, and place after place until all is right; then whatever else is seen to be wrong."""
-    desk, right = hand.desk, set[int]()
-    desk.act("key", "Shift R")
-    for _ in range(MOST_PLACES):
-        if outcome(desk).right or len(desk.keys) >= desk.clip.frames / GIVE_UP_FRAMES:
-            return
-        open_ = [place for place in desk.places if place.frame not in right]
-        if not open_:
-            if not _look_through(hand):
-                return
-            continue
-        place = open_[0]
-        right.add(place.frame)
-        desk.look(place.frame)  # the review goes there by itself
-        _use_tracked(desk)
-        desk.judge()
-        if hand.looks_right():
-            desk.act("key", "Enter: accept", do.AcceptPlace(frame=place.frame, part=place.part))
-        else:
-            put_right(hand)
 
 
 def put_right(hand: Hand) -> None:
@@ -238,40 +180,9 @@ def ends(hand: Hand) -> None:
             settle(hand)
 
 
-def _look_through(hand: Hand) -> bool:
-    """Go through the clip, correct the first frame that looks wrong; whether there was one."""
-    desk = hand.desk
-    frames = sorted(desk.clip.seen)
-    for frame in _every(frames, LOOK_EVERY) + frames[:: max(1, LOOK_EVERY // 2)]:
-        desk.act("key", "look through the clip", do.Go(frame=frame))
-        _use_tracked(desk)
-        desk.judge()
-        if hand.looks_right():
-            continue
-        before = len(desk.script)
-        put_right(hand)
-        if len(desk.script) > before:  # else nothing that a hand does brings it nearer
-            return True
-    return False
-
-
-def _every(frames: Sequence[int], step: int) -> list[int]:
-    """Frames at least so far apart."""
-    found = list(frames[:1])
-    for frame in frames:
-        if frame - found[-1] >= step:
-            found.append(frame)
-    return found
-
-
-def _use_tracked(desk: Desk) -> None:
-    """Where a draft is shown instead of what was tracked, ask for that."""
-    if desk.shown().source == "draft" and desk.state.tracked(desk.frame) is not None:
-        desk.act("click", "use the tracked pose", do.TakeTracked())
-
-
 LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False, drafts=False)
 PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals, drafts=False)
-NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
-WATCHED = Strategy("watched", NOW.settings, by_watching, by_picture=True)
-STRATEGIES = (LINEAR, PAPER, NOW, WATCHED)
+WATCHED = Strategy(
+    "watched", TrackSettings(cues=ALL_CUES, smooth=True), by_watching, by_picture=True
+)
+STRATEGIES = (LINEAR, PAPER, WATCHED)
