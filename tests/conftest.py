@@ -43,6 +43,12 @@ sys.dont_write_bytecode = False
 os.environ.setdefault(*ONE_BLAS_THREAD)
 
 
+@pytest.fixture(scope="session")
+def anyio_backend() -> str:
+    """What runs tests that are coroutines."""
+    return "asyncio"
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling | None:
     """With `--dist loadfile` one worker begins with all that uses a browser and the others with the

@@ -7,7 +7,7 @@ import errno
 import json
 import os
 import shutil
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
@@ -24,48 +24,25 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.files import journal_path, load_session, open_session
 from keypose.tracker.storage.journal import Journal, read_journal
 from tests.app.killing import kill_once
-from tests.app.serving import ROOT
+from tests.scenes import SAMPLES, IdleWorker, opened_store, sample
 
 KILLS = 5
-"""The benchmark kills two hundred times."""
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-    return tmp_path / "person" / "session.json"
+    return sample(tmp_path)
 
 
-class NoWorker:
-    """Tracks nothing."""
-
-    def __init__(self, *_: object) -> None: ...
-
-    def cancel(self) -> None: ...
-
-    def pause(self, on: bool) -> None: ...
-
-    def close(self) -> None: ...
+@pytest.fixture
+async def store(path: Path) -> AsyncIterator[Store]:
+    async with opened_store(path) as made:
+        yield made
 
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", NoWorker)
-
-
-def with_store(path: Path, work: Callable[[Store], Awaitable[None]], *, ends: bool = True) -> None:
-    """Open, work, and end well or, so to speak, not at all."""
-
-    async def whole() -> None:
-        folder = path.parent.parent
-        library = Library(folder / "work", [folder])
-        store = Store(asyncio.get_running_loop(), lambda *_: None, library)
-        await store.open(path)
-        await work(store)
-        if ends:
-            await store.stop()
-
-    asyncio.run(whole())
+    monkeypatch.setattr(runner, "Tracking", IdleWorker)
 
 
 async def done(store: Store, *actions: dict[str, Any]) -> None:
@@ -101,13 +78,11 @@ def labels(path: Path) -> list[str]:
     return [step.label for step in open_session(path).recovered.moment.history.past]
 
 
-def test_undo_and_redo_survive_a_restart(path: Path) -> None:
+async def test_undo_and_redo_survive_a_restart(path: Path) -> None:
     first = load_session(path).keyframes
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20), {"do": "delete_key", "frame": 24}, {"do": "undo"})
-
-    async def go_on(store: Store) -> None:
+    async with opened_store(path) as store:
         edit = store.app_state.edit
         assert edit is not None
         assert len(edit.history.past) == 2
@@ -115,50 +90,37 @@ def test_undo_and_redo_survive_a_restart(path: Path) -> None:
         await done(store, {"do": "redo"})
         assert [k.frame for k in load_session(path).keyframes] == [0, 48, 72]
         await done(store, {"do": "undo"}, {"do": "undo"}, {"do": "undo"})
-
-    with_store(path, edit)
-    with_store(path, go_on)
     assert load_session(path).keyframes == first
     assert len(open_session(path).recovered.moment.history.future) == 3
 
 
-def test_an_edit_is_in_the_journal_when_it_is_acknowledged(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_an_edit_is_in_the_journal_when_it_is_acknowledged(path: Path) -> None:
+    async with opened_store(path, ends=False) as store:
         for number in range(1, 6):
             await done(store, turn(-10 * number))
             records = read_journal(journal_path(path)).records
             assert sum("kept" in record for record in records) == number
 
-    with_store(path, edit, ends=False)
 
-
-def test_a_drag_is_one_line_of_the_journal(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_a_drag_is_one_line_of_the_journal(path: Path) -> None:
+    async with opened_store(path) as store:
         drag = [turn(-x, stroke="d") for x in range(30)]
         await done(store, *drag, {"do": "end_stroke", "stroke": "d"})
-
-    with_store(path, edit)
     assert sum("kept" in r for r in read_journal(journal_path(path)).records) == 1
     assert len(labels(path)) == 1
 
 
-def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
+async def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
     before = path.read_bytes()
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20))
-
-    with_store(path, edit)
     after = load_session(path).keyframes
     path.write_bytes(before)  # as if the power had gone before the session file was written
     drop_saved(journal_path(path))
     assert load_session(path).keyframes == after
-
-    async def look(store: Store) -> None:
+    async with opened_store(path) as store:
         message = (await store.join().next())[0]
         assert message["words"] == "Restored 2 edits made before Keypose ended unexpectedly."
-
-    with_store(path, look)
 
 
 def drop_saved(path: Path) -> None:
@@ -167,27 +129,21 @@ def drop_saved(path: Path) -> None:
     Journal(path, 0).begin_anew(records)
 
 
-def test_a_session_changed_outside_is_taken_as_it_is_and_reported(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_a_session_changed_outside_is_taken_as_it_is_and_reported(path: Path) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10))
-
-    with_store(path, edit)
     edited = load_session(path).keyframes
-    shutil.copy(ROOT / "sample_videos" / "person" / "session.json", path)
-
-    async def look(store: Store) -> None:
+    shutil.copy(SAMPLES / "person" / "session.json", path)
+    async with opened_store(path) as store:
         message = (await store.join().next())[0]
         assert "changed outside" in message["words"]
         await done(store, {"do": "undo"})
-
-    with_store(path, look)
     assert load_session(path).keyframes == edited
 
 
-def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> None:
+async def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> None:
     theirs = path.read_bytes().replace(b'"note"', b'"words"') + b"\n"
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10))
         await saved(store)
         path.write_bytes(theirs)
@@ -197,8 +153,6 @@ def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> Non
         words = [m["words"] for m in await tab.next() if m["t"] == "note"]
         assert len(words) == 1
         assert "Another program changed session.json" in words[0]
-
-    with_store(path, edit)
     kept = [file.read_bytes() for file in path.parent.glob("session.theirs-*.json")]
     assert kept == [theirs]
     assert len(labels(path)) == 2
@@ -209,43 +163,37 @@ async def saved(store: Store) -> None:
         await asyncio.sleep(0.01)
 
 
-def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
+async def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
     content = path.read_bytes().replace(b'"schema_version": 3', b'"schema_version": 4', 1)
     path.write_bytes(content)
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         tab = store.join()
         store.receive(tab, turn(-10, n=1))
         refused = [m for m in await tab.next() if m["t"] == "refused"]
         assert "a newer Keypose" in refused[0]["words"]
         assert store.app_state.saved.state == "readonly"
-
-    with_store(path, edit)
     assert path.read_bytes() == content
     assert not journal_path(path).exists()
 
 
-def test_a_disk_that_is_full_is_reported_and_what_was_done_is_written_once_there_is_room(
+async def test_a_disk_that_is_full_is_reported_and_what_was_done_is_written_once_there_is_room(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         with monkeypatch.context() as patch:
             patch.setattr(os, "write", _full)
             await tried(store, turn(-10), turn(-20))
             assert store.app_state.saved.state == "failed"
             assert "No space left" in store.app_state.saved.words
         await done(store, turn(-30))
-
-    with_store(path, edit)
     assert len(labels(path)) == 3
 
 
-def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
+async def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", _full)
             tab = await tried(store, turn(-10), {"do": "go", "frame": 3})
@@ -256,16 +204,13 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
         await store._writer.saver.wait()
         assert store.app_state.saved.state == "saved"
 
-    with_store(path, edit)
 
-
-def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
+async def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
     elsewhere = path.parent.with_name("renamed")
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await tried(store, turn(-10))
         path.parent.rename(elsewhere)
         tab = await tried(store, turn(-20))
@@ -275,27 +220,26 @@ def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_i
         assert tab._ack == 0
         elsewhere.rename(path.parent)
         await reported(tab, "ack", 1)
-
-    with_store(path, edit)
     assert len(labels(path)) == 2
 
 
-def test_another_folder_in_its_place_is_left_alone(path: Path) -> None:
-    async def edit(store: Store) -> None:
-        await tried(store, turn(-10))
-        path.parent.rename(path.parent.with_name("renamed"))
-        path.parent.mkdir()
-        await tried(store, turn(-20))
-        assert list(path.parent.iterdir()) == []
-        assert "is gone or was renamed" in store.app_state.saved.words
+async def test_another_folder_in_its_place_is_left_alone(path: Path) -> None:
+    async def edit() -> None:
+        async with opened_store(path) as store:
+            await tried(store, turn(-10))
+            path.parent.rename(path.parent.with_name("renamed"))
+            path.parent.mkdir()
+            await tried(store, turn(-20))
+            assert list(path.parent.iterdir()) == []
+            assert "is gone or was renamed" in store.app_state.saved.words
 
     with pytest.raises(SessionError, match="The last changes are lost"):
-        with_store(path, edit)
+        await edit()
     assert list(path.parent.iterdir()) == []
 
 
-def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
+    async with opened_store(path) as store:
         await tried(store, turn(-10))
         shutil.copytree(path.parent, path.parent.with_name("copy"))
         shutil.rmtree(path.parent)
@@ -305,49 +249,41 @@ def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
         await done(store, turn(-30))
         with pytest.raises(LockedElsewhere):
             SessionLock.take(path.parent)
-
-    with_store(path, edit)
     assert len(labels(path)) == 3
 
 
-def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
-    path: Path, monkeypatch: pytest.MonkeyPatch
+async def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
+    store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def edit(store: Store) -> None:
-        with monkeypatch.context() as patch:
-            patch.setattr(os, "fsync", _full)
-            tab = await tried(store, turn(-10))
-            with pytest.raises(SessionError, match="Repeat to continue"):
-                await store.close_session()
-            assert tab._ack == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", _full)
+        tab = await tried(store, turn(-10))
+        with pytest.raises(SessionError, match="Repeat to continue"):
             await store.close_session()
-        assert tab._ack == 1
-
-    with_store(path, edit)
+        assert tab._ack == 0
+        await store.close_session()
+    assert tab._ack == 1
 
 
 def _full(*_: object) -> int:
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def test_a_long_journal_is_begun_anew_without_losing_a_step(
+async def test_a_long_journal_is_begun_anew_without_losing_a_step(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("keypose.app.document.edit_log.MOST_BYTES", 100_000)
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, *(turn(-x / 4) for x in range(1, 60)))
-
-    with_store(path, edit)
     assert len(labels(path)) == 59
     records = read_journal(journal_path(path)).records
     assert sum("base" in record for record in records) == 1
 
 
-def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_last(
+async def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_last(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def both(first: Store) -> None:
+    async with opened_store(path, ends=False) as first:
         await done(first, turn(-10))
         await saved(first)
         loop = asyncio.get_running_loop()
@@ -364,27 +300,22 @@ def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_las
         await second.open(path)
         await done(second, turn(-40))
         await second.stop()
-
-    with_store(path, both, ends=False)
     assert len(labels(path)) == 4
 
 
-def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -> None:
+async def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -> None:
     data = json.loads(path.read_text())
     for keyframe in data["keyframes"]:
         keyframe["time_s"] *= 3
     path.write_text(json.dumps(data))
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, {"do": "add_key", "frame": 30}, turn(-20))
-
-    with_store(path, edit)
     assert [keyframe.frame for keyframe in load_session(path).keyframes] == [0, 24, 30, 48, 72]
     assert len(labels(path)) == 2
 
 
-def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10))
         await saved(store)
         journal_path(path).unlink()
@@ -392,64 +323,47 @@ def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -
         await saved(store)
         journal_path(path).write_bytes(b"")
         await done(store, turn(-30))
-
-    with_store(path, edit)
     assert len(labels(path)) == 3
 
 
-def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_reported(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_reported(path: Path) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20), turn(-30))
-
-    async def go_on(store: Store) -> None:
-        message = (await store.join().next())[0]
-        assert "damaged" in message["words"]
-        await done(store, turn(-40))
-
-    with_store(path, edit)
     content = bytearray(journal_path(path).read_bytes())
     content[len(content) // 2] ^= 1
     journal_path(path).write_bytes(content)
-    with_store(path, go_on)
+    async with opened_store(path) as store:
+        message = (await store.join().next())[0]
+        assert "damaged" in message["words"]
+        await done(store, turn(-40))
     assert path.with_name("journal.jsonl.previous").read_bytes() == content
     assert load_session(path).keyframes[0].rotations_wxyz["left_forearm"] == pytest.approx(
         (np.cos(np.radians(20)), -np.sin(np.radians(20)), 0, 0), abs=1e-6
     )
 
 
-def test_a_journal_that_cannot_be_read_is_reported(path: Path) -> None:
+async def test_a_journal_that_cannot_be_read_is_reported(path: Path) -> None:
     with journal_path(path).open("wb") as file:
         file.truncate(10**9)
-
-    async def look(store: Store) -> None:
+    async with opened_store(path) as store:
         message = (await store.join().next())[0]
         assert "too large to be a session's journal" in message["words"]
-
-    with_store(path, look)
     assert journal_path(path).stat().st_size == 10**9
 
 
-def test_fields_that_are_not_known_survive_undo(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_fields_that_are_not_known_survive_undo(path: Path) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10))
-
-    with_store(path, edit)
     path.write_text(json.dumps({**json.loads(path.read_text()), "lab": 7}))
-    with_store(path, edit_twice)
-    with_store(path, undo)
+    async with opened_store(path) as store:
+        await done(store, turn(-20), turn(-30))
+    async with opened_store(path) as store:
+        await done(store, {"do": "undo"})
     assert json.loads(path.read_text())["lab"] == 7
 
 
-async def edit_twice(store: Store) -> None:
-    await done(store, turn(-20), turn(-30))
-
-
-async def undo(store: Store) -> None:
-    await done(store, {"do": "undo"})
-
-
 def test_a_copy_of_another_session_is_not_taken_for_this_one(path: Path, tmp_path: Path) -> None:
-    box = ROOT / "sample_videos" / "box" / "session.json"
+    box = SAMPLES / "box" / "session.json"
     copy_session(box, tmp_path / "copy")
     assert copy_session(box, tmp_path / "copy") == tmp_path / "copy" / "session.json"
     with pytest.raises(SessionError, match="another video"):
@@ -465,17 +379,14 @@ def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:
     assert acknowledged > KILLS
 
 
-def test_going_to_a_step_is_in_the_journal_as_if_step_by_step(path: Path) -> None:
+async def test_going_to_a_step_is_in_the_journal_as_if_step_by_step(path: Path) -> None:
     """A record for each, none of which holds the whole way; times are kept."""
-
-    async def edit(store: Store) -> None:
+    async with opened_store(path) as store:
         await done(store, *[turn(-10 * k) for k in range(1, 9)])
         size = journal_path(path).stat().st_size
         await done(store, {"do": "go_to_step", "done": 1, "of": 8})
         assert journal_path(path).stat().st_size < 2.5 * size
         await done(store, {"do": "go_to_step", "done": 6, "of": 8})
-
-    with_store(path, edit)
     moment = open_session(path).recovered.moment
     assert (len(moment.history.past), len(moment.history.future)) == (6, 2)
     assert (
@@ -487,11 +398,9 @@ def test_going_to_a_step_is_in_the_journal_as_if_step_by_step(path: Path) -> Non
     assert made == sorted(made)  # type: ignore[type-var]
 
 
-def test_an_older_journal_has_no_times_and_is_read(path: Path) -> None:
-    async def edit(store: Store) -> None:
+async def test_an_older_journal_has_no_times_and_is_read(path: Path) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20))
-
-    with_store(path, edit)
     whole = read_journal(journal_path(path)).records
     older = [
         {**one, "past": [{k: v for k, v in s.items() if k != "made"} for s in one["past"]]}

@@ -16,9 +16,9 @@ from keypose.app.store import runner
 from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session, open_session
-from tests.app.document.test_edit_log import NoWorker, done, tried, turn, with_store
+from tests.app.document.test_edit_log import done, tried, turn
 from tests.app.full_disks import fill
-from tests.app.serving import ROOT
+from tests.scenes import SAMPLES, IdleWorker, opened_store, sample
 
 STEPS = 12
 """More calls than a save makes of any kind."""
@@ -28,13 +28,12 @@ CALLS = ("write", "fsync", "open", "ftruncate", "rename", "replace", "link", "ls
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", NoWorker)
+    monkeypatch.setattr(runner, "Tracking", IdleWorker)
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    shutil.copytree(ROOT / "sample_videos" / "box", tmp_path / "box")
-    return tmp_path / "box" / "session.json"
+    return sample(tmp_path, "box")
 
 
 def _part(path: Path) -> str:
@@ -58,23 +57,21 @@ class _Failing:
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
+async def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
     path: Path, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     part = _part(path)
     failures = 0
     for number in range(STEPS):
         before = mark_of(without_results(load_session(path)))
-
-        async def edit(store: Any, number: int = number, before: str = before) -> None:
-            nonlocal failures
+        async with opened_store(path) as store:
             failing = _Failing(getattr(os, name), number)
             with monkeypatch.context() as patch:
                 patch.setattr(os, name, failing)
                 await tried(store, turn(1 + number, part=part))
                 for _ in range(3):
                     await store._writer.saver.wait()
-            edited = mark_of(store.app_state.edit.settled)
+            edited = mark_of(store.app_state.edit.settled)  # type: ignore[union-attr]
             assert mark_of(without_results(open_session(path).session)) in (before, edited)
             if store.app_state.saved.state == "failed":
                 failures += 1
@@ -83,8 +80,6 @@ def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
             else:
                 assert mark_of(without_results(load_session(path))) == edited
             await done(store, {"do": "save_again"})
-
-        with_store(path, edit)
         leftovers = [file.name for file in path.parent.iterdir() if file.name.endswith(".part")]
         assert leftovers == []
     assert failures or name in _UNUSED
@@ -94,13 +89,13 @@ _UNUSED = ("rename", "link")
 """A save does without them where they fail."""
 
 
-def test_a_save_that_fails_again_and_again_is_not_taken_for_another_programs(
+async def test_a_save_that_fails_again_and_again_is_not_taken_for_another_programs(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object) -> None:
         raise SessionError("No space left on device.")
 
-    async def edit(store: Any) -> None:
+    async with opened_store(path) as store:
         with monkeypatch.context() as patch:
             patch.setattr(edit_log, "save_session", full)
             for degrees in (1, 2, 3):
@@ -108,23 +103,20 @@ def test_a_save_that_fails_again_and_again_is_not_taken_for_another_programs(
                 await store._writer.saver.wait()
                 assert store.app_state.saved.state == "failed"
         await done(store, {"do": "save_again"})
-
-    with_store(path, edit)
     assert not list(path.parent.glob("*theirs*"))
 
 
-def test_a_full_disk_is_reported_and_every_edit_is_there_once_there_is_room(
+async def test_a_full_disk_is_reported_and_every_edit_is_there_once_there_is_room(
     small_disk: Path,
 ) -> None:
     folder = small_disk / "person"
     folder.mkdir()
-    sample = ROOT / "sample_videos" / "person"
+    sample = SAMPLES / "person"
     shutil.copy(sample / "session.json", folder)
     (folder / "person.mp4").symlink_to(sample / "person.mp4")
     path = folder / "session.json"
     ballast = small_disk / "ballast"
-
-    async def edit(store: Any) -> None:
+    async with opened_store(path) as store:
         await done(store, turn(-1))
         fill(ballast)
         await tried(store, *(turn(-x) for x in range(2, 40)))
@@ -133,6 +125,4 @@ def test_a_full_disk_is_reported_and_every_edit_is_there_once_there_is_room(
         assert open_session(path).recovered.moment.history.past
         ballast.unlink()
         await done(store, {"do": "save_again"}, turn(-40))
-
-    with_store(path, edit)
     assert len(open_session(path).recovered.moment.history.past) == 40

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import importlib.util
 import io
 import json
@@ -14,7 +13,6 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.app.document.library import Library
 from keypose.app.document.new import open_as_taken
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.export.report.derivatives import derivatives_section
@@ -22,8 +20,9 @@ from keypose.app.export.report.gait import gait_section
 from keypose.app.export.report.subject import recording_of, subject_of
 from keypose.app.store.store import Store
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
-from tests.app.document.test_edit_log import done, with_store
+from tests.app.document.test_edit_log import done
 from tests.app.walking_cases import write_walk
+from tests.scenes import opened_store
 from tests.tracker import session_cases as cases
 from tests.tracker.video.test_fields import write_interlaced
 from tests.tracker.video_cases import numbered_picture, write_image, write_numbered
@@ -121,7 +120,7 @@ def test_a_new_film_and_a_folder_of_images_are_opened_with_the_rate_that_is_said
         assert session.evidence.times_s(None)[-1] == (session.video.frame_count - 1) / rate
 
 
-def test_the_page_sets_the_rate_and_undoes_it_also_after_it_was_opened_anew(
+async def test_the_page_sets_the_rate_and_undoes_it_also_after_it_was_opened_anew(
     tmp_path: Path,
 ) -> None:
     path, _ = write_walk(tmp_path / "films" / "walk")
@@ -133,34 +132,24 @@ def test_the_page_sets_the_rate_and_undoes_it_also_after_it_was_opened_anew(
         return edit.doc.keyframes[-1].time_s, float(edit.times_s[-1]), edit.frame_count
 
     seen = []
-
-    async def slow(store: Store) -> None:
+    async with opened_store(path) as store:
         seen.append(facts(store))
         await done(store, {"do": "read_film", **SLOW_MOTION})
         seen.append(facts(store))
-
-    async def back(store: Store) -> None:
+    async with opened_store(path) as store:
         assert facts(store) == seen[1]
         await done(store, {"do": "undo"})
         assert facts(store) == seen[0]
         await done(store, {"do": "redo"}, {"do": "read_film", "recorded_fps": None})
         assert facts(store) == seen[0]
-
-    with_store(path, slow)
-    with_store(path, back)
     assert seen[0][:2] == pytest.approx((152 / 30, 152 / 30), abs=1e-3)
     assert seen[1][:2] == pytest.approx((152 / 240, 152 / 240))
 
 
-def test_the_page_shows_the_fields_woven_or_apart_as_it_is_said(tmp_path: Path) -> None:
+async def test_the_page_shows_the_fields_woven_or_apart_as_it_is_said(tmp_path: Path) -> None:
     (tmp_path / "films").mkdir()
     film = write_interlaced(tmp_path / "films" / "camcorder.mp4")
-
-    async def whole() -> None:
-        store = Store(
-            asyncio.get_running_loop(), lambda *_: None, Library(tmp_path / "work", [film.parent])
-        )
-        await store.open(film)
+    async with opened_store(film) as store:
         assert store.opened is not None
         made = store.opened.video.frame(4)
         await done(store, {"do": "read_film", "deinterlace": False})
@@ -170,12 +159,8 @@ def test_the_page_shows_the_fields_woven_or_apart_as_it_is_said(tmp_path: Path) 
         np.testing.assert_array_equal(store.opened.video.frame(4), made)
         await done(store, {"do": "redo"})
         path = store.opened.session_path
-        await store.stop()
-        session = load_session(path)
-        with open_video_of(session, path) as video:
-            np.testing.assert_array_equal(video.frame(4), woven)
-
-    asyncio.run(whole())
+    with open_video_of(load_session(path), path) as video:
+        np.testing.assert_array_equal(video.frame(4), woven)
 
 
 def test_track_keeps_what_is_said_in_the_session_or_in_the_copy_that_it_tracks(
@@ -199,17 +184,14 @@ def test_a_rate_that_is_none_is_refused_in_a_sentence(
     assert "is not a rate from 0.001 to 1000000 frames a second" in capsys.readouterr().err
 
 
-def test_numbers_that_are_missing_among_images_are_told_when_these_are_opened(
+async def test_numbers_that_are_missing_among_images_are_told_when_these_are_opened(
     tmp_path: Path,
 ) -> None:
     folder = tmp_path / "films" / "shots"
     folder.mkdir(parents=True)
     for number in (1, 2, 5):
         write_image(folder / f"{number}.png", numbered_picture(number))
-
-    async def look(store: Store) -> None:
-        message = (await store.join().next())[0]
-        assert "numbers 3–4 missing" in message["words"]
-
     for _ in ("new", "again"):
-        with_store(folder, look)
+        async with opened_store(folder) as store:
+            message = (await store.join().next())[0]
+            assert "numbers 3–4 missing" in message["words"]

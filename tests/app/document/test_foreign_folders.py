@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,9 +17,9 @@ from keypose.app.store import runner
 from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
-from tests.app.document.test_edit_log import NoWorker, done, with_store
+from tests.app.document.test_edit_log import done
 from tests.app.document.test_edit_log import turn as turned
-from tests.app.serving import ROOT
+from tests.scenes import IdleWorker, opened_store, sample
 
 PRECIOUS = b"precious\n"
 
@@ -170,44 +169,38 @@ def test_overwriting_an_export_replaces_a_link_and_not_what_it_leads_to(
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(runner, "Tracking", NoWorker)
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-    return tmp_path / "person"
+    monkeypatch.setattr(runner, "Tracking", IdleWorker)
+    return sample(tmp_path).parent
 
 
-def test_the_page_opens_such_a_folder_to_be_looked_at_only(folder: Path, precious: Path) -> None:
+async def test_the_page_opens_such_a_folder_to_be_looked_at_only(
+    folder: Path, precious: Path
+) -> None:
     link("symbolic", folder / LOCK, precious)
-
-    async def edit(store: Any) -> None:
+    async with opened_store(folder / "session.json") as store:
         assert "not a lock of Keypose" in store.app_state.saved.words
-
-    with_store(folder / "session.json", edit)
     assert precious.read_bytes() == PRECIOUS
 
 
 @pytest.mark.parametrize("kind", ["symbolic", "hard"])
 @pytest.mark.parametrize("name", ["journal.jsonl", "session.json.previous"])
-def test_an_edit_writes_through_no_link(folder: Path, precious: Path, name: str, kind: str) -> None:
+async def test_an_edit_writes_through_no_link(
+    folder: Path, precious: Path, name: str, kind: str
+) -> None:
     link(kind, folder / name, precious)
-
-    async def edit(store: Any) -> None:
+    async with opened_store(folder / "session.json") as store:
         await done(store, turned(5), turned(9))
-
-    with_store(folder / "session.json", edit)
     assert precious.read_bytes() == PRECIOUS
     assert not (folder / name).is_symlink()
 
 
 @pytest.mark.parametrize("name", ["journal.jsonl", "notes.json", "session.json.previous"])
 @pytest.mark.parametrize("kind", ["pipe", "device"])
-def test_what_never_ends_beside_a_session_does_not_keep_it_from_opening(
+async def test_what_never_ends_beside_a_session_does_not_keep_it_from_opening(
     folder: Path, name: str, kind: str
 ) -> None:
     path = folder / name
     os.mkfifo(path) if kind == "pipe" else path.symlink_to("/dev/zero")
-
-    async def edit(store: Any) -> None:
+    async with opened_store(folder / "session.json") as store:
         await done(store, turned(5))
-
-    with_store(folder / "session.json", edit)
     assert load_session(folder / "session.json").keyframes

@@ -19,8 +19,10 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.tracks import load_tracks
-from tests.app.jobs.test_tracking import Office, in_office
+from tests.app.jobs.test_tracking import Office, office
 from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
+
+__all__ = ["office"]
 
 
 def order(of: Session, job: int = 7) -> SpaceOrder:
@@ -85,39 +87,29 @@ def test_a_fault_is_reported_in_one_sentence_and_is_no_end(monkeypatch: pytest.M
     assert "\n" not in failed.words
 
 
-def test_the_worker_solves_as_it_is_done_without_one() -> None:
+async def test_the_worker_solves_as_it_is_done_without_one(office: Office) -> None:
     of = smooth(pinned())
     stretches = both(of).unsolved(of)
     here = solved(of, stretches[0])
 
-    async def visit(office: Office) -> None:
-        job = office.tracking.solve_space(of, stretches)
-        assert office.tracking.job == job
-        assert await office.ended(job) == JobFinished(job, cancelled=False)
-        assert office.tracking.job is None
-        (report,) = office.of(job, SpaceSolved)
-        assert report.result.key == here.key
-        np.testing.assert_array_equal(
-            report.result.motion.ps_camera_root, here.motion.ps_camera_root
-        )
-        np.testing.assert_array_equal(
-            report.result.motion.Rs_parent_part, here.motion.Rs_parent_part
-        )
-        assert report.result.pins == here.pins
-
-    in_office(visit)
+    job = office.tracking.solve_space(of, stretches)
+    assert office.tracking.job == job
+    assert await office.ended(job) == JobFinished(job, cancelled=False)
+    assert office.tracking.job is None
+    (report,) = office.of(job, SpaceSolved)
+    assert report.result.key == here.key
+    np.testing.assert_array_equal(report.result.motion.ps_camera_root, here.motion.ps_camera_root)
+    np.testing.assert_array_equal(report.result.motion.Rs_parent_part, here.motion.Rs_parent_part)
+    assert report.result.pins == here.pins
 
 
-def test_a_newer_job_ends_one_that_solves() -> None:
+async def test_a_newer_job_ends_one_that_solves(office: Office) -> None:
     of = smooth(pinned())
 
-    async def visit(office: Office) -> None:
-        jobs = [office.tracking.solve_space(of, both(of).unsolved(of)) for _ in range(3)]
-        assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
-        for job in jobs:
-            assert len(office.of(job, JobFinished)) == 1
-
-    in_office(visit)
+    jobs = [office.tracking.solve_space(of, both(of).unsolved(of)) for _ in range(3)]
+    assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+    for job in jobs:
+        assert len(office.of(job, JobFinished)) == 1
 
 
 # --- without a page

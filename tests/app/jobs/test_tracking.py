@@ -6,9 +6,9 @@ import asyncio
 import os
 import signal
 import threading
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import pytest
 
@@ -76,178 +76,142 @@ class Office:
         return [r for r in self.reported if isinstance(r, kind) and r.job == job]
 
 
-def in_office(visit: Callable[[Office], Awaitable[None]]) -> None:
-    """Run a visit on a loop, with a worker that is ended afterwards."""
-
-    async def main() -> None:
-        office = Office()
-        try:
-            await visit(office)
-        finally:
-            office.tracking.close()
-
-    asyncio.run(main())
-
-
-Visits: TypeAlias = Callable[[Callable[[Office], Awaitable[None]]], None]
+@pytest.fixture
+async def office() -> AsyncIterator[Office]:
+    """One whose worker is ended afterwards."""
+    made = Office()
+    yield made
+    made.tracking.close()
 
 
 @pytest.fixture(scope="module")
-def lasting() -> Iterator[Visits]:
-    """Runs visits to one office whose worker is not ended between them."""
-    with asyncio.Runner() as runner:
-
-        async def opened() -> Office:
-            return Office()
-
-        async def visited(visit: Callable[[Office], Awaitable[None]]) -> None:
-            await visit(office)
-
-        office = runner.run(opened())
-        yield lambda visit: runner.run(visited(visit))
-        office.tracking.close()
+async def lasting() -> AsyncIterator[Office]:
+    """One whose worker is not ended between tests."""
+    made = Office()
+    yield made
+    made.tracking.close()
 
 
-def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
-    place: tuple[Session, Path],
+async def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
+    place: tuple[Session, Path], office: Office
 ) -> None:
     of, video = place
 
-    async def visit(office: Office) -> None:
-        job = office.tracking.start(of, video, wanted(of), LIVE)
-        assert office.tracking.job == job
-        assert await office.ended(job) == JobFinished(job, cancelled=False)
-        assert office.tracking.job is None
-        assert [type(r) for r in office.reported[:3]] == [Warming, Ready, Started]
-        found = [(r.result.span, r.result.quality) for r in office.of(job, SegmentFinished)]
-        assert sorted(found) == [
-            *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
-            ((4, 8), "preview"),
-        ]
-        assert {r.result.quality for r in office.of(job, PassFinished)} == {"full"}
-        results = Results()
-        for report in office.of(job, SegmentFinished):
-            results = results.with_result(report.result)
-        assert list(results.fitting(of)) == [(0, 4), (4, 8)]
-        assert results.wanted(of, "full") == []
-        assert office.threads == {threading.get_ident()}
-
-    in_office(visit)
+    job = office.tracking.start(of, video, wanted(of), LIVE)
+    assert office.tracking.job == job
+    assert await office.ended(job) == JobFinished(job, cancelled=False)
+    assert office.tracking.job is None
+    assert [type(r) for r in office.reported[:3]] == [Warming, Ready, Started]
+    found = [(r.result.span, r.result.quality) for r in office.of(job, SegmentFinished)]
+    assert sorted(found) == [
+        *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
+        ((4, 8), "preview"),
+    ]
+    assert {r.result.quality for r in office.of(job, PassFinished)} == {"full"}
+    results = Results()
+    for report in office.of(job, SegmentFinished):
+        results = results.with_result(report.result)
+    assert list(results.fitting(of)) == [(0, 4), (4, 8)]
+    assert results.wanted(of, "full") == []
+    assert office.threads == {threading.get_ident()}
 
 
-def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
-    place: tuple[Session, Path], lasting: Visits
+async def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
+    place: tuple[Session, Path], lasting: Office
 ) -> None:
     of, path = place
     with Video.open(path) as video:
         *_, last = track_session(of, video)
     assert isinstance(last, TrackFinished)
 
-    async def visit(office: Office) -> None:
-        job = office.tracking.start(of, path, wanted(of), (of.settings.quality,))
-        await office.ended(job)
-        found = {r.result.first: r.result for r in office.of(job, SegmentFinished)}
-        for segment in last.result.segments:
-            mine = found[segment.trajectory.first_frame]
-            assert mine.trajectory.Rs_parent_part.tolist() == (
-                segment.trajectory.Rs_parent_part.tolist()
-            )
-            assert mine.verdict == segment.verdict
-
-    lasting(visit)
+    job = lasting.tracking.start(of, path, wanted(of), (of.settings.quality,))
+    await lasting.ended(job)
+    found = {r.result.first: r.result for r in lasting.of(job, SegmentFinished)}
+    for segment in last.result.segments:
+        mine = found[segment.trajectory.first_frame]
+        assert mine.trajectory.Rs_parent_part.tolist() == (
+            segment.trajectory.Rs_parent_part.tolist()
+        )
+        assert mine.verdict == segment.verdict
 
 
-def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
-    place: tuple[Session, Path], lasting: Visits
+async def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
+    place: tuple[Session, Path], lasting: Office
 ) -> None:
     of, video = place
 
-    async def visit(office: Office) -> None:
-        jobs = [office.tracking.start(of, video, wanted(of)) for _ in range(4)]
-        assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
-        for job in jobs:
-            assert len(office.of(job, JobFinished)) == 1
-        assert len(office.of(jobs[-1], SegmentFinished)) == 2
-
-    lasting(visit)
+    jobs = [lasting.tracking.start(of, video, wanted(of)) for _ in range(4)]
+    assert await lasting.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+    for job in jobs:
+        assert len(lasting.of(job, JobFinished)) == 1
+    assert len(lasting.of(jobs[-1], SegmentFinished)) == 2
 
 
-def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(place: tuple[Session, Path]) -> None:
-    of, video = place
-
-    async def visit(office: Office) -> None:
-        await office.until(lambda report: isinstance(report, Warming))
-        assert office.reported[0].job is None
-        job = office.tracking.start(of, video, wanted(of))
-        await office.ended(job)
-        kinds = [type(report) for report in office.of(job, Warming | Ready)]
-        assert kinds in ([Warming, Ready], [])  # or it was ready just then
-
-    in_office(visit)
-
-
-def test_a_cancelled_job_ends_and_the_next_one_works(
-    place: tuple[Session, Path], lasting: Visits
+async def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(
+    place: tuple[Session, Path], office: Office
 ) -> None:
     of, video = place
 
-    async def visit(office: Office) -> None:
-        first = office.tracking.start(of, video, wanted(of))
-        office.tracking.cancel()
-        assert isinstance(await office.ended(first), JobFinished)
-        office.tracking.cancel()  # there is nothing to cancel, which is no matter
-        second = office.tracking.start(of, video, wanted(of)[:1])
-        assert await office.ended(second) == JobFinished(second, cancelled=False)
-
-    lasting(visit)
+    await office.until(lambda report: isinstance(report, Warming))
+    assert office.reported[0].job is None
+    job = office.tracking.start(of, video, wanted(of))
+    await office.ended(job)
+    kinds = [type(report) for report in office.of(job, Warming | Ready)]
+    assert kinds in ([Warming, Ready], [])  # or it was ready just then
 
 
-def test_a_killed_worker_is_reported_and_replaced(place: tuple[Session, Path]) -> None:
-    of, video = place
-
-    async def visit(office: Office) -> None:
-        job = office.tracking.start(of, video, wanted(of))
-        killed = office.tracking.pid
-        assert killed is not None
-        os.kill(killed, signal.SIGKILL)
-        end = await office.ended(job)
-        assert isinstance(end, JobFailed)
-        assert end.words.startswith("Tracking stopped unexpectedly")
-        again = office.tracking.start(of, video, wanted(of))
-        assert office.tracking.pid not in (None, killed)
-        assert await office.ended(again) == JobFinished(again, cancelled=False)
-
-    in_office(visit)
-
-
-def test_a_video_that_is_not_there_is_reported_in_one_sentence(
-    place: tuple[Session, Path], lasting: Visits
+async def test_a_cancelled_job_ends_and_the_next_one_works(
+    place: tuple[Session, Path], lasting: Office
 ) -> None:
     of, video = place
 
-    async def visit(office: Office) -> None:
-        job = office.tracking.start(of, video / "nowhere.mp4", wanted(of))
-        end = await office.ended(job)
-        assert isinstance(end, JobFailed)
-        assert "nowhere.mp4" in end.words
-        assert end.words.endswith(".")
-        after = office.tracking.start(of, video, wanted(of))
-        assert await office.ended(after) == JobFinished(after, cancelled=False)
-
-    lasting(visit)
+    first = lasting.tracking.start(of, video, wanted(of))
+    lasting.tracking.cancel()
+    assert isinstance(await lasting.ended(first), JobFinished)
+    lasting.tracking.cancel()  # there is nothing to cancel, which is no matter
+    second = lasting.tracking.start(of, video, wanted(of)[:1])
+    assert await lasting.ended(second) == JobFinished(second, cancelled=False)
 
 
-def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
-    async def main() -> None:
-        office = Office()
+async def test_a_killed_worker_is_reported_and_replaced(
+    place: tuple[Session, Path], office: Office
+) -> None:
+    of, video = place
+
+    job = office.tracking.start(of, video, wanted(of))
+    killed = office.tracking.pid
+    assert killed is not None
+    os.kill(killed, signal.SIGKILL)
+    end = await office.ended(job)
+    assert isinstance(end, JobFailed)
+    assert end.words.startswith("Tracking stopped unexpectedly")
+    again = office.tracking.start(of, video, wanted(of))
+    assert office.tracking.pid not in (None, killed)
+    assert await office.ended(again) == JobFinished(again, cancelled=False)
+
+
+async def test_a_video_that_is_not_there_is_reported_in_one_sentence(
+    place: tuple[Session, Path], lasting: Office
+) -> None:
+    of, video = place
+
+    job = lasting.tracking.start(of, video / "nowhere.mp4", wanted(of))
+    end = await lasting.ended(job)
+    assert isinstance(end, JobFailed)
+    assert "nowhere.mp4" in end.words
+    assert end.words.endswith(".")
+    after = lasting.tracking.start(of, video, wanted(of))
+    assert await lasting.ended(after) == JobFinished(after, cancelled=False)
+
+
+async def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
+    office = Office()
+    office.tracking.start(cases.session(), Path("x"), [])
+    pid = office.tracking.pid
+    assert pid is not None
+    office.tracking.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+    office.tracking.close()
+    with pytest.raises(RuntimeError, match="closed"):
         office.tracking.start(cases.session(), Path("x"), [])
-        pid = office.tracking.pid
-        assert pid is not None
-        office.tracking.close()
-        with pytest.raises(ProcessLookupError):
-            os.kill(pid, 0)
-        office.tracking.close()
-        with pytest.raises(RuntimeError, match="closed"):
-            office.tracking.start(cases.session(), Path("x"), [])
-
-    asyncio.run(main())

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import shutil
 import threading
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -68,19 +69,16 @@ class Views:
     unusable: list[str] = field(default_factory=list)
 
 
-def looking(work: Callable[[Surfaces, Views], Coroutine[Any, Any, None]]) -> Views:
-    """Do it on a loop with a Surfaces of its own."""
+@asynccontextmanager
+async def looking() -> AsyncIterator[tuple[Surfaces, Views]]:
+    """Surfaces of one's own, and what they tell."""
     views = Views()
-
-    async def run() -> None:
-        loop = asyncio.get_running_loop()
-        surfaces = Surfaces(
-            loop, views.skins.append, lambda: None, views.seen.append, views.unusable.append
-        )
-        await asyncio.wait_for(work(surfaces, views), 60)
-
-    asyncio.run(run())
-    return views
+    surfaces = Surfaces(
+        asyncio.get_running_loop(), views.skins.append, lambda: None, views.seen.append,
+        views.unusable.append,
+    )  # fmt: skip
+    async with asyncio.timeout(60):
+        yield surfaces, views
 
 
 async def until(there: Callable[[], object]) -> None:
@@ -88,24 +86,21 @@ async def until(there: Callable[[], object]) -> None:
         await asyncio.sleep(0.01)
 
 
-def test_of_many_frames_at_once_the_newest_is_looked_at(
+async def test_of_many_frames_at_once_the_newest_is_looked_at(
     piece: OpenSession, edit: EditorState
 ) -> None:
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    async with looking() as (surfaces, views):
         for frame in range(LAST + 1):
             surfaces.follow(piece, replace(edit, frame=frame))
         await until(lambda: views.seen)
-
-    views = looking(work)
     assert [seen.frame for seen in views.seen] == [LAST]
     surface = SurfaceViews(piece).layer(edit, LAST)
     assert views.skins == [skin(surface.mesh, surface.colours)]
 
 
-def test_what_stays_the_same_is_not_sent_again(piece: OpenSession, edit: EditorState) -> None:
+async def test_what_stays_the_same_is_not_sent_again(piece: OpenSession, edit: EditorState) -> None:
     edit = replace(edit, frame=3)
-
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, edit)
         await until(lambda: views.seen)
         surfaces.follow(piece, after(edit, {"do": "root", "x": 0.2}))
@@ -116,25 +111,21 @@ def test_what_stays_the_same_is_not_sent_again(piece: OpenSession, edit: EditorS
             piece, after(edit, {"do": "display", "tint": "distance"}, {"do": "root", "x": 0.2})
         )
         await until(lambda: len(views.seen) > 2)
-
-    views = looking(work)
     assert len(set(views.skins)) == 3  # in clay; by the distance; by that of another pose
 
 
-def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
+async def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
     piece: OpenSession, edit: EditorState
 ) -> None:
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, replace(edit, frame=4))
         await until(lambda: views.seen)
-
-    views = looking(work)
     assert views.skins == [None]
     assert "step_0004.ply" in views.seen[0].problem
     assert views.seen[0].rims is not None  # of the model's own step
 
 
-def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
+async def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read, usual = threading.Event(), SurfaceViews.layer
@@ -143,9 +134,8 @@ def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
         assert frame == 0 or read.wait(60)
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(SurfaceViews, "layer", slow)
-
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    monkeypatch.setattr(Observed, "layer", slow)
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, edit)
         await until(lambda: len(views.skins) == 1)
         surfaces.follow(piece, replace(edit, frame=7))
@@ -155,16 +145,15 @@ def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
         await until(lambda: len(views.skins) == 3)
         assert views.skins[-1] is not None
 
-    looking(work)
 
-
-def test_another_session_takes_the_surface_away(piece: OpenSession, edit: EditorState) -> None:
-    async def work(surfaces: Surfaces, views: Views) -> None:
+async def test_another_session_takes_the_surface_away(
+    piece: OpenSession, edit: EditorState
+) -> None:
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, edit)
         await until(lambda: views.seen)
         surfaces.follow(None, None)
-
-    assert looking(work).skins[-1] is None
+    assert views.skins[-1] is None
 
 
 def pixels(content: bytes | None) -> np.ndarray[Any, Any]:
@@ -174,17 +163,14 @@ def pixels(content: bytes | None) -> np.ndarray[Any, Any]:
     return picture.astype(float)
 
 
-def test_the_large_picture_has_the_colours_too(piece: OpenSession, edit: EditorState) -> None:
+async def test_the_large_picture_has_the_colours_too(piece: OpenSession, edit: EditorState) -> None:
     found: dict[str, np.ndarray[Any, Any]] = {}
-
-    async def work(surfaces: Surfaces, _: Views) -> None:
+    async with looking() as (surfaces, _):
         for tint in ("clay", "photo", "distance"):
             state = replace(after(edit, {"do": "display", "tint": tint}), frame=9)
             surfaces.follow(piece, state)
             found[tint] = pixels(await surfaces.jpeg(9, AppState(edit=state)))
         found["none"] = pixels(await surfaces.jpeg(4, AppState(edit=state)))
-
-    looking(work)
     assert isinstance(piece.video, SurfaceVideo)
     height, width = piece.video.info.height, piece.video.info.width
     assert found["clay"].shape == (height, width, 3)
@@ -194,12 +180,11 @@ def test_the_large_picture_has_the_colours_too(piece: OpenSession, edit: EditorS
     assert np.ptp(found["none"]) < 20  # the ground alone
 
 
-def test_a_rate_reaches_pictures_and_what_is_made_of_them(
+async def test_a_rate_reaches_pictures_and_what_is_made_of_them(
     piece: OpenSession, edit: EditorState
 ) -> None:
     faster = observe(edit, fps=50)
-
-    async def work(surfaces: Surfaces, _: Views) -> None:
+    async with looking() as (surfaces, _):
         surfaces.follow(piece, edit)
         usual = await surfaces.jpeg(9, AppState(edit=edit))
         surfaces.follow(piece, faster)
@@ -207,8 +192,6 @@ def test_a_rate_reaches_pictures_and_what_is_made_of_them(
         assert video is not None
         assert video.info.fps == 50
         assert await surfaces.jpeg(9, AppState(edit=faster)) == usual
-
-    looking(work)
 
 
 # --- surfaces that are read anew
@@ -233,12 +216,11 @@ def test_what_asks_for_an_older_reading_does_not_bring_it_back(
         observed.video(newer.settled)
 
 
-def test_a_reading_that_is_undone_and_done_again_is_still_seen(
+async def test_a_reading_that_is_undone_and_done_again_is_still_seen(
     piece: OpenSession, edit: EditorState
 ) -> None:
     moved, other = observe(edit, p_camera_surface=(0.1, 0, 2.2)), observe(edit, units="mm")
-
-    async def work(surfaces: Surfaces, _: Views) -> None:
+    async with looking() as (surfaces, _):
         surfaces.follow(piece, moved)
         await surfaces.jpeg(9, AppState(edit=moved))
         surfaces.follow(piece, other)
@@ -246,10 +228,8 @@ def test_a_reading_that_is_undone_and_done_again_is_still_seen(
         surfaces.follow(piece, moved)
         assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=moved)))) > 50
 
-    looking(work)
 
-
-def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
+async def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     older, newer = observe(edit, units="mm"), observe(edit, p_camera_surface=(0.3, 0, 2.2))
@@ -261,9 +241,8 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
             assert go_on.wait(60)
         return usual(observed, state)
 
-    monkeypatch.setattr(SurfaceViews, "rims", slow)
-
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    monkeypatch.setattr(Observed, "rims", slow)
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, older)
         await until(under_way.is_set)
         surfaces.follow(piece, newer)
@@ -272,29 +251,24 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
         go_on.set()
         await until(lambda: views.seen)
         assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=newer)))) > 50
-
-    views = looking(work)
-    surface = SurfaceViews(piece).layer(edit, 0)
+    surface = Observed(piece).layer(edit, 0)
     assert [seen.problem for seen in views.seen] == [""]
     assert views.seen[0].middle is not None
     assert views.seen[0].middle[0] > surface.mesh.vertices[:, 0].mean() + 0.05
 
 
-def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> None:
+async def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> None:
     opened = open_for_editing(folder / "session.json", lambda path: path)
     edit = edit_state(opened)[0]
-
-    async def work(surfaces: Surfaces, _: Views) -> None:
+    async with looking() as (surfaces, _):
         surfaces.follow(opened, edit)
         await surfaces.jpeg(9, AppState(edit=edit))
         opened.video.close()
         with pytest.raises(VideoError, match="closed"):
             await surfaces.jpeg(10, AppState(edit=edit))
 
-    looking(work)
 
-
-def test_after_a_fault_the_next_wish_is_looked_at(
+async def test_after_a_fault_the_next_wish_is_looked_at(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usual = SurfaceViews.layer
@@ -304,20 +278,17 @@ def test_after_a_fault_the_next_wish_is_looked_at(
             raise OSError
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(SurfaceViews, "layer", faulty)
-
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    monkeypatch.setattr(Observed, "layer", faulty)
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, replace(edit, frame=3))
         await until(lambda: views.skins)
         surfaces.follow(piece, replace(edit, frame=5))
         await until(lambda: views.seen)
-
-    views = looking(work)
     assert views.skins[0] is None
     assert views.skins[1] is not None
 
 
-def test_the_page_goes_on_while_surfaces_are_read(
+async def test_the_page_goes_on_while_surfaces_are_read(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read, usual = threading.Event(), SurfaceViews.video
@@ -326,15 +297,13 @@ def test_the_page_goes_on_while_surfaces_are_read(
         assert read.wait(20), "nothing else was done meanwhile"
         return usual(observed, doc)
 
-    async def work(surfaces: Surfaces, _: Views) -> None:
+    async with looking() as (surfaces, _):
         surfaces.follow(piece, edit)
         monkeypatch.setattr(SurfaceViews, "video", slow)
         asked = asyncio.create_task(surfaces.video(edit))
         await asyncio.sleep(0)
         read.set()
         assert await asked is piece.video
-
-    looking(work)
 
 
 # --- where they are chosen
@@ -352,16 +321,14 @@ def test_folders_of_meshes_are_listed_and_single_ones_are_not(tmp_path: Path) ->
     assert kinds == {"run": ("meshes", 19), "shots": ("images", 5)}
 
 
-def test_steps_that_cannot_be_used_are_reported_once_before_they_are_met(
+async def test_steps_that_cannot_be_used_are_reported_once_before_they_are_met(
     piece: OpenSession, edit: EditorState
 ) -> None:
-    async def work(surfaces: Surfaces, views: Views) -> None:
+    async with looking() as (surfaces, views):
         surfaces.follow(piece, edit)
         await until(lambda: views.unusable)
         surfaces.follow(piece, after(edit, {"do": "go", "frame": 9}))
         await until(lambda: views.seen[-1].frame == 9)
-
-    views = looking(work)
     assert views.unusable == ['Step 4 ("step_0004.ply") is empty: export it again.']
     assert all(seen.frame != 4 for seen in views.seen)
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
-import shutil
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.jobs import (
     AheadOrder,
     FitOrder,
@@ -29,22 +26,18 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Stop
 from keypose.tracker.tracking.ahead.follow import FoundAhead
-from tests.app.serving import ROOT
+from tests.scenes import IdleWorker, StoreDesk, opened_store
 
 AHEAD = {"do": "track_ahead", "direction": "forward"}
 HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")
 
 
-class Worker:
+class Worker(IdleWorker):
     """Takes orders and reports what the test says."""
 
-    newest: Worker
-
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        self.report = report
+        super().__init__(report, _)
         self.fits: list[FitOrder] = []
-        self.cancelled = 0
-        Worker.newest = self
 
     def start(self, *_: Any) -> int:
         return 100
@@ -79,35 +72,18 @@ class Worker:
         found = FoundAhead(order.frame, order.direction, self.motion(steps), stop)
         self.report(FollowedAhead(order.job, found))
 
-    def cancel(self) -> None:
-        self.cancelled += 1
 
-    def pause(self, on: bool) -> None: ...
-
-    def close(self) -> None: ...
-
-
-class Desk:
+class Desk(StoreDesk):
     """A store with a tab, and one keyframe alone, at 24."""
 
     def __init__(self, store: Store) -> None:
-        self.store, self.tab = store, store.join()
+        super().__init__(store)
         for frame in (0, 48, 72):
             self.do({"do": "delete_key", "frame": frame})
-
-    def do(self, *messages: dict[str, Any]) -> None:
-        for message in messages:
-            self.store.receive(self.tab, message)
 
     @property
     def worker(self) -> Worker:
         return Worker.newest
-
-    @property
-    def doc(self) -> Session:
-        edit = self.store.app_state.edit
-        assert edit is not None
-        return edit.doc
 
     @property
     def shown(self) -> list[int]:
@@ -131,90 +107,62 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def at_desk(tmp_path: Path) -> Callable[[Callable[[Desk], Awaitable[None]]], None]:
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-
-    def run(test: Callable[[Desk], Awaitable[None]]) -> None:
-        async def whole() -> None:
-            library = Library(tmp_path / "workspace")
-            store = Store(asyncio.get_running_loop(), lambda *_: None, library)
-            await store.open(tmp_path / "person" / "session.json")
-            try:
-                await test(Desk(store))
-            finally:
-                await store.stop()
-
-        asyncio.run(whole())
-
-    return run
+async def desk(path: Path) -> AsyncIterator[Desk]:
+    async with opened_store(path) as store:
+        yield Desk(store)
 
 
-def test_it_grows_before_ones_eyes_and_becomes_one_step(at_desk: Any) -> None:
-    async def test(desk: Desk) -> None:
-        desk.do(AHEAD)
-        order = desk.worker.order
-        assert (order.frame, order.direction) == (24, "forward")
-        assert (desk.job.kind, desk.job.title) == ("ahead", "Tracking ahead from 24")
-        desk.worker.come(8)
-        desk.store._take_progress()
-        assert desk.shown == list(range(25, 33))
-        assert desk.drafts == []  # nothing is edited yet
-        assert desk.job.percent == pytest.approx(12.5)
-        desk.worker.end(12)
-        assert desk.drafts == list(range(25, 37)) == desk.shown
-        assert desk.doc.ahead[0].stop == HIDDEN
-        assert desk.job.state == "idle"
-        desk.do({"do": "undo"})
-        assert desk.drafts == []
-
-    at_desk(test)
+async def test_it_grows_before_ones_eyes_and_becomes_one_step(desk: Desk) -> None:
+    desk.do(AHEAD)
+    order = desk.worker.order
+    assert (order.frame, order.direction) == (24, "forward")
+    assert (desk.job.kind, desk.job.title) == ("ahead", "Tracking ahead from 24")
+    desk.worker.come(8)
+    desk.store._take_progress()
+    assert desk.shown == list(range(25, 33))
+    assert desk.drafts == []  # nothing is edited yet
+    assert desk.job.percent == pytest.approx(12.5)
+    desk.worker.end(12)
+    assert desk.drafts == list(range(25, 37)) == desk.shown
+    assert desk.doc.ahead[0].stop == HIDDEN
+    assert desk.job.state == "idle"
+    desk.do({"do": "undo"})
+    assert desk.drafts == []
 
 
-def test_cancelled_it_keeps_what_was_found(at_desk: Any) -> None:
-    async def test(desk: Desk) -> None:
-        desk.do(AHEAD)
-        before = desk.worker.cancelled
-        desk.do({"do": "cancel"})
-        assert desk.worker.cancelled == before + 1
-        desk.worker.end(5, Stop(cause="cancelled"))
-        assert desk.drafts == list(range(25, 30))
-
-    at_desk(test)
+async def test_cancelled_it_keeps_what_was_found(desk: Desk) -> None:
+    desk.do(AHEAD)
+    before = desk.worker.cancelled
+    desk.do({"do": "cancel"})
+    assert desk.worker.cancelled == before + 1
+    desk.worker.end(5, Stop(cause="cancelled"))
+    assert desk.drafts == list(range(25, 30))
 
 
-def test_cancelled_before_it_began_all_is_as_it_was(at_desk: Any) -> None:
-    async def test(desk: Desk) -> None:
-        desk.do(AHEAD, {"do": "cancel"})
-        desk.worker.report(JobFinished(desk.worker.order.job, cancelled=True))
-        assert desk.drafts == []
-        assert desk.job.state == "idle"
-        desk.do(AHEAD)
-        assert len(desk.worker.fits) == 2
-
-    at_desk(test)
+async def test_cancelled_before_it_began_all_is_as_it_was(desk: Desk) -> None:
+    desk.do(AHEAD, {"do": "cancel"})
+    desk.worker.report(JobFinished(desk.worker.order.job, cancelled=True))
+    assert desk.drafts == []
+    assert desk.job.state == "idle"
+    desk.do(AHEAD)
+    assert len(desk.worker.fits) == 2
 
 
-def test_the_keyframe_changed_meanwhile_and_nothing_is_kept(at_desk: Any) -> None:
-    async def test(desk: Desk) -> None:
-        turn = {"do": "angles", "part": "left_shin", "x": 20}
-        desk.do(AHEAD, {"do": "go", "frame": 24}, turn)
-        assert desk.job.state == "idle"
-        desk.worker.end(12)
-        assert desk.drafts == []
-
-    at_desk(test)
+async def test_the_keyframe_changed_meanwhile_and_nothing_is_kept(desk: Desk) -> None:
+    turn = {"do": "angles", "part": "left_shin", "x": 20}
+    desk.do(AHEAD, {"do": "go", "frame": 24}, turn)
+    assert desk.job.state == "idle"
+    desk.worker.end(12)
+    assert desk.drafts == []
 
 
 @pytest.mark.parametrize("end", ["nothing", "failed"])
-def test_where_nothing_leads_on_nothing_changes(at_desk: Any, end: str) -> None:
-    async def test(desk: Desk) -> None:
-        doc = desk.doc
-        desk.do(AHEAD)
-        if end == "failed":
-            desk.worker.report(JobFailed(desk.worker.order.job, "The video cannot be read."))
-        else:
-            desk.worker.end(0)
-        assert desk.doc is doc
-        assert desk.job.state == "idle"
-
-    at_desk(test)
+async def test_where_nothing_leads_on_nothing_changes(desk: Desk, end: str) -> None:
+    doc = desk.doc
+    desk.do(AHEAD)
+    if end == "failed":
+        desk.worker.report(JobFailed(desk.worker.order.job, "The video cannot be read."))
+    else:
+        desk.worker.end(0)
+    assert desk.doc is doc
+    assert desk.job.state == "idle"

@@ -12,7 +12,7 @@ from keypose.app.store.state import Saved
 from keypose.tracker.errors import SessionError
 
 
-def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
+async def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
     written: list[int] = []
     gate = threading.Event()
 
@@ -20,20 +20,17 @@ def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
         gate.wait(10)
         written.append(number)
 
-    async def many() -> None:
-        saver = Saver(lambda _: None)
-        for number in range(50):
-            saver.save(lambda number=number: write(number))  # type: ignore[misc]
-            await asyncio.sleep(0)
-        gate.set()
-        await saver.wait()
-
-    asyncio.run(many())
+    saver = Saver(lambda _: None)
+    for number in range(50):
+        saver.save(lambda number=number: write(number))  # type: ignore[misc]
+        await asyncio.sleep(0)
+    gate.set()
+    await saver.wait()
     assert written[-1] == 49
     assert len(written) <= 2
 
 
-def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() -> None:
+async def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() -> None:
     reported: list[Saved] = []
     full = True
 
@@ -41,16 +38,12 @@ def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() ->
         if full:
             raise SessionError("The disk is full.")
 
-    async def twice() -> None:
-        nonlocal full
-        saver = Saver(reported.append)
-        saver.save(write)
-        await saver.wait()
-        full = False
-        saver.retry()
-        await saver.wait()
-
-    asyncio.run(twice())
+    saver = Saver(reported.append)
+    saver.save(write)
+    await saver.wait()
+    full = False
+    saver.retry()
+    await saver.wait()
     assert [(saved.state, saved.words) for saved in reported] == [
         ("saving", ""),
         ("failed", "The disk is full."),
@@ -59,7 +52,7 @@ def test_a_failed_write_is_reported_in_its_own_words_and_can_be_tried_again() ->
     ]
 
 
-def test_what_is_unsaved_is_reported_so_until_it_is_written_and_is_tried_again_by_itself(
+async def test_what_is_unsaved_is_reported_so_until_it_is_written_and_is_tried_again_by_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("keypose.app.store.saving.SECONDS_BETWEEN_TRIES", 0.01)
@@ -71,33 +64,27 @@ def test_what_is_unsaved_is_reported_so_until_it_is_written_and_is_tried_again_b
         if len(tries) < 5:
             raise SessionError("The disk is full.")
 
-    async def both() -> None:
-        saver = Saver(reported.append)
-        saver.save(lambda: write(1))
-        await saver.wait()
-        saver.save(lambda: write(2))
-        while reported[-1].state != "saved":
-            await asyncio.sleep(0.005)
-        assert saver.problem is None
-
-    asyncio.run(both())
+    saver = Saver(reported.append)
+    saver.save(lambda: write(1))
+    await saver.wait()
+    saver.save(lambda: write(2))
+    while reported[-1].state != "saved":
+        await asyncio.sleep(0.005)
+    assert saver.problem is None
     assert [saved.state for saved in reported] == ["saving", *4 * ["failed"], "saved"]
     assert tries == [1, 2, 2, 2, 2]
 
 
-def test_the_time_of_the_last_save_survives_a_failure() -> None:
+async def test_the_time_of_the_last_save_survives_a_failure() -> None:
     reported: list[Saved] = []
 
     def fail() -> None:
         raise SessionError("The disk is full.")
 
-    async def both() -> None:
-        saver = Saver(reported.append)
-        saver.save(lambda: None)
-        await saver.wait()
-        saver.save(fail)
-        await saver.wait()
-
-    asyncio.run(both())
+    saver = Saver(reported.append)
+    saver.save(lambda: None)
+    await saver.wait()
+    saver.save(fail)
+    await saver.wait()
     assert reported[-1].state == "failed"
     assert reported[-1].at_s == reported[1].at_s > 0

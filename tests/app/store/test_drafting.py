@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,22 +14,19 @@ import pytest
 
 from keypose.app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
 from keypose.app.store import runner, store
-from keypose.app.store.sections import Sections
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.fitting.draft import Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.session import Session
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.storage.sidecars import load_keypoints
 from keypose.tracker.tracking.result import SegmentResult
-from tests.app.serving import ROOT
-from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
+from tests.scenes import SAMPLES, StoreDesk, opened_store, sample
 
 BOX = [100.0, 100.0, 300.0, 400.0]
 DRAFT = {"do": "draft", "frame": 10, "box": BOX}
@@ -43,8 +41,7 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-    path = tmp_path / "person" / "session.json"
+    path = sample(tmp_path)
     blank = {"keyframes": (), "drafts": (), "results": None, "body": BODY}
     save_session(load_session(path).model_copy(update=blank), path)
     return path
@@ -52,23 +49,6 @@ def path(tmp_path: Path) -> Path:
 
 class Desk(StoreDesk):
     """A store with a tab and the worker's side of its jobs."""
-
-    @property
-    def doc(self) -> Session:
-        assert self.store.app_state.edit is not None
-        return self.store.app_state.edit.doc
-
-    @property
-    def section(self) -> Any:
-        return Sections().changed(self.store.app_state)["draft"]
-
-    @property
-    def review(self) -> Any:
-        return Sections().changed(self.store.app_state)["review"]
-
-    @property
-    def keys(self) -> Any:
-        return Sections().changed(self.store.app_state)["keys"]
 
     @property
     def order(self) -> DraftOrder:
@@ -88,8 +68,7 @@ class Desk(StoreDesk):
 
     def move_drafts(self, by_m: float) -> None:
         """All drafts to the right."""
-        edit = self.store.app_state.edit
-        assert edit is not None
+        edit = self.edit
         moved = tuple(
             d.model_copy(update={"root_m": (d.root_m[0] + by_m, *d.root_m[1:])})
             for d in edit.doc.drafts
@@ -98,8 +77,7 @@ class Desk(StoreDesk):
 
     def track(self, first: int, last: int) -> None:
         """The segment between two keyframes is tracked."""
-        edit = self.store.app_state.edit
-        assert edit is not None
+        edit = self.edit
         poses = {k.frame: k.pose(edit.skeleton) for k in edit.doc.keyframes}
         key = segment_keys(edit.doc)[first, last]
         motion = interpolate(poses[first], poses[last], first, last)
@@ -107,167 +85,145 @@ class Desk(StoreDesk):
         self.store._set(edit=replace(edit, results=Results({key: track})))
 
 
-def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
-    at_store(path, Desk, act)
+@asynccontextmanager
+async def at_a_desk(path: Path) -> AsyncIterator[Desk]:
+    async with opened_store(path) as store:
+        yield Desk(store)
 
 
-def test_a_draft_is_one_step_and_undo_is_exact(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        before = desk.doc
-        desk.do(DRAFT)
-        assert desk.order.frames == (0, before.video.frame_count - 1)
-        assert desk.order.proportions
-        desk.find(3, 4, 5)
-        assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
-        edit = desk.store.app_state.edit
-        assert edit is not None
-        assert edit.history.past[-1].label == "draft"
-        desk.do({"do": "undo"})
-        assert desk.doc == before
-        assert desk.section is None
-        desk.do({"do": "redo"})
-        assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
-
-    try_at(path, act)
+@pytest.fixture
+async def desk(path: Path) -> AsyncIterator[Desk]:
+    async with at_a_desk(path) as made:
+        yield made
 
 
-def test_the_keypoints_of_a_draft_lie_beside_the_session(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do(DRAFT)
-        desk.find(3)
-        reference = desk.doc.keypoints
-        assert reference is not None
-        assert (reference.network, reference.seeds) == ("abc", (10,))
-        assert load_keypoints(path.parent / reference.file).uv.max() == 7.0
+async def test_a_draft_is_one_step_and_undo_is_exact(desk: Desk) -> None:
+    before = desk.doc
+    desk.do(DRAFT)
+    assert desk.order.frames == (0, before.video.frame_count - 1)
+    assert desk.order.proportions
+    desk.find(3, 4, 5)
+    assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
+    edit = desk.store.app_state.edit
+    assert edit is not None
+    assert edit.history.past[-1].label == "draft"
+    desk.do({"do": "undo"})
+    assert desk.doc == before
+    assert desk.section("draft") is None
+    desk.do({"do": "redo"})
+    assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
 
-    try_at(path, act)
+
+async def test_the_keypoints_of_a_draft_lie_beside_the_session(path: Path, desk: Desk) -> None:
+    desk.do(DRAFT)
+    desk.find(3)
+    reference = desk.doc.keypoints
+    assert reference is not None
+    assert (reference.network, reference.seeds) == ("abc", (10,))
+    assert load_keypoints(path.parent / reference.file).uv.max() == 7.0
 
 
-def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path: Path) -> None:
+async def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path: Path) -> None:
     film = tmp_path / "films" / "person.mp4"
     film.parent.mkdir()
-    shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", film)
-
-    async def act(desk: Desk) -> None:
+    shutil.copy(SAMPLES / "person" / "person.mp4", film)
+    async with at_a_desk(film) as desk:
         assert not [place for place in film.parent.iterdir() if place.is_dir()]
         desk.do(DRAFT)
         desk.find(3, 4)
         assert [draft.frame for draft in desk.doc.drafts] == [3, 4]
-
-    try_at(film, act)
     (session,) = film.parent.glob("*/session.json")
     assert load_session(session).keypoints is not None
 
 
-def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        assert desk.section is None
-        desk.do({**DRAFT, "first": 2, "last": 12})
-        desk.find(3, 8)
-        shown = desk.section
-        assert shown["latest"]
-        assert shown["missing"] == [[2, 2], [4, 7], [9, 12]]
-        assert (shown["first"], shown["last"], shown["drafted"]) == (2, 12, 2)
-        assert shown["proposals"] == [
-            {"frame": 3, "reason": "start", "parts": []},
-            {"frame": 8, "reason": "flip", "parts": ["Left thigh"]},
-        ]
-        desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
-        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [8]
-        assert not desk.section["latest"]
-        desk.do({"do": "undo"})
-        assert desk.section["latest"]
-
-    try_at(path, act)
+async def test_frames_to_confirm_are_shown_until_they_are_keyframes(desk: Desk) -> None:
+    assert desk.section("draft") is None
+    desk.do({**DRAFT, "first": 2, "last": 12})
+    desk.find(3, 8)
+    shown = desk.section("draft")
+    assert shown["latest"]
+    assert shown["missing"] == [[2, 2], [4, 7], [9, 12]]
+    assert (shown["first"], shown["last"], shown["drafted"]) == (2, 12, 2)
+    assert shown["proposals"] == [
+        {"frame": 3, "reason": "start", "parts": []},
+        {"frame": 8, "reason": "flip", "parts": ["Left thigh"]},
+    ]
+    desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
+    assert [proposal["frame"] for proposal in desk.section("draft")["proposals"]] == [8]
+    assert not desk.section("draft")["latest"]
+    desk.do({"do": "undo"})
+    assert desk.section("draft")["latest"]
 
 
-def test_a_draft_that_nobody_can_judge_is_proposed_no_more(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({**DRAFT, "first": 2, "last": 12})
-        desk.find(3, 8)
-        desk.do({"do": "cannot_tell", "frame": 3, "part": None})
-        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [8]
-        desk.do({"do": "undo"})
-        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [3, 8]
-
-    try_at(path, act)
+async def test_a_draft_that_nobody_can_judge_is_proposed_no_more(desk: Desk) -> None:
+    desk.do({**DRAFT, "first": 2, "last": 12})
+    desk.find(3, 8)
+    desk.do({"do": "cannot_tell", "frame": 3, "part": None})
+    assert [proposal["frame"] for proposal in desk.section("draft")["proposals"]] == [8]
+    desk.do({"do": "undo"})
+    assert [proposal["frame"] for proposal in desk.section("draft")["proposals"]] == [3, 8]
 
 
 @pytest.mark.parametrize(("moved_m", "asked"), [(0.05, [8]), (0.5, [3, 8])])
-def test_a_draft_is_asked_for_again_only_once_it_is_another_one(
-    path: Path, moved_m: float, asked: list[int]
+async def test_a_draft_is_asked_for_again_only_once_it_is_another_one(
+    desk: Desk, moved_m: float, asked: list[int]
 ) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({**DRAFT, "first": 2, "last": 12})
-        desk.find(3, 8)
-        desk.do({"do": "cannot_tell", "frame": 3, "part": None})
-        desk.move_drafts(moved_m)
-        assert [proposal["frame"] for proposal in desk.section["proposals"]] == asked
-
-    try_at(path, act)
+    desk.do({**DRAFT, "first": 2, "last": 12})
+    desk.find(3, 8)
+    desk.do({"do": "cannot_tell", "frame": 3, "part": None})
+    desk.move_drafts(moved_m)
+    assert [proposal["frame"] for proposal in desk.section("draft")["proposals"]] == asked
 
 
-def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
+async def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
     found: list[Any] = []
-
-    async def draft(desk: Desk) -> None:
+    async with at_a_desk(path) as desk:
         desk.do({**DRAFT, "last": 12})
         desk.find(3, 8)
-        found.append(desk.section)
-
-    async def again(desk: Desk) -> None:
-        assert desk.section == {**found[0], "latest": False}
+        found.append(desk.section("draft"))
+    async with at_a_desk(path) as desk:
+        assert desk.section("draft") == {**found[0], "latest": False}
         desk.do({"do": "undo"})  # of another day
-        assert desk.section is None
-
-    try_at(path, draft)
-    try_at(path, again)
+        assert desk.section("draft") is None
 
 
-def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({**DRAFT, "last": 12})
-        desk.find(8, 9, 12)
-        desk.do({"do": "draft", "frame": 3, "box": BOX, "last": 7})
-        desk.find(2, 3, 4, 5, 6, 7)
-        shown = desk.section
-        assert shown["missing"] == [[0, 1], [10, 11]]
-        assert (shown["first"], shown["last"], shown["drafted"]) == (0, 7, 6)
-        assert [place["frame"] for place in shown["proposals"]] == [2, 7, 8, 12]
-        assert desk.doc.keypoints is not None
-        assert desk.doc.keypoints.seeds == (3, 10)
-        desk.do({"do": "go", "frame": 10}, {"do": "add_key", "frame": 10})
-        assert desk.section["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
-
-    try_at(path, act)
+async def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(desk: Desk) -> None:
+    desk.do({**DRAFT, "last": 12})
+    desk.find(8, 9, 12)
+    desk.do({"do": "draft", "frame": 3, "box": BOX, "last": 7})
+    desk.find(2, 3, 4, 5, 6, 7)
+    shown = desk.section("draft")
+    assert shown["missing"] == [[0, 1], [10, 11]]
+    assert (shown["first"], shown["last"], shown["drafted"]) == (0, 7, 6)
+    assert [place["frame"] for place in shown["proposals"]] == [2, 7, 8, 12]
+    assert desk.doc.keypoints is not None
+    assert desk.doc.keypoints.seeds == (3, 10)
+    desk.do({"do": "go", "frame": 10}, {"do": "add_key", "frame": 10})
+    assert desk.section("draft")["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
 
 
-def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({"do": "add_key", "frame": 0}, {"do": "add_key", "frame": 6})
-        desk.do({**DRAFT, "last": 12})
-        desk.find(3, 4, 8, 12)
-        desk.track(0, 6)
-        shown = desk.section
-        assert shown["missing"] == [[7, 7], [9, 11]]
-        assert (shown["drafted"], shown["behind"]) == (4, 2)
-        assert [place["frame"] for place in shown["proposals"]] == [12]  # and not 3
-        assert [place["frame"] for place in desk.review["places"]] == [12]
-        assert desk.keys["drafts"] == [8, 12]
-        desk.do({"do": "delete_key", "frame": 6})
-        assert desk.section["missing"] == [[1, 2], [5, 7], [9, 11]]
-        assert desk.section["behind"] == 0
-        assert desk.keys["drafts"] == [3, 4, 8, 12]
-
-    try_at(path, act)
+async def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(desk: Desk) -> None:
+    desk.do({"do": "add_key", "frame": 0}, {"do": "add_key", "frame": 6})
+    desk.do({**DRAFT, "last": 12})
+    desk.find(3, 4, 8, 12)
+    desk.track(0, 6)
+    shown = desk.section("draft")
+    assert shown["missing"] == [[7, 7], [9, 11]]
+    assert (shown["drafted"], shown["behind"]) == (4, 2)
+    assert [place["frame"] for place in shown["proposals"]] == [12]  # and not 3
+    assert [place["frame"] for place in desk.section("review")["places"]] == [12]
+    assert desk.section("keys")["drafts"] == [8, 12]
+    desk.do({"do": "delete_key", "frame": 6})
+    assert desk.section("draft")["missing"] == [[1, 2], [5, 7], [9, 11]]
+    assert desk.section("draft")["behind"] == 0
+    assert desk.section("keys")["drafts"] == [3, 4, 8, 12]
 
 
-def test_the_progress_of_a_draft_is_shown_and_rises(
+async def test_the_progress_of_a_draft_is_shown_and_rises(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(store, "SECONDS_BETWEEN_PROGRESS", 0.0)
-
-    async def act(desk: Desk) -> None:
+    async with at_a_desk(path) as desk:
         desk.do(DRAFT)
         shown = []
         for stage, done in (("keypoints", 5), ("keypoints", 20), ("poses", 0), ("poses", 20)):
@@ -278,33 +234,25 @@ def test_the_progress_of_a_draft_is_shown_and_rises(
         assert shown == sorted(shown)
         assert shown[-1] == pytest.approx(100)
 
-    try_at(path, act)
+
+async def test_a_draft_that_is_cancelled_or_fails_changes_nothing(desk: Desk) -> None:
+    before = desk.doc
+    desk.do(DRAFT)
+    desk.do({"do": "cancel"})
+    assert Worker.newest.cancelled
+    desk.do(DRAFT)
+    Worker.newest.report(JobFailed(desk.order.job, "No person was found at frame 10."))
+    assert desk.doc is before
+    assert desk.store.app_state.job.state == "idle"
 
 
-def test_a_draft_that_is_cancelled_or_fails_changes_nothing(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        before = desk.doc
-        desk.do(DRAFT)
-        desk.do({"do": "cancel"})
-        assert Worker.newest.cancelled
-        desk.do(DRAFT)
-        Worker.newest.report(JobFailed(desk.order.job, "No person was found at frame 10."))
-        assert desk.doc is before
-        assert desk.store.app_state.job.state == "idle"
-
-    try_at(path, act)
-
-
-def test_a_draft_of_a_body_that_was_changed_meanwhile_is_left(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do(DRAFT, {"do": "height", "cm": 190})
-        changed = desk.doc
-        desk.find(3)
-        assert desk.doc is changed
-        desk.do(DRAFT)
-        assert not desk.order.proportions  # somebody sized it
-
-    try_at(path, act)
+async def test_a_draft_of_a_body_that_was_changed_meanwhile_is_left(desk: Desk) -> None:
+    desk.do(DRAFT, {"do": "height", "cm": 190})
+    changed = desk.doc
+    desk.find(3)
+    assert desk.doc is changed
+    desk.do(DRAFT)
+    assert not desk.order.proportions  # somebody sized it
 
 
 @pytest.mark.parametrize(
@@ -318,26 +266,20 @@ def test_a_draft_of_a_body_that_was_changed_meanwhile_is_left(path: Path) -> Non
         {"frame": 10, "last": 99999},
     ],
 )
-def test_what_cannot_be_drafted_is_refused_before_the_work(
-    path: Path, wrong: dict[str, Any]
+async def test_what_cannot_be_drafted_is_refused_before_the_work(
+    desk: Desk, wrong: dict[str, Any]
 ) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({**DRAFT, **wrong})
-        assert not Worker.newest.fits
-
-    try_at(path, act)
+    desk.do({**DRAFT, **wrong})
+    assert not Worker.newest.fits
 
 
-def test_keyframes_and_drafts_of_other_frames_stay(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        desk.do({**DRAFT, "last": 12})
-        desk.find(3, 8)
-        desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
-        (keyframe,) = desk.doc.keyframes
-        desk.do({"do": "draft", "frame": 2, "box": BOX, "last": 6})
-        assert not desk.order.proportions  # a keyframe is posed with this body
-        desk.find(2, 3, 4)
-        assert desk.doc.keyframes == (keyframe,)
-        assert [draft.frame for draft in desk.doc.drafts] == [2, 4, 8]
-
-    try_at(path, act)
+async def test_keyframes_and_drafts_of_other_frames_stay(desk: Desk) -> None:
+    desk.do({**DRAFT, "last": 12})
+    desk.find(3, 8)
+    desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
+    (keyframe,) = desk.doc.keyframes
+    desk.do({"do": "draft", "frame": 2, "box": BOX, "last": 6})
+    assert not desk.order.proportions  # a keyframe is posed with this body
+    desk.find(2, 3, 4)
+    assert desk.doc.keyframes == (keyframe,)
+    assert [draft.frame for draft in desk.doc.drafts] == [2, 4, 8]

@@ -12,10 +12,10 @@ from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
-from tests.app.store.test_drafting import BODY, DRAFT, Desk, path, try_at
+from tests.app.store.test_drafting import BODY, DRAFT, Desk, at_a_desk, desk, path
 from tests.app.store.test_fitter import Worker
 
-__all__ = ["path"]
+__all__ = ["desk", "path"]
 FRAMES = (3, 4, 5, 6)
 ELSEWHERE = Pose.rest(Skeleton.of(BODY), (0.1, 0.0, 4.0))
 
@@ -47,84 +47,67 @@ async def begin(desk: Desk) -> None:
     desk.do({"do": "go", "frame": 4}, {"do": "add_key", "frame": 4})
 
 
-def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_with_it(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        await begin(desk)
-        assert ordered().around == (4,)
-        sent = Session.model_validate_json(ordered().session)
-        assert [k.frame for k in sent.keyframes] == [4]
-        learn(3, 5, 6)
-        assert moved(desk.doc) == [3, 5, 6]
-        assert all(draft.drafted for draft in desk.doc.drafts)
-        learned = desk.doc
-        desk.do({"do": "undo"})
-        assert not desk.doc.keyframes
-        assert moved(desk.doc) == []
-        count = len(Worker.newest.fits)
-        desk.do({"do": "redo"})
-        assert desk.doc == learned
-        assert len(Worker.newest.fits) == count  # they have learned it already
-
-    try_at(path, act)
-
-
-def test_what_a_person_posed_meanwhile_stays(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        await begin(desk)
-        desk.do({"do": "go", "frame": 5}, {"do": "root", "y": 0.2})
-        posed = next(d for d in desk.doc.drafts if d.frame == 5)
-        assert not posed.drafted
-        learn(3, 5, 6)
-        assert moved(desk.doc) == [3, 6]
-        assert next(d for d in desk.doc.drafts if d.frame == 5) == posed
-
-    try_at(path, act)
+async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_with_it(
+    desk: Desk,
+) -> None:
+    await begin(desk)
+    assert ordered().around == (4,)
+    sent = Session.model_validate_json(ordered().session)
+    assert [k.frame for k in sent.keyframes] == [4]
+    learn(3, 5, 6)
+    assert moved(desk.doc) == [3, 5, 6]
+    assert all(draft.drafted for draft in desk.doc.drafts)
+    learned = desk.doc
+    desk.do({"do": "undo"})
+    assert not desk.doc.keyframes
+    assert moved(desk.doc) == []
+    count = len(Worker.newest.fits)
+    desk.do({"do": "redo"})
+    assert desk.doc == learned
+    assert len(Worker.newest.fits) == count  # they have learned it already
 
 
-def test_nothing_is_learned_from_a_keyframe_that_was_undone_meanwhile(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        await begin(desk)
-        desk.do({"do": "undo"})
-        learn(3, 5, 6)
-        assert moved(desk.doc) == []
-
-    try_at(path, act)
-
-
-def test_drafts_wait_while_something_is_dragged(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        await begin(desk)
-        desk.do({"do": "go", "frame": 6})
-        desk.do({"do": "root", "y": 0.1, "stroke": "a"})
-        learn(3, 5, 6)
-        assert moved(desk.doc) == []
-        desk.do({"do": "end_stroke", "stroke": "a"})
-        assert moved(desk.doc) == [3, 5]
-
-    try_at(path, act)
+async def test_what_a_person_posed_meanwhile_stays(desk: Desk) -> None:
+    await begin(desk)
+    desk.do({"do": "go", "frame": 5}, {"do": "root", "y": 0.2})
+    posed = next(d for d in desk.doc.drafts if d.frame == 5)
+    assert not posed.drafted
+    learn(3, 5, 6)
+    assert moved(desk.doc) == [3, 6]
+    assert next(d for d in desk.doc.drafts if d.frame == 5) == posed
 
 
-def test_what_was_learned_is_there_when_the_session_is_opened_again(path: Path) -> None:
-    async def act(desk: Desk) -> None:
+async def test_nothing_is_learned_from_a_keyframe_that_was_undone_meanwhile(desk: Desk) -> None:
+    await begin(desk)
+    desk.do({"do": "undo"})
+    learn(3, 5, 6)
+    assert moved(desk.doc) == []
+
+
+async def test_drafts_wait_while_something_is_dragged(desk: Desk) -> None:
+    await begin(desk)
+    desk.do({"do": "go", "frame": 6})
+    desk.do({"do": "root", "y": 0.1, "stroke": "a"})
+    learn(3, 5, 6)
+    assert moved(desk.doc) == []
+    desk.do({"do": "end_stroke", "stroke": "a"})
+    assert moved(desk.doc) == [3, 5]
+
+
+async def test_what_was_learned_is_there_when_the_session_is_opened_again(path: Path) -> None:
+    async with at_a_desk(path) as desk:
         await begin(desk)
         learn(3, 5, 6)
-
-    async def again(desk: Desk) -> None:
+    async with at_a_desk(path) as desk:
         assert moved(desk.doc) == [3, 5, 6]
         desk.do({"do": "undo"})
         assert moved(desk.doc) == []
         assert not desk.doc.keyframes
 
-    try_at(path, act)
-    try_at(path, again)
 
-
-def test_a_keyframe_deleted_or_on_another_body_teaches_nothing(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        await begin(desk)
-        learn(3, 5, 6)
-        count = len(Worker.newest.fits)
-        desk.do({"do": "delete_key", "frame": 4})
-        assert len(Worker.newest.fits) == count
-
-    try_at(path, act)
+async def test_a_keyframe_deleted_or_on_another_body_teaches_nothing(desk: Desk) -> None:
+    await begin(desk)
+    learn(3, 5, 6)
+    count = len(Worker.newest.fits)
+    desk.do({"do": "delete_key", "frame": 4})
+    assert len(Worker.newest.fits) == count

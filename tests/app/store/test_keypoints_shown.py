@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import shutil
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.serving import ROOT
 from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
+from tests.scenes import StoreDesk, opened_store, sample
 
 NAMES = (*JOINTS, "nose", "left_pinky")
 WRIST = JOINTS.index("left_wrist")
@@ -45,8 +46,7 @@ def found(first: int, last: int, u: float) -> Keypoints:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """A session with a draft's keypoints in frames 0 to 40, tracking by keypoints."""
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-    path = tmp_path / "person" / "session.json"
+    path = sample(tmp_path)
     session = load_session(path)
     settings = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
     session = session.model_copy(update={"settings": settings})
@@ -69,29 +69,34 @@ class Desk(StoreDesk):
         return Sections().changed(self.store.app_state)["keypoints"]
 
 
-def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
-    at_store(path, Desk, act)
+@asynccontextmanager
+async def at_a_desk(path: Path) -> AsyncIterator[Desk]:
+    async with opened_store(path) as store:
+        yield Desk(store)
+
+
+@pytest.fixture
+async def desk(path: Path) -> AsyncIterator[Desk]:
+    async with at_a_desk(path) as made:
+        yield made
 
 
 def point(section: Any, joint: str = "left_wrist") -> Any:
     return next(each for each in section["points"] if each["joint"] == joint)
 
 
-def test_those_of_a_draft_are_reported_frame_by_frame_as_far_as_the_body_has_them(
-    path: Path,
+async def test_those_of_a_draft_are_reported_frame_by_frame_as_far_as_the_body_has_them(
+    desk: Desk,
 ) -> None:
-    async def act(desk: Desk) -> None:
-        shown = await desk.shown(7)
-        assert shown["frame"] == 7
-        assert len(shown["points"]) == 13  # fingers are not compared with anything
-        wrist = {"joint": "left_wrist", "label": "Left wrist", "at": [5.0, 7.0]}
-        assert point(shown) == {**wrist, "sure": 0.58, "state": "found"}
-        assert await desk.shown(60) is None
-
-    try_at(path, act)
+    shown = await desk.shown(7)
+    assert shown["frame"] == 7
+    assert len(shown["points"]) == 13  # fingers are not compared with anything
+    wrist = {"joint": "left_wrist", "label": "Left wrist", "at": [5.0, 7.0]}
+    assert point(shown) == {**wrist, "sure": 0.58, "state": "found"}
+    assert await desk.shown(60) is None
 
 
-def test_what_tracking_found_in_a_segment_goes_first(
+async def test_what_tracking_found_in_a_segment_goes_first(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Any] = []
@@ -100,9 +105,8 @@ def test_what_tracking_found_in_a_segment_goes_first(
         asked.append(span)
         return found(*span, 33.0) if span == (24, 48) else None
 
-    monkeypatch.setattr(background, "found_before", kept)
-
-    async def act(desk: Desk) -> None:
+    monkeypatch.setattr(keypoint_finder, "found_before", kept)
+    async with at_a_desk(path) as desk:
         assert point(await desk.shown(7))["at"] == [5.0, 7.0]
         assert point(await desk.shown(30))["at"] == [33.0, 30.0]
         assert point(await desk.shown(45))["at"] == [33.0, 45.0]
@@ -113,52 +117,41 @@ def test_what_tracking_found_in_a_segment_goes_first(
         await desk.shown(8)
         assert asked.count((0, 24)) == before + 1  # it may be there now
 
-    try_at(path, act)
 
-
-def test_what_a_person_said_is_reported_at_once_and_where_it_was_found_is_not_lost(
-    path: Path,
+async def test_what_a_person_said_is_reported_at_once_and_where_it_was_found_is_not_lost(
+    desk: Desk,
 ) -> None:
-    async def act(desk: Desk) -> None:
-        await desk.shown(7)
-        wrist = {"frame": 7, "joint": "left_wrist"}
-        desk.do({"do": "correct_keypoint", **wrist, "at": [50, 60], "stroke": "ring"})
-        moved = point(await desk.shown(7))
-        assert (moved["at"], moved["sure"], moved["state"]) == ([50.0, 60.0], 1.0, "corrected")
-        desk.do({"do": "ignore_keypoint", **wrist})
-        hidden = point(await desk.shown(7))
-        assert (hidden["at"], hidden["sure"], hidden["state"]) == ([5.0, 7.0], 0.0, "ignored")
-        desk.do({"do": "restore_keypoint", **wrist})
-        assert point(await desk.shown(7))["state"] == "found"
-
-    try_at(path, act)
+    await desk.shown(7)
+    wrist = {"frame": 7, "joint": "left_wrist"}
+    desk.do({"do": "correct_keypoint", **wrist, "at": [50, 60], "stroke": "ring"})
+    moved = point(await desk.shown(7))
+    assert (moved["at"], moved["sure"], moved["state"]) == ([50.0, 60.0], 1.0, "corrected")
+    desk.do({"do": "ignore_keypoint", **wrist})
+    hidden = point(await desk.shown(7))
+    assert (hidden["at"], hidden["sure"], hidden["state"]) == ([5.0, 7.0], 0.0, "ignored")
+    desk.do({"do": "restore_keypoint", **wrist})
+    assert point(await desk.shown(7))["state"] == "found"
 
 
-def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> None:
+async def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> None:
     for file in path.parent.glob("keypoints-*.npz"):
         file.unlink()
-
-    async def act(desk: Desk) -> None:
+    async with at_a_desk(path) as desk:
         assert await desk.shown(7) is None
 
-    try_at(path, act)
 
+async def test_cues_and_networks_say_what_can_be_chosen_and_why_not(desk: Desk) -> None:
+    def reported(name: str) -> Any:
+        return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
 
-def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> None:
-    async def act(desk: Desk) -> None:
-        def reported(name: str) -> Any:
-            return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
-
-        desk.do({"do": "settings", "network": "heavy"})
-        cue = reported("cues")["keypoints"]
-        assert (cue["on"], cue["off"]) == (True, "")
-        full, heavy = reported("networks").values()
-        assert (full["chosen"], full["remedy"]) == (False, "")
-        assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
-        desk.do({"do": "settings", "method": "paper"})
-        assert reported("cues")["keypoints"]["off"] == "Not in the published method"
-
-    try_at(path, act)
+    desk.do({"do": "settings", "network": "heavy"})
+    cue = reported("cues")["keypoints"]
+    assert (cue["on"], cue["off"]) == (True, "")
+    full, heavy = reported("networks").values()
+    assert (full["chosen"], full["remedy"]) == (False, "")
+    assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
+    desk.do({"do": "settings", "method": "paper"})
+    assert reported("cues")["keypoints"]["off"] == "Not in the published method"
 
 
 def test_a_file_that_brings_about_a_fault_of_ours_is_as_if_it_were_not_there_and_logged(

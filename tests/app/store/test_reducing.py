@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -21,10 +20,11 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.result import Tolerance
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
-from tests.app.serving import ROOT
-from tests.app.store.test_fitter import Desk, Worker, at_a_desk
+from tests.app.store.test_fitter import Desk, Worker, at_a_desk, desk
 from tests.page.test_page_shapes import declared, differences
+from tests.scenes import sample
 
+__all__ = ["desk"]
 REDUCE = {"do": "reduce", "cm": 6.0}
 
 
@@ -36,8 +36,7 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """The sample with its true motion drafted between the keyframes."""
-    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
-    path = tmp_path / "person" / "session.json"
+    path = sample(tmp_path)
     session, truth = load_session(path), np.load(path.with_name("truth.npz"))
     skeleton, keyed = Skeleton.of(session.body), {k.frame for k in session.keyframes}
     poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
@@ -64,8 +63,8 @@ def answered(desk: Desk) -> Any:
     return desk.section("reduction")
 
 
-def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> None:
-    async def work(desk: Desk) -> None:
+async def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> None:
+    async with at_a_desk(path) as desk:
         before = desk.edit.doc
         desk.do(REDUCE)
         reported = desk.section("reduction")
@@ -95,95 +94,82 @@ def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> N
         assert desk.edit.kept is None
         desk.do({"do": "redo"})
         assert desk.edit.kept is not None
-
-    at_a_desk(path, work)
     assert load_session(path).first_motion is not None
 
 
-def test_one_keyframe_in_so_many_frames_leaves_the_motion_as_it_is_between(path: Path) -> None:
-    async def work(desk: Desk) -> None:
-        before = [shown_pose(desk.edit, frame).pose for frame in range(73)]
-        desk.do({"do": "reduce", "every": 36, "replacing": True})
-        reported = answered(desk)
-        assert (reported["goal"], reported["cm"], reported["every"]) == (36, None, 36.0)
-        assert len(reported["frames"]) == 3
-        assert reported["off_cm"] > 2  # were they interpolated alone
-        assert reported["off_px"] is None
-        assert list(differences(reported, "Reduction", declared(), "reduction")) == []
-        desk.do({"do": "apply_reduction"})
-        for frame, pose in enumerate(before):
-            now = shown_pose(desk.edit, frame).pose
-            np.testing.assert_allclose(now.Rs_parent_part, pose.Rs_parent_part, atol=1e-9)
-            np.testing.assert_allclose(now.p_camera_root, pose.p_camera_root, atol=1e-9)
-
-    at_a_desk(path, work)
-
-
-def test_edits_wait_for_the_answer_and_what_is_discarded_leaves_nothing_behind(path: Path) -> None:
-    async def work(desk: Desk) -> None:
-        before = desk.edit.doc
-        desk.do(REDUCE)
-        answered(desk)
-        desk.do({"do": "angles", "part": "head", "x": 9}, {"do": "undo"}, {"do": "go", "frame": 7})
-        assert await desk.words() == ["Apply or discard the keyframes of the reduction first."] * 2
-        assert desk.edit.frame == 7
-        desk.do({"do": "discard_reduction"})
-        assert desk.section("reduction") is None
-        assert desk.edit.doc is before
-        assert not list(path.parent.glob("first-*"))
-        desk.do({"do": "discard_reduction"})
-        assert await desk.words() == ["There are no keyframes of a reduction to answer."]
-
-    at_a_desk(path, work)
+async def test_one_keyframe_in_so_many_frames_leaves_the_motion_as_it_is_between(
+    desk: Desk,
+) -> None:
+    before = [shown_pose(desk.edit, frame).pose for frame in range(73)]
+    desk.do({"do": "reduce", "every": 36, "replacing": True})
+    reported = answered(desk)
+    assert (reported["goal"], reported["cm"], reported["every"]) == (36, None, 36.0)
+    assert len(reported["frames"]) == 3
+    assert reported["off_cm"] > 2  # were they interpolated alone
+    assert reported["off_px"] is None
+    assert list(differences(reported, "Reduction", declared(), "reduction")) == []
+    desk.do({"do": "apply_reduction"})
+    for frame, pose in enumerate(before):
+        now = shown_pose(desk.edit, frame).pose
+        np.testing.assert_allclose(now.Rs_parent_part, pose.Rs_parent_part, atol=1e-9)
+        np.testing.assert_allclose(now.p_camera_root, pose.p_camera_root, atol=1e-9)
 
 
-def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(path: Path) -> None:
-    async def work(desk: Desk) -> None:
-        desk.do(REDUCE)
-        assert [type(report) for report in worked(desk, cancelled=True)] == [JobFinished]
-        desk.do({"do": "cancel"})
-        assert desk.section("reduction") is None
-        desk.do(REDUCE)
-        order = desk.worker.fits[-1]
-        desk.worker.report(Reducing(order.job, 30, 73))
-        assert desk.store._runner.job.percent == pytest.approx(41, abs=1)  # told now and then
-        desk.worker.report(JobFailed(order.job, "It failed."))
-        assert desk.section("reduction") is None
-        assert await desk.words() == ["It failed."]
-
-    at_a_desk(path, work)
-
-
-def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(path: Path) -> None:
-    async def work(desk: Desk) -> None:
-        desk.do({"do": "reduce"}, {**REDUCE, "every": 9})
-        assert all("a tolerance is needed" in words for words in await desk.words())
-        desk.do({"do": "reduce"}, {**REDUCE, "first": 70, "last": 99})
-        words = await desk.words()
-        assert "a tolerance is needed" in words[0]
-        assert "The video has frames 0 to 72" in words[1]
-        assert desk.section("reduction") is None
-        desk.do(REDUCE)
-        reported = answered(desk)
-        desk.do({**REDUCE, "limbs": ["waist"]})
-        assert "Press K to key all of it" in (await desk.words())[0]
-        assert desk.section("reduction") == reported
-
-    at_a_desk(path, work)
+async def test_edits_wait_for_the_answer_and_what_is_discarded_leaves_nothing_behind(
+    path: Path, desk: Desk
+) -> None:
+    before = desk.edit.doc
+    desk.do(REDUCE)
+    answered(desk)
+    desk.do({"do": "angles", "part": "head", "x": 9}, {"do": "undo"}, {"do": "go", "frame": 7})
+    assert await desk.words() == ["Apply or discard the keyframes of the reduction first."] * 2
+    assert desk.edit.frame == 7
+    desk.do({"do": "discard_reduction"})
+    assert desk.section("reduction") is None
+    assert desk.edit.doc is before
+    assert not list(path.parent.glob("first-*"))
+    desk.do({"do": "discard_reduction"})
+    assert await desk.words() == ["There are no keyframes of a reduction to answer."]
 
 
-def test_the_order_holds_the_motion_and_the_reports_its_progress(path: Path) -> None:
-    async def work(desk: Desk) -> None:
-        desk.do({**REDUCE, "px": 9.0, "first": 10, "last": 50})
-        (order,) = desk.worker.fits
-        assert isinstance(order, ReduceOrder)
-        assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
-        assert isinstance(order.goal, Tolerance)
-        assert (order.goal.metres, order.goal.pixels) == (0.06, 9.0)
-        *progress, last = worked(desk)
-        assert isinstance(last, Reduced)
-        assert {10, 24, 48, 50} <= set(last.reduction.frames)
-        counts = [report.done for report in progress if isinstance(report, Reducing)]
-        assert counts == sorted(counts)
+async def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(desk: Desk) -> None:
+    desk.do(REDUCE)
+    assert [type(report) for report in worked(desk, cancelled=True)] == [JobFinished]
+    desk.do({"do": "cancel"})
+    assert desk.section("reduction") is None
+    desk.do(REDUCE)
+    order = desk.worker.fits[-1]
+    desk.worker.report(Reducing(order.job, 30, 73))
+    assert desk.store._runner.job.percent == pytest.approx(41, abs=1)  # told now and then
+    desk.worker.report(JobFailed(order.job, "It failed."))
+    assert desk.section("reduction") is None
+    assert await desk.words() == ["It failed."]
 
-    at_a_desk(path, work)
+
+async def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(desk: Desk) -> None:
+    desk.do({"do": "reduce"}, {**REDUCE, "every": 9})
+    assert all("a tolerance is needed" in words for words in await desk.words())
+    desk.do({"do": "reduce"}, {**REDUCE, "first": 70, "last": 99})
+    words = await desk.words()
+    assert "a tolerance is needed" in words[0]
+    assert "The video has frames 0 to 72" in words[1]
+    assert desk.section("reduction") is None
+    desk.do(REDUCE)
+    reported = answered(desk)
+    desk.do({**REDUCE, "limbs": ["waist"]})
+    assert "Press K to key all of it" in (await desk.words())[0]
+    assert desk.section("reduction") == reported
+
+
+async def test_the_order_holds_the_motion_and_the_reports_its_progress(desk: Desk) -> None:
+    desk.do({**REDUCE, "px": 9.0, "first": 10, "last": 50})
+    (order,) = desk.worker.fits
+    assert isinstance(order, ReduceOrder)
+    assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
+    assert isinstance(order.goal, Tolerance)
+    assert (order.goal.metres, order.goal.pixels) == (0.06, 9.0)
+    *progress, last = worked(desk)
+    assert isinstance(last, Reduced)
+    assert {10, 24, 48, 50} <= set(last.reduction.frames)
+    counts = [report.done for report in progress if isinstance(report, Reducing)]
+    assert counts == sorted(counts)

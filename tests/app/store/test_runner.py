@@ -343,21 +343,18 @@ def test_the_worker_is_held_cancelled_and_ended(runner: Runner) -> None:
     assert orders(runner).calls == [("pause", True), "cancel", "close"]
 
 
-def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner) -> None:
-    async def work() -> None:
-        await runner.leave()
-        assert orders(runner).calls == []  # nothing is at work
-        runner.track(PIECE, desk(), "all")
-        await runner.leave()
-        assert orders(runner).calls == []  # the worker has not begun: there is nothing to keep
-        orders(runner).say(started(runner))
-        loop = asyncio.get_running_loop()
-        loop.call_soon(orders(runner).say, JobFinished(1, cancelled=True))
-        await runner.leave()
-        assert orders(runner).calls == ["cancel"]
-        assert runner.job.state == "cancelled"
-
-    asyncio.run(work())
+async def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner) -> None:
+    await runner.leave()
+    assert orders(runner).calls == []  # nothing is at work
+    runner.track(PIECE, desk(), "all")
+    await runner.leave()
+    assert orders(runner).calls == []  # the worker has not begun: there is nothing to keep
+    orders(runner).say(started(runner))
+    loop = asyncio.get_running_loop()
+    loop.call_soon(orders(runner).say, JobFinished(1, cancelled=True))
+    await runner.leave()
+    assert orders(runner).calls == ["cancel"]
+    assert runner.job.state == "cancelled"
 
 
 # --- a fit goes before tracking
@@ -458,11 +455,11 @@ def test_a_fit_that_was_left_reports_to_nobody(runner: Runner) -> None:
     assert received == []
 
 
-def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
+async def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
     orders(runner).say(started(runner))
     runner.fit(ORDER, "Fitting frame 3", lambda _: None)
-    asyncio.run(runner.leave())
+    await runner.leave()
     assert orders(runner).calls == []
 
 

@@ -19,8 +19,8 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.journal import Journal
-from tests.app.document.test_edit_log import NoWorker
-from tests.app.serving import ROOT, Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
+from tests.scenes import SAMPLES, IdleWorker, sample
 
 TAB = "tab-of-a-test"
 
@@ -59,7 +59,7 @@ WORK = [
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", NoWorker)
+    monkeypatch.setattr(runner, "Tracking", IdleWorker)
 
 
 @pytest.fixture(params=["session.json", "person.mp4"])
@@ -68,7 +68,7 @@ def path(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     folder = tmp_path / "alive" / "person"
     folder.mkdir(parents=True)
     for name in {"person.mp4", request.param}:
-        shutil.copy(ROOT / "sample_videos" / "person" / name, folder)
+        shutil.copy(SAMPLES / "person" / name, folder)
     return folder / str(request.param)
 
 
@@ -214,8 +214,7 @@ def test_tabs_that_were_not_received_for_long_are_forgotten() -> None:
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Visitor]:
     """A tab of a running server."""
     folder = tmp_path_factory.mktemp("nameless")
-    shutil.copytree(ROOT / "sample_videos" / "box", folder / "box")
-    with Keypose(str(folder / "box" / "session.json"), "--workspace", str(folder / "w")) as keypose:
+    with Keypose(str(sample(folder, "box")), "--workspace", str(folder / "w")) as keypose:
         visitor = Visitor(keypose)
         yield visitor
         visitor.leave()

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.jobs import JobFailed, JobFinished, Report, SegmentFinished, SpaceSolved, Wanted
 from keypose.app.store import runner
 from keypose.app.store.store import Store
@@ -18,36 +16,29 @@ from keypose.tracker.session.pins import Pin
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.storage.tracks import load_tracks
-from tests.app.store.test_store import _copy, _track
+from tests.app.store.test_store import _track
+from tests.scenes import IdleWorker, opened_store, sample
 from tests.tracker.storage.space_cases import solution
 
 PIN = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=2, last_frame=9)
 TRACK = {"do": "track", "what": "all"}
 
 
-class _Tracking:
+class _Tracking(IdleWorker):
     """Takes orders and says nothing by itself."""
 
-    newest: _Tracking
-
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        self.report = report
-        self.jobs = 0
+        super().__init__(report, _)
         self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-        self.solved: list[Sequence[SegmentRun]] = []
-        _Tracking.newest = self
+        self.solved: list[Sequence[Stretch]] = []
 
     def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
         self.orders.append((doc, wanted))
-        return self._job()
+        return self.job()
 
     def solve_space(self, _: Session, stretches: Sequence[SegmentRun]) -> int:
         self.solved.append(stretches)
-        return self._job()
-
-    def _job(self) -> int:
-        self.jobs += 1
-        return self.jobs
+        return self.job()
 
     def track(self) -> None:
         """All that was ordered first is tracked."""
@@ -62,11 +53,11 @@ class _Tracking:
             self.report(SpaceSolved(self.jobs, solution(stretch)))
         self.report(JobFinished(self.jobs, cancelled=False))
 
-    def cancel(self) -> None: ...
 
-    def pause(self, on: bool) -> None: ...
-
-    def close(self) -> None: ...
+@pytest.fixture
+async def desk(path: Path) -> AsyncIterator[Store]:
+    async with opened_store(path) as made:
+        yield made
 
 
 @pytest.fixture(autouse=True)
@@ -77,24 +68,9 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Somebody whose foot is pinned."""
-    found = _copy("person", tmp_path)
+    found = sample(tmp_path)
     save_session(load_session(found).model_copy(update={"pins": (PIN,), "results": None}), found)
     return found
-
-
-def _store(path: Path) -> Store:
-    folder = path.parent.parent
-    return Store(asyncio.get_running_loop(), lambda *_: None, Library(folder / "work", [folder]))
-
-
-def _with_store(path: Path, work: Callable[[Store], Awaitable[None]]) -> None:
-    async def whole() -> None:
-        desk = _store(path)
-        await desk.open(path)
-        await work(desk)
-        await desk.stop()
-
-    asyncio.run(whole())
 
 
 def _pinned(desk: Store) -> list[Any]:
@@ -103,8 +79,8 @@ def _pinned(desk: Store) -> list[Any]:
     return edit.results.space(edit.doc)
 
 
-def test_what_was_tracked_is_solved_at_once_and_saved(path: Path) -> None:
-    async def work(desk: Store) -> None:
+async def test_what_was_tracked_is_solved_at_once_and_saved(path: Path) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), TRACK)
         assert _Tracking.newest.solved == []
         _Tracking.newest.track()
@@ -114,59 +90,41 @@ def test_what_was_tracked_is_solved_at_once_and_saved(path: Path) -> None:
         assert len(_pinned(desk)) == 1
         assert (desk.app_state.job.state, desk.app_state.job.title[:7]) == ("done", "Tracked")
         assert len(_Tracking.newest.solved) == 1
-
-    _with_store(path, work)
     again = load_session(path)
     assert again.results is not None
     assert len(again.results.space) == 1
     assert load_tracks(again, path).before_space is not None
 
 
-def test_a_session_that_is_opened_tracked_but_not_solved_is_solved_then(path: Path) -> None:
-    async def tracked(desk: Store) -> None:
+async def test_a_session_that_is_opened_tracked_but_not_solved_is_solved_then(path: Path) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()
-
-    _with_store(path, tracked)
     results = load_session(path).results
     assert results is not None
     assert results.space == ()
-
-    async def opened(desk: Store) -> None:
+    async with opened_store(path) as desk:
         assert len(_Tracking.newest.solved) == 1
         _Tracking.newest.solve()
-
-    _with_store(path, opened)
     results = load_session(path).results
     assert results is not None
     assert len(results.space) == 1
-
-    async def once_more(desk: Store) -> None:
+    async with opened_store(path) as desk:
         assert _Tracking.newest.solved == []
         assert len(_pinned(desk)) == 1
 
-    _with_store(path, once_more)
 
-
-def test_what_may_not_be_saved_is_not_solved(path: Path) -> None:
-    async def tracked(desk: Store) -> None:
+async def test_what_may_not_be_saved_is_not_solved(path: Path) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()
-
-    _with_store(path, tracked)
-
-    async def second(desk: Store) -> None:
-        other = _store(path)
-        await other.open(path)
+    async with opened_store(path), opened_store(path) as other:
         assert other.app_state.saved.state == "readonly"
         assert _Tracking.newest.solved == []
-        await other.stop()
-
-    _with_store(path, second)
 
 
-def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(path: Path) -> None:
-    async def work(desk: Store) -> None:
+async def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(path: Path) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()
         words = "Smoothing stopped unexpectedly; the motion is as it was tracked."
@@ -174,25 +132,20 @@ def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(path: 
         job = desk.app_state.job
         assert (job.state, job.title, job.words) == ("failed", "Smoothing failed", words)
         assert len(_Tracking.newest.solved) == 1
-
-    _with_store(path, work)
     again = load_session(path)
     assert again.results is not None
     assert again.results.space == ()
     assert load_tracks(again, path).before_space is None
 
 
-def test_an_undone_keyframe_finds_the_motion_in_space_again(path: Path) -> None:
-    async def work(desk: Store) -> None:
-        tab = desk.join()
-        desk.receive(tab, TRACK)
-        _Tracking.newest.track()
-        _Tracking.newest.solve()
-        (before,) = _pinned(desk)
-        desk.receive(tab, {"do": "angles", "part": "left_forearm", "x": -30})
-        desk.receive(tab, {"do": "undo"})
-        (after,) = _pinned(desk)
-        assert after is before
-        assert len(_Tracking.newest.solved) == 1
-
-    _with_store(path, work)
+async def test_an_undone_keyframe_finds_the_motion_in_space_again(desk: Store) -> None:
+    tab = desk.join()
+    desk.receive(tab, TRACK)
+    _Tracking.newest.track()
+    _Tracking.newest.solve()
+    (before,) = _pinned(desk)
+    desk.receive(tab, {"do": "angles", "part": "left_forearm", "x": -30})
+    desk.receive(tab, {"do": "undo"})
+    (after,) = _pinned(desk)
+    assert after is before
+    assert len(_Tracking.newest.solved) == 1

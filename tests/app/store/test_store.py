@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.document.library import Library
 from keypose.app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
 from keypose.app.store import runner, saving
 from keypose.app.store.saving import Saver
@@ -27,21 +26,18 @@ from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app import surface_cases
-from tests.app.serving import ROOT
+from tests.scenes import IdleWorker, opened_store, sample
 
 DRAG = {"do": "angles", "part": "left_forearm", "x": -30, "stroke": "drag"}
 EDIT = {"do": "angles", "part": "left_forearm", "x": -30}
 
 
-class _Tracking:
+class _Tracking(IdleWorker):
     """Takes orders and says nothing by itself."""
 
-    newest: _Tracking
-
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        self.report = report
+        super().__init__(report, _)
         self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-        _Tracking.newest = self
 
     def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
         self.orders.append((doc, wanted))
@@ -51,12 +47,6 @@ class _Tracking:
         """Report a segment of the first order."""
         doc, wanted = self.orders[0]
         self.report(SegmentFinished(1, _track(doc, *wanted[number])))
-
-    def cancel(self) -> None: ...
-
-    def pause(self, on: bool) -> None: ...
-
-    def close(self) -> None: ...
 
 
 def _track(doc: Session, first: int, last: int, key: str) -> SegmentResult:
@@ -83,83 +73,60 @@ def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentResult:
     )  # fmt: skip
 
 
+@pytest.fixture
+async def desk(path: Path) -> AsyncIterator[Store]:
+    async with opened_store(path) as made:
+        yield made
+
+
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(runner, "Tracking", _Tracking)
-
-
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return _copy("person", tmp_path)
-
-
-def _copy(name: str, folder: Path) -> Path:
-    shutil.copytree(ROOT / "sample_videos" / name, folder / name)
-    return folder / name / "session.json"
-
-
-def _with_store(path: Path, work: Callable[[Store], Awaitable[None]]) -> None:
-    async def whole() -> None:
-        folder = path.parent.parent
-        desk = Store(
-            asyncio.get_running_loop(), lambda *_: None, Library(folder / "work", [folder])
-        )
-        await desk.open(path)
-        await work(desk)
-        await desk.stop()
-
-    asyncio.run(whole())
 
 
 def _forearm(session: Session) -> float:
     return session.keyframes[0].rotations_wxyz["left_forearm"][0]
 
 
-def test_a_session_that_is_opened_again_in_the_middle_of_a_drag_keeps_the_drag(path: Path) -> None:
-    async def work(desk: Store) -> None:
+async def test_a_session_that_is_opened_again_in_the_middle_of_a_drag_keeps_the_drag(
+    path: Path,
+) -> None:
+    async with opened_store(path) as desk:
         tab = desk.join()
         desk.receive(tab, DRAG)
         await desk.open(path)
         await desk.open(path.parent)
         desk.receive(tab, {"do": "go", "frame": 3})
-
-    _with_store(path, work)
     assert _forearm(load_session(path)) == pytest.approx(np.cos(np.radians(15)))
 
 
-def test_a_drag_that_is_taken_back_is_not_on_disk_though_tracking_saved_meanwhile(
+async def test_a_drag_that_is_taken_back_is_not_on_disk_though_tracking_saved_meanwhile(
     path: Path,
 ) -> None:
     before = _forearm(load_session(path))
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         tab = desk.join()
         desk.receive(tab, {"do": "track", "what": "all"})
         desk.receive(tab, DRAG)
         _Tracking.newest.finish(0)
         _Tracking.newest.report(JobFinished(1, cancelled=False))
         desk.receive(tab, {"do": "cancel_stroke", "stroke": "drag"})
-
-    _with_store(path, work)
     assert load_session(path).results is not None
     assert _forearm(load_session(path)) == before
 
 
-def test_a_segment_that_was_finished_just_before_the_end_is_saved(path: Path) -> None:
-    async def work(desk: Store) -> None:
+async def test_a_segment_that_was_finished_just_before_the_end_is_saved(path: Path) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
         _Tracking.newest.finish(0)
-
-    _with_store(path, work)
     assert load_session(path).results is not None
 
 
-def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
+async def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
     tmp_path: Path,
 ) -> None:
     path = surface_cases.write_session(tmp_path / "job")
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         tab = desk.join()
         desk.receive(tab, {"do": "track", "what": "changed"})
         doc, wanted = _Tracking.newest.orders[0]
@@ -169,8 +136,6 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
         assert desk.app_state.job.words == "finished frames are kept; Fit continues from there"
         desk.receive(tab, {"do": "track", "what": "changed"})
         assert len(_Tracking.newest.orders) == 2
-
-    _with_store(path, work)
     session = load_session(path)
     assert session.results is not None
     assert [(s.verdict, s.missing) for s in session.results.segments] == [
@@ -178,7 +143,7 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
     ]
 
 
-def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
+async def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = surface_cases.write_session(tmp_path / "job")
@@ -191,33 +156,29 @@ def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
         tracking.report(JobFinished(1, cancelled=True))
 
     monkeypatch.setattr(_Tracking, "cancel", cancel)
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "changed"})
         _, wanted = _Tracking.newest.orders[0]
         _Tracking.newest.report(Started(1, tuple(wanted), ("full",)))
-
-    _with_store(path, work)
     session = load_session(path)
     assert session.results is not None
     assert session.results.segments[0].missing == 2
 
 
-def test_tracks_that_no_session_speaks_of_go_when_it_is_closed_however_young(path: Path) -> None:
-    async def closes(store: Store) -> None:
+async def test_tracks_that_no_session_speaks_of_go_when_it_is_closed_however_young(
+    path: Path,
+) -> None:
+    async with opened_store(path) as store:
         (path.parent / "tracks-0123456789ab.npz").touch()
         await store.close_session()
-
-    _with_store(path, closes)
     assert not list(path.parent.glob("tracks-*.npz"))
 
 
-def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
+async def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(saving, "SECONDS_BETWEEN_SAVES", 0.2)
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
         async with asyncio.timeout(60):
             for number in count():
@@ -226,15 +187,12 @@ def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
                 if load_session(path).results is not None:
                     return
 
-    _with_store(path, work)
 
-
-def test_what_a_job_reports_after_its_session_was_closed_does_not_reach_the_next_one(
+async def test_what_a_job_reports_after_its_session_was_closed_does_not_reach_the_next_one(
     path: Path, tmp_path: Path
 ) -> None:
-    box = _copy("box", tmp_path)
-
-    async def work(desk: Store) -> None:
+    box = sample(tmp_path, "box")
+    async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
         await desk.open(box)
         assert desk.app_state.job.state == "idle"
@@ -244,51 +202,47 @@ def test_what_a_job_reports_after_its_session_was_closed_does_not_reach_the_next
         assert len(desk.app_state.edit.results) == 0
         assert desk.app_state.job.state == "idle"
 
-    _with_store(path, work)
+
+async def test_a_tab_that_joins_takes_no_news_away_from_the_others(desk: Store) -> None:
+    tab = desk.join()
+    await tab.next()
+    desk.receive(tab, {"do": "go", "frame": 7})
+    other = desk.join()
+    for one in (tab, other):
+        reported = (await one.next())[-1]["set"]
+        assert reported["view"]["frame"] == 7
+        assert reported["tabs"] == 2
 
 
-def test_a_tab_that_joins_takes_no_news_away_from_the_others(path: Path) -> None:
-    async def work(desk: Store) -> None:
-        tab = desk.join()
-        await tab.next()
-        desk.receive(tab, {"do": "go", "frame": 7})
-        other = desk.join()
-        for one in (tab, other):
-            reported = (await one.next())[-1]["set"]
-            assert reported["view"]["frame"] == 7
-            assert reported["tabs"] == 2
-
-    _with_store(path, work)
-
-
-def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
+async def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: Any) -> None:
         raise SessionError("The disk is full.")
 
-    async def work(desk: Store) -> None:
-        desk.receive(desk.join(), EDIT)
-        with pytest.raises(SessionError, match=r"The disk is full\. Repeat to continue"):
+    async def work() -> None:
+        async with opened_store(path) as desk:
+            desk.receive(desk.join(), EDIT)
+            with pytest.raises(SessionError, match=r"The disk is full\. Repeat to continue"):
+                await desk.close_session()
+            assert desk.app_state.edit is not None
             await desk.close_session()
-        assert desk.app_state.edit is not None
-        await desk.close_session()
-        assert desk.app_state.edit is None
-        await desk.open(path)
-        desk.receive(desk.join(), EDIT)
+            assert desk.app_state.edit is None
+            await desk.open(path)
+            desk.receive(desk.join(), EDIT)
 
     monkeypatch.setattr("keypose.app.document.edit_log.save_session", full)
     with pytest.raises(SessionError, match="The last changes are in its journal"):
-        _with_store(path, work)
+        await work()
 
 
-def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
+async def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def odd(*_: Any) -> None:
         raise ValueError("odd")
 
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         with monkeypatch.context() as patch:
             patch.setattr("keypose.app.document.edit_log.save_session", odd)
             desk.receive(desk.join(), EDIT)
@@ -297,8 +251,6 @@ def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
                 await asyncio.sleep(0.01)
         assert desk.app_state.saved.state == "failed"
         assert "ValueError" in desk.app_state.saved.words
-
-    _with_store(path, work)
     assert _forearm(load_session(path)) == pytest.approx(np.cos(np.radians(15)))
 
 
@@ -324,24 +276,22 @@ def test_trying_again_never_puts_an_older_state_over_a_newer_one() -> None:
     assert written == [2]
 
 
-def test_pictures_of_two_videos_have_different_names(path: Path, tmp_path: Path) -> None:
-    box = _copy("box", tmp_path)
+async def test_pictures_of_two_videos_have_different_names(path: Path, tmp_path: Path) -> None:
+    box = sample(tmp_path, "box")
     names = []
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         for one in (path, box):
             await desk.open(one)
             reported = (await desk.join().next())[-1]["set"]
             names.append(reported["camera"]["image_version"])
-
-    _with_store(path, work)
     assert names[0] != names[1]
 
 
-def test_an_upload_is_thrown_away_only_when_it_is_no_video(path: Path, tmp_path: Path) -> None:
+async def test_an_upload_is_thrown_away_only_when_it_is_no_video(
+    path: Path, tmp_path: Path
+) -> None:
     uploads = tmp_path / "work" / "videos"
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         uploads.mkdir(parents=True)
         (uploads / "none.mp4").write_bytes(b"no video")
         shutil.copy(path.with_name("person.mp4"), uploads / "walk.mp4")
@@ -353,18 +303,15 @@ def test_an_upload_is_thrown_away_only_when_it_is_no_video(path: Path, tmp_path:
             notes: list[Any] = []
             while not notes:
                 notes = [m for m in await tab.next() if m["t"] == "note"]
-
-    _with_store(path, work)
     assert [file.name for file in uploads.glob("*.mp4")] == ["walk.mp4"]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="names are text there")
-def test_a_video_whose_name_is_no_text_is_refused_in_words(path: Path, tmp_path: Path) -> None:
+async def test_a_video_whose_name_is_no_text_is_refused_in_words(
+    path: Path, tmp_path: Path
+) -> None:
     odd = tmp_path / os.fsdecode(b"caf\xe9.mp4")
     shutil.copy(path.with_name("person.mp4"), odd)
-
-    async def work(desk: Store) -> None:
+    async with opened_store(path) as desk:
         with pytest.raises(SessionError, match="rename"):
             await desk.open(odd)
-
-    _with_store(path, work)
