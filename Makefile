@@ -5,7 +5,7 @@ PYTHON ?= python3
 KEYPOSE = .venv/bin/keypose
 NODE_TOOLS = tests/page/node_modules
 
-.PHONY: run test browser loops check bench clean
+.PHONY: run test browser loops check check-types check-rest bench clean
 .DEFAULT_GOAL := run
 
 # Open the page, which offers the samples; copies of them, and everything else, are kept in out/.
@@ -14,7 +14,7 @@ run: .venv/.ready
 
 test: browser
 	@$(MAKE) --silent --no-print-directory --jobs=2 check loops
-	@.venv/bin/pytest -n logical --maxprocesses 8 --dist loadfile
+	@.venv/bin/pytest -n auto --dist loadfile
 
 # A Chromium for the tests of the page, without windows where apt has one: installed where that is
 # allowed. With none they are skipped.
@@ -37,9 +37,14 @@ loops: .venv/.ready-dev
 	    warm.is_warm() or warm.warm(); warm.are_hulls_warm() or warm.warm_hulls()'
 
 check: .venv/.ready-dev build/names
+	@$(MAKE) --silent --no-print-directory --jobs=2 check-types check-rest
+
+check-types:
+	@.venv/bin/mypy --no-error-summary
+
+check-rest:
 	@.venv/bin/ruff check --quiet .
 	@.venv/bin/ruff format --check --quiet .
-	@.venv/bin/mypy --no-error-summary
 	@.venv/bin/lint-imports --no-logo
 	@if node -e 'process.exit(parseInt(process.version.slice(1)) < 18 ? 1 : 0)' 2> /dev/null && command -v npm > /dev/null; then \
 	    $(MAKE) --silent --no-print-directory $(NODE_TOOLS)/.ready && \

@@ -30,6 +30,7 @@ settings.register_profile(
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 BROWSER = "tests/browser/"
+MOST_WORKERS = 8
 
 # Whatever a person has chosen for themselves, tests begin with what is built in.
 os.environ["KEYPOSE_CONFIG"] = str(Path(__file__).with_name("there_is_no_config.toml"))
@@ -47,6 +48,12 @@ os.environ.setdefault(*ONE_BLAS_THREAD)
 def anyio_backend() -> str:
     """What runs tests that are coroutines."""
     return "asyncio"
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One more than there are processors: who waits for a page, a server or a disk leaves one."""
+    return min((os.cpu_count() or 1) + 1, MOST_WORKERS)
 
 
 @pytest.hookimpl(optionalhook=True)
