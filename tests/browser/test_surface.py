@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from tests.browser.shared import Desk, admit, opened
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1120, 640)
 SMALL = ("top", "side", "front")
+SMALL_SIZE = (800, 480)
 
 _SKINS = """
 (name) => {
@@ -80,7 +82,7 @@ def arms(browser: Browser, folder: Path, *, drawn: bool) -> Iterator[Desk]:
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with arms(browser, tmp_path_factory.mktemp("surface"), drawn=True) as made:
+    with arms(browser, tmp_path_factory.mktemp("surface"), drawn=False) as made:
         yield made
 
 
@@ -107,39 +109,10 @@ def at(fitted: Desk) -> Desk:
     return fitted
 
 
-def boxes(page: Page, view: str) -> list[Array]:
-    return [np.array(box) for box in page.evaluate(_SKINS, view)]
-
-
-def box_of(session: Path, frame: int) -> Array:
-    """Least and greatest coordinates of a step's surface, camera frame, metres."""
-    with open_video_of(load_session(session), session) as video:
-        vertices = surfaces_of(video).steps.shape(frame).vertices
-    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
-
-
-def until_seen(page: Page, wanted: Array) -> None:
-    """Wait until every small view draws this surface, and nothing but it."""
-    for view in SMALL:
-
-        def is_drawn(view: str = view) -> bool:
-            drawn = boxes(page, view)
-            return len(drawn) == 1 and np.allclose(drawn[0], wanted, atol=1e-3)
-
-        until(is_drawn, f"the surface in {view}")
-
-
 def press(page: Page, words: str) -> None:
     """A choice of the inspector's last tab."""
     page.locator("#insp [role=tab]").last.click()
     page.locator("#insp").get_by_role("button", name=words, exact=True).click()
-
-
-def test_the_surface_of_the_present_frame_is_seen_in_the_small_views(shared: Desk) -> None:
-    page = shared.page
-    until_seen(page, box_of(shared.session, 0))
-    assert boxes(page, "main") == []  # there it is in the picture
-    screen(page, "surface-opened")
 
 
 def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
@@ -166,22 +139,6 @@ def test_the_fitted_motion_is_the_true_one(at: Desk) -> None:
         assert np.linalg.norm(np.subtract(at.served["pose"]["root"], roots[frame])) < 0.04
 
 
-def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at: Desk) -> None:
-    page = at.page
-    for frame in (*range(19), *range(18, 4, -1)):
-        at.visitor.send(do="go", frame=frame)
-    until_state(page, "view.frame", lambda frame: frame == 5)
-    page.wait_for_selector("#main canvas.vid[data-frame='5']")
-    until_seen(page, box_of(at.session, 5))
-
-
-def test_playing_through_ends_at_the_last_surface(at: Desk) -> None:
-    page = at.page
-    page.keyboard.press("Space")
-    until_state(page, "view.frame", lambda frame: frame == 18)
-    until_seen(page, box_of(at.session, 18))
-
-
 @pytest.mark.parametrize(
     ("tint", "high"),
     [("contact", "hidden by contact"), ("photo", "cameras disagree"), ("distance", "5 cm")],
@@ -190,13 +147,11 @@ def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str,
     page = at.page
     at.visitor.do(do="go", frame=9)
     page.wait_for_selector("#main canvas.vid[data-frame='9']")
-    until_seen(page, box_of(at.session, 9))
     before = page.evaluate(_PIXELS)
     page.locator(f"#mtint [data-tint={tint}]").click()
     until_state(page, "view.tint", lambda now: now == tint)
     until(lambda: page.evaluate(_PIXELS) != before, "another picture")
     page.locator("#mtint .ramp", has_text=high).wait_for()
-    until_seen(page, box_of(at.session, 9))
     screen(page, f"surface-{tint}")
 
 
@@ -256,20 +211,6 @@ def test_another_keyframe_s_surface_can_be_the_one_that_moves(at: Desk) -> None:
     assert [s["state"] for s in at.agreed("segments")] == ["outdated", "outdated"]
 
 
-def test_other_units_keep_the_picture_and_move_the_surface(at: Desk) -> None:
-    page = at.page
-    near = box_of(at.session, 0)
-    at.visitor.do(do="observe", units="dm")
-    until(lambda: _is_at(page, 10 * near), "the larger surface")
-    at.visitor.do(do="undo")
-    until_seen(page, near)
-
-
-def _is_at(page: Page, box: Array) -> bool:
-    drawn = boxes(page, "front")
-    return len(drawn) == 1 and bool(np.allclose(drawn[0], box, rtol=1e-3))
-
-
 def test_the_camera_tab_says_that_nobody_filmed(at: Desk) -> None:
     page = at.page
     page.get_by_role("tab", name="Camera").click()
@@ -315,6 +256,83 @@ def test_the_page_is_as_clear_on_a_small_screen_and_by_day(at: Desk) -> None:
     assert tints["y"] >= head["y"] + head["height"]
     page.evaluate("() => { document.documentElement.dataset.theme = 'dark'; }")
     page.set_viewport_size({"width": SIZE[0], "height": SIZE[1]})
+
+
+# --- in viser's small views
+
+
+@pytest.fixture(scope="module")
+def drawn(browser: Browser, shared: Desk) -> Iterator[Desk]:
+    """One more tab, with viser's pictures."""
+    with admit(browser, drawn=True, size=SMALL_SIZE) as context:
+        yield replace(shared, page=opened(context, shared.keypose))
+
+
+@pytest.fixture
+def at_views(at: Desk, drawn: Desk) -> Desk:
+    return drawn
+
+
+def boxes(page: Page, view: str) -> list[Array]:
+    return [np.array(box) for box in page.evaluate(_SKINS, view)]
+
+
+def box_of(session: Path, frame: int) -> Array:
+    """Least and greatest coordinates of a step's surface, camera frame, metres."""
+    with open_video_of(load_session(session), session) as video:
+        vertices = surfaces_of(video).steps.shape(frame).vertices
+    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
+
+
+def until_seen(page: Page, wanted: Array) -> None:
+    """Wait until every small view draws this surface, and nothing but it."""
+    for view in SMALL:
+
+        def is_drawn(view: str = view) -> bool:
+            drawn = boxes(page, view)
+            return len(drawn) == 1 and np.allclose(drawn[0], wanted, atol=1e-3)
+
+        until(is_drawn, f"the surface in {view}")
+
+
+def test_the_surface_of_the_present_frame_is_seen_in_the_small_views(at_views: Desk) -> None:
+    page = at_views.page
+    until_seen(page, box_of(at_views.session, 0))
+    assert boxes(page, "main") == []  # there it is in the picture
+    screen(page, "surface-opened")
+
+
+def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at_views: Desk) -> None:
+    page = at_views.page
+    for frame in (*range(19), *range(18, 4, -1)):
+        at_views.visitor.send(do="go", frame=frame)
+    until_state(page, "view.frame", lambda frame: frame == 5)
+    page.wait_for_selector("#main canvas.vid[data-frame='5']")
+    until_seen(page, box_of(at_views.session, 5))
+
+
+def test_playing_through_ends_at_the_last_surface(at_views: Desk) -> None:
+    page = at_views.page
+    page.keyboard.press("Space")
+    until_state(page, "view.frame", lambda frame: frame == 18)
+    until_seen(page, box_of(at_views.session, 18))
+
+
+def test_other_units_keep_the_picture_and_move_the_surface(at_views: Desk) -> None:
+    page = at_views.page
+    near = box_of(at_views.session, 0)
+    at_views.visitor.do(do="observe", units="dm")
+    until(lambda: _is_at(page, 10 * near), "the larger surface")
+    at_views.visitor.do(do="undo")
+    until_seen(page, near)
+
+
+def _is_at(page: Page, box: Array) -> bool:
+    drawn = boxes(page, "front")
+    return len(drawn) == 1 and bool(np.allclose(drawn[0], box, rtol=1e-3))
+
+
+# --- steps that cannot be used
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -70,16 +71,14 @@ SMALL = (1100, 480)
 def wired(
     browser: Browser, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[Desk, Proxy]]:
-    """A page whose line to the server can be cut, with viser's pictures."""
+    """A page whose line to the server can be cut."""
     with (
         proxy() as relay,
         served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
-        admit(browser, drawn=True, size=SMALL, proxy={"server": relay.address}) as context,
+        admit(browser, drawn=False, size=SMALL, proxy={"server": relay.address}) as context,
     ):
         visitor = Visitor(keypose)
-        page = opened(context, keypose)
-        until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
-        yield Desk(page, visitor, keypose, session), relay
+        yield Desk(opened(context, keypose), visitor, keypose, session), relay
         visitor.leave()
 
 
@@ -88,6 +87,23 @@ def at(wired: tuple[Desk, Proxy]) -> Desk:
     """The page as if it had just been opened."""
     wired[0].fresh()
     return wired[0]
+
+
+@pytest.fixture(scope="module")
+def drawn(browser: Browser, wired: tuple[Desk, Proxy]) -> Iterator[Desk]:
+    """The same with viser's pictures, in a browser of its own."""
+    desk, relay = wired
+    with admit(browser, drawn=True, size=SMALL, proxy={"server": relay.address}) as context:
+        page = opened(context, desk.keypose)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
+        yield replace(desk, page=page)
+
+
+@pytest.fixture
+def at_views(at: Desk, drawn: Desk) -> Desk:
+    """The page with viser's pictures as if it had just been opened."""
+    drawn.fresh()
+    return drawn
 
 
 @pytest.fixture
@@ -178,8 +194,6 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     at.page.wait_for_selector("#main canvas.vid[data-frame='1']")
     until(lambda: _all(at.page) == before, "all that was there")
     np.testing.assert_allclose(spot(at.page, "waist"), place, atol=0.5)
-    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views")
-    until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
 def test_a_page_reloaded_in_the_middle_of_a_job_shows_what_it_found(other: Page) -> None:
@@ -210,21 +224,6 @@ def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Proxy) ->
     until(lambda: at.agreed("saved")["state"] == "saved", "the file")
 
 
-def test_after_the_line_was_lost_all_four_views_come_back(at: Desk, line: Proxy) -> None:
-    until(lambda: _is_drawn(at.page), "viser's pictures")
-    line.cut()
-    until(lambda: not _connected(at.page), "the loss")
-    at.visitor.do(do="root", x=0.4, z=6.0)
-    line.mend()
-    until(lambda: _connected(at.page), "the line")
-    at.agreed("pose")
-    until(lambda: _is_drawn(at.page), "viser's pictures")
-    start = spot(at.page, "waist")
-    drag(at.page, start, (start[0] - 30, start[1]), steps=3)
-    at.agreed("pose")
-    until(lambda: _is_drawn(at.page), "viser's pictures")
-
-
 def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Proxy) -> None:
     page, before = at.page, at.served["pose"]
     start = spot(page, "left_hand")
@@ -245,16 +244,41 @@ def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Pr
     assert at.served["undo"]["undo"] is None
 
 
+# --- viser's pictures
+
+
+def test_a_reload_brings_all_four_views_back(at_views: Desk) -> None:
+    at_views.page.reload()
+    at_views.page.wait_for_selector("html[data-ready]", state="attached")
+    until(lambda: at_views.page.locator(".view.drawn").count() == 4, "the four views")
+    until(lambda: _is_drawn(at_views.page), "viser's pictures")
+
+
+def test_after_the_line_was_lost_all_four_views_come_back(at_views: Desk, line: Proxy) -> None:
+    until(lambda: _is_drawn(at_views.page), "viser's pictures")
+    line.cut()
+    until(lambda: not _connected(at_views.page), "the loss")
+    at_views.visitor.do(do="root", x=0.4, z=6.0)
+    line.mend()
+    until(lambda: _connected(at_views.page), "the line")
+    at_views.agreed("pose")
+    until(lambda: _is_drawn(at_views.page), "viser's pictures")
+    start = spot(at_views.page, "waist")
+    drag(at_views.page, start, (start[0] - 30, start[1]), steps=3)
+    at_views.agreed("pose")
+    until(lambda: _is_drawn(at_views.page), "viser's pictures")
+
+
 def test_a_picture_wished_for_in_the_background_is_drawn_when_the_browser_comes_to_it(
-    at: Desk,
+    at_views: Desk,
 ) -> None:
-    at.page.wait_for_timeout(1500)  # whatever was wished for before is drawn
-    at.page.evaluate(WISHED_LONG_AGO)
-    until(lambda: at.page.locator("body[data-drawn-late]").count(), "the picture")
+    at_views.page.wait_for_timeout(1500)  # whatever was wished for before is drawn
+    at_views.page.evaluate(WISHED_LONG_AGO)
+    until(lambda: at_views.page.locator("body[data-drawn-late]").count(), "the picture")
 
 
-def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) -> None:
-    page = at.page
+def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at_views: Desk) -> None:
+    page = at_views.page
     context = page.context
     context.route("**/view/*", lambda route: route.abort())
     page.reload()
@@ -268,9 +292,9 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
 
 
 def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
-    browser: Browser, at: Desk
+    browser: Browser, at_views: Desk
 ) -> None:
     with admit(browser, drawn=True, size=SMALL) as context:
         context.add_init_script(SLOW)
-        page = opened(context, at.keypose)
+        page = opened(context, at_views.keypose)
         until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
