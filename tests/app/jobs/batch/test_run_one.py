@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -10,10 +10,13 @@ from typing import Any
 import pytest
 
 from keypose.app.export.motion_formats import FORMATS, formats_of
+from keypose.app.jobs import Report, SegmentFinished
 from keypose.app.jobs.batch import run_one
 from keypose.app.jobs.batch.run_one import export_of, places, run_task
 from keypose.app.jobs.batch.task import Step, Summary, Task
+from keypose.app.jobs.messages import Order
 from keypose.app.jobs.rerun import rerun
+from keypose.app.jobs.work import Job
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from tests.app.document.test_folder_lock import holder
@@ -156,13 +159,17 @@ def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_f
     done(path, quality="preview")
     stop = Event()
 
-    def stopped(*given: Any, **more: Any) -> Iterator[Any]:
-        for report in rerun(*given, **more):
-            yield report
-            if getattr(report, "result", None) is not None and report.result.finished:
+    def stopped(order: Order, cancelled: Event, send: Callable[[Report], None]) -> Job:
+        """A job that is stopped before its second segment begins."""
+
+        def told(report: Report) -> None:
+            send(report)
+            if isinstance(report, SegmentFinished):
                 stop.set()
 
-    monkeypatch.setattr(run_one, "rerun", stopped)
+        return Job(order, cancelled, told)
+
+    monkeypatch.setattr("keypose.app.jobs.rerun.Job", stopped)
     summary, _ = done(path, stop, quality="full")
     assert summary.state == "interrupted"
     assert [(s.first, s.quality) for s in summary.segments] == [(0, "full"), (4, "preview")]
