@@ -44,11 +44,6 @@ from bench.human.strategies import (
 from bench.keeping import Absent
 from bench.measures import Over
 from bench.table import Expected, Report, Table
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session import Keyframe
-from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import admit, opened
 
 SEEDS, SIGMA_PX = 3, 2.0
 """Persons, and how far off they see a joint."""

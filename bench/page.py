@@ -20,7 +20,6 @@ from bench.table import Expected, Report, Table
 from tests.app.serving import Keypose, Visitor
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.interaction import section, settled, spot, until, until_state
-from tests.browser.marks import mark, marks, waiting
 from tests.browser.shared import admit, opened
 
 TIMES, PASSES = 40, 12

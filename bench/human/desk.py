@@ -21,7 +21,6 @@ from bench.human.clips import Watched
 from bench.human.counting import Kind, Ledger, Share
 from keypose.app.document.open import OpenSession, edit_state
 from keypose.app.editor import actions as do
-from keypose.app.editor.advice import Suggestion, next_step
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
@@ -40,11 +39,10 @@ from keypose.app.posing.gesture import GestureContext, Handle, Ring
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import EDGE_ON, EDGE_RADIUS_M
 from keypose.app.posing.vectors import across, any_across, cross, unit
-from keypose.app.store.fitter import FitRequest, apply_draft, apply_fit
+from keypose.app.store.fitter import FitRequest, apply_draft
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.review.places import Place, review_of
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.space import solved

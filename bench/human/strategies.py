@@ -16,7 +16,6 @@ from bench.human.desk import Desk
 from bench.human.hand import TRUNK, Hand
 from bench.human.watching import Watching
 from keypose.app.editor import actions as do
-from keypose.app.editor.advice import NEXT_FRAMES
 from keypose.app.editor.shown import shown_pose
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings

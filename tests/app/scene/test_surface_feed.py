@@ -134,7 +134,7 @@ async def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
         assert frame == 0 or read.wait(60)
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "layer", slow)
+    monkeypatch.setattr(SurfaceViews, "layer", slow)
     async with looking() as (surfaces, views):
         surfaces.follow(piece, edit)
         await until(lambda: len(views.skins) == 1)
@@ -241,7 +241,7 @@ async def test_the_views_see_the_newest_reading_though_an_older_look_was_under_w
             assert go_on.wait(60)
         return usual(observed, state)
 
-    monkeypatch.setattr(Observed, "rims", slow)
+    monkeypatch.setattr(SurfaceViews, "rims", slow)
     async with looking() as (surfaces, views):
         surfaces.follow(piece, older)
         await until(under_way.is_set)
@@ -251,7 +251,7 @@ async def test_the_views_see_the_newest_reading_though_an_older_look_was_under_w
         go_on.set()
         await until(lambda: views.seen)
         assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=newer)))) > 50
-    surface = Observed(piece).layer(edit, 0)
+    surface = SurfaceViews(piece).layer(edit, 0)
     assert [seen.problem for seen in views.seen] == [""]
     assert views.seen[0].middle is not None
     assert views.seen[0].middle[0] > surface.mesh.vertices[:, 0].mean() + 0.05
@@ -278,7 +278,7 @@ async def test_after_a_fault_the_next_wish_is_looked_at(
             raise OSError
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "layer", faulty)
+    monkeypatch.setattr(SurfaceViews, "layer", faulty)
     async with looking() as (surfaces, views):
         surfaces.follow(piece, replace(edit, frame=3))
         await until(lambda: views.skins)

@@ -18,8 +18,6 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.sidecars import save_keypoints
-from tests.app.serving import ROOT
-from tests.app.store.store_cases import StoreDesk, at_store
 from tests.app.store.test_fitter import Worker
 from tests.scenes import StoreDesk, opened_store, sample
 
@@ -105,7 +103,7 @@ async def test_what_tracking_found_in_a_segment_goes_first(
         asked.append(span)
         return found(*span, 33.0) if span == (24, 48) else None
 
-    monkeypatch.setattr(keypoint_finder, "found_before", kept)
+    monkeypatch.setattr(background, "found_before", kept)
     async with at_a_desk(path) as desk:
         assert point(await desk.shown(7))["at"] == [5.0, 7.0]
         assert point(await desk.shown(30))["at"] == [33.0, 30.0]

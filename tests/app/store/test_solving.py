@@ -30,7 +30,7 @@ class _Tracking(IdleWorker):
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
         super().__init__(report, _)
         self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-        self.solved: list[Sequence[Stretch]] = []
+        self.solved: list[Sequence[SegmentRun]] = []
 
     def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
         self.orders.append((doc, wanted))
