@@ -153,11 +153,10 @@ def anchors_of(
     open_end: bool = False, followed: Trajectory | None = None,
 ) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector has left and right, and, where it seems to
-    exchange them, also set right, by itself and by the motion that brightness followed. None where
-    they lie on another body, or there are none.
+    exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
-    open_end: the first keyframe alone is posed.
+    open_end: the first keyframe alone is posed.  followed: the motion that brightness shows.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -167,25 +166,17 @@ def anchors_of(
     keyed = {0: segment.start}
     if not open_end:
         keyed[len(seen) - 1] = segment.end
-    candidates = [seen]
-    nominal = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
-    ways = [nominal]
+    places = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
     if followed is not None:
         where = BodyPoints.single(scene.skeleton, parts, points)
         uv = image_points(scene.camera, where.at(followed.transforms(scene.skeleton)))
-        ways.append(dict(enumerate(uv)) | nominal)
-    for places in ways:
-        swapped = exchanged_sides(seen, index, places, height)
-        if swapped is not None and not any(_same(swapped, known) for known in candidates):
-            candidates.append(swapped)
+        places = dict(enumerate(uv)) | places
+    swapped = exchanged_sides(seen, index, places, height)
+    candidates = [seen] if swapped is None else [seen, swapped]
     found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     return tuple(
         replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
     )
-
-
-def _same(one: Keypoints, other: Keypoints) -> bool:
-    return np.array_equal(one.uv, other.uv, equal_nan=True)
 
 
 def frame_anchors(
