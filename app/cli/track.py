@@ -92,7 +92,7 @@ def add(commands: Subcommands) -> None:
 
 
 def _cues(text: str) -> tuple[str, ...]:
-    """Names of cues; the silhouette only decides between motions that the others lead to."""
+    """Names of cues; the silhouette only judges the motion that the others lead to."""
     cues = names_of("brightness", "keypoints", "silhouette")(text)
     if cues == ("silhouette",):
         words = "silhouette cannot track alone; add brightness or keypoints"

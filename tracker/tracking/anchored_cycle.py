@@ -24,7 +24,6 @@ from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.drift_scale import drift_scale
 from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
-from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     even_increments,
@@ -80,7 +79,6 @@ def track_anchored(
     candidates: Sequence[Anchors],
     begun: Starts | None,
     *,
-    silhouette: bool = False,
     from_afar: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
@@ -88,7 +86,6 @@ def track_anchored(
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     several where left and right are in doubt.  begun: starts from brightness; None where it does
         not count.
-    silhouette: whether what moves counts when the best motion is chosen.
     from_afar: unless the starts are about right already, and keypoints need not reach far. Where
         these lead elsewhere alone that counts only if it is plainly better.
     """
@@ -121,8 +118,6 @@ def track_anchored(
         for anchors in candidates:
             correction = Correction(free, segment, anchors, drift_scale=scale)
             ends.append(_ended(correction, motion, measured, drift, score, index))
-    if silhouette:
-        ends = [_beside_what_moves(scene, segment, ended) for ended in ends]
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
 
@@ -162,12 +157,6 @@ def measured_by_keypoints(correction: Correction, found: Trajectory, index: int)
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
     return Ended(index, found, correction.cost(found, held), None, nothing, correction.anchors)
-
-
-def _beside_what_moves(scene: Scene, segment: Segment, ended: Ended) -> Ended:
-    """With what moves and the body does not cover, or the other way round, in its cost."""
-    mismatch = silhouette_mismatch(scene, segment.clip, ended.trajectory)
-    return replace(ended, cost=ended.cost + mismatch.cost())
 
 
 def cycle(

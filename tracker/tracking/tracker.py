@@ -273,10 +273,7 @@ class Tracker:
             followed = begun.ways[0].trajectory if begun is not None else None
             candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
             if candidates:
-                silhouette = self._uses_silhouette(settings)
-                return track_anchored(
-                    scene, free, segment, method, candidates, begun, silhouette=silhouette
-                )
+                return track_anchored(scene, free, segment, method, candidates, begun)
         return track_segment(scene, segment, method)
 
     def _keypoints_of(

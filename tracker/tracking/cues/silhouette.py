@@ -18,7 +18,6 @@ from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.geometry.view import ViewCamera
-from keypose.tracker.solver.robust import Huber
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import extent_px
 from keypose.tracker.video.clip_loader import WorkingSize
@@ -30,11 +29,6 @@ RIM = 0.012
 """Of the same: on either side of the outline nothing counts, since clothes are no exact shape."""
 HALO_PX = 3.0
 """Outside it is no narrower than this: a bright body shines as far into the smoothed picture."""
-SIGMA = 0.02
-"""Standard deviation of the mismatch of a right pose, a share of the body's area, about what the
-keyframes have: shadows and still clothes change from frame to frame by so much. Between half and
-twice of it the same filmed motions are chosen, and of rendered walks whose sides the network
-exchanges the right ones (10 px → 2–4)."""
 SPECK_PX = 3
 """What moves and is narrower than this is noise."""
 FINE_PX = 320.0
@@ -92,11 +86,6 @@ class SilhouetteMismatch:
         ends = total[[0, -1]]
         ends = np.where(np.isfinite(ends), ends, ends[::-1])  # one keyframe may lack it
         return np.asarray(np.nan_to_num(total - (1 - share) * ends[0] - share * ends[1]))
-
-    def cost(self) -> float:
-        """What motions between the same keyframes are compared by."""
-        above = np.maximum(self.excess, 0.0)
-        return float(0.5 * Huber().loss(above / SIGMA).sum())
 
 
 def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> SilhouetteMismatch:

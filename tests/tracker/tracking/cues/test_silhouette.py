@@ -214,18 +214,14 @@ def test_a_motion_is_compared_with_its_own_frames_of_a_longer_clip() -> None:
         silhouette_mismatch(SCENE, CLIP, Trajectory(20, wrong.Rs_parent_part, wrong.ps_camera_root))
 
 
-def test_beside_its_keyframes_a_motion_costs_what_it_has_more() -> None:
+def test_beside_its_keyframes_a_motion_has_what_it_has_more() -> None:
     rising = [turned(TRUTH, "left_thigh", 40.0, slice(8, 16)), turned(TRUTH, "left_thigh", 40.0)]
     wrong, throughout = (silhouette_mismatch(SCENE, CLIP, motion) for motion in rising)
-    assert silhouette_mismatch(SCENE, CLIP, TRUTH).cost() == 0.0
     assert wrong.excess[8:16].min() > 0.02
-    assert wrong.cost() > 5.0
     np.testing.assert_allclose(throughout.excess[[0, -1]], 0.0, atol=1e-12)
-    assert throughout.cost() < 0.2 * wrong.cost()
 
 
-def test_without_a_background_no_motion_costs_more_than_another() -> None:
+def test_without_a_background_no_motion_has_more_than_another() -> None:
     level = np.ones((COUNT, CAMERA.height, CAMERA.width, 4), np.float32)
     found = silhouette_mismatch(SCENE, Clip(0, (level,)), shifted(TRUTH, 0.2))
-    assert found.cost() == 0.0
     assert not found.excess.any()
