@@ -44,10 +44,6 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
 
-START_MARGIN = 15.0
-"""By how much less evidence contradicts a motion that keypoints alone led to, to be taken for a
-better one than that which was about right already: a limb that a detector takes for another one for
-a few frames changes the whole by a tenth of that to as much."""
 IN_PASSES, IN_REFINEMENT = 0.5, 1.5
 """By how much steadied keypoints are surer than single ones: of a mean of 14 frames 3.7 times, were
 their errors independent, but most of them last longer. On film more would be better, by 0.2 px at
@@ -86,8 +82,7 @@ def track_anchored(
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     several where left and right are in doubt.  begun: starts from brightness; None where it does
         not count.
-    from_afar: unless the starts are about right already, and keypoints need not reach far. Where
-        these lead elsewhere alone that counts only if it is plainly better.
+    from_afar: unless the starts are about right already, and keypoints need not reach far.
     """
     brightness = begun is not None
     begun = begun or Starts(())
@@ -109,8 +104,6 @@ def track_anchored(
             if is_sound(scene, segment, start.trajectory):
                 work = cycle(replace(correction, drift_scale=scale), method, start, tried)
                 ended = yield from work
-                if start is alone and not from_afar:
-                    ended = replace(ended, cost=ended.cost + START_MARGIN)
                 ends.append(ended)
     if begun.chains is not None and _is_misled(free, segment, method, begun, ends):
         motion, index = yield from _by_brightness(scene, segment, method, begun, tried)

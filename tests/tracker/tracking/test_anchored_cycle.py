@@ -10,12 +10,7 @@ import pytest
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.tracking import anchored_cycle
-from keypose.tracker.tracking.anchored_cycle import (
-    START_MARGIN,
-    Ended,
-    joint_evidence,
-    track_anchored,
-)
+from keypose.tracker.tracking.anchored_cycle import Ended, joint_evidence, track_anchored
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import FULL
 from tests.tracker.tracking.cues.people import Filmed, moving
@@ -23,9 +18,9 @@ from tests.tracker.tracking.cues.people import Filmed, moving
 FILM = Filmed(moving())
 
 
-def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) -> Trajectory:
+def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch) -> Trajectory:
     """The motion that counts, where evidence contradicts the one from keypoints by so much and the
-    other by 100. known: whether the other is one that was about right already."""
+    other by 100."""
     begun = Starts((Pass("closed", FILM.truth, None),))
 
     def cycle(
@@ -38,9 +33,7 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
         return Ended(len(tried) - 1, start.trajectory, cost, None, nothing, correction.anchors)
 
     monkeypatch.setattr(anchored_cycle, "cycle", cycle)
-    work = track_anchored(
-        FILM.free, FILM.free, FILM.segment, FULL, FILM.anchors(), begun, from_afar=not known
-    )
+    work = track_anchored(FILM.free, FILM.free, FILM.segment, FULL, FILM.anchors(), begun)
     while True:
         try:
             next(work)
@@ -49,19 +42,9 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch, known: bool) ->
             return found
 
 
-def test_what_was_about_right_stays_unless_keypoints_lead_to_something_plainly_better(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    stays = led_to(100.0 - 0.9 * START_MARGIN, monkeypatch, known=True)
-    assert stays is FILM.truth
-    assert led_to(100.0 - 1.1 * START_MARGIN, monkeypatch, known=True) is not FILM.truth
-
-
-def test_of_what_nothing_is_known_the_motion_counts_that_is_contradicted_least(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    assert led_to(99.0, monkeypatch, known=False) is not FILM.truth
-    assert led_to(101.0, monkeypatch, known=False) is FILM.truth
+def test_the_motion_counts_that_is_contradicted_least(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert led_to(99.0, monkeypatch) is not FILM.truth
+    assert led_to(101.0, monkeypatch) is FILM.truth
 
 
 def test_evidence_has_the_drift_of_a_parts_worst_mark_and_how_far_the_other_motion_lies() -> None:
