@@ -44,48 +44,6 @@ def test_a_foot_that_comes_back_to_where_it_has_walked_meanwhile_was_away() -> N
     assert found.sum() == 4
 
 
-LEGS = ("right_hip", "right_knee", "right_ankle", "left_ankle")
-
-
-def away_and_slowly_back(frames: int) -> NDArray[np.float64]:
-    """(N, 4, 2) of LEGS: the right foot elsewhere for so many frames, and in two steps back."""
-    uv = walking()
-    uv[12 : 11 + frames, ANKLE] -= (0, 100)
-    uv[11 + frames, ANKLE] -= (0, 55)
-    other = uv[:, [HIP]] + (0, 190)
-    return np.concatenate([uv, other], axis=1)
-
-
-def reported_of_legs(uv: NDArray[np.float64]) -> NDArray[np.bool_]:
-    return jumped_away(uv, np.ones(uv.shape[:2], np.bool_), HEIGHT_PX, LEGS)
-
-
-@pytest.mark.parametrize("reverse", [False, True])
-def test_a_foot_that_comes_back_or_goes_in_two_steps_was_away(reverse: bool) -> None:
-    found = reported_of_legs(away_and_slowly_back(4)[:: -1 if reverse else 1])
-    found = found[:: -1 if reverse else 1]
-    assert found[12:16, ANKLE].all()
-    assert found.sum() == 4
-
-
-def test_a_foot_that_goes_in_two_steps_and_comes_back_in_two_was_away() -> None:
-    uv = away_and_slowly_back(5)
-    uv[12, ANKLE] += (0, 45)
-    found = reported_of_legs(uv)
-    assert found[12:17, ANKLE].all()
-    assert found.sum() == 5
-
-
-def test_feet_that_both_come_back_in_two_steps_may_have_been_exchanged_before() -> None:
-    uv = away_and_slowly_back(4)
-    uv[:, 3] += uv[:, ANKLE] - walking()[:, ANKLE]
-    assert not reported_of_legs(uv).any()
-
-
-def test_a_foot_that_is_back_at_once_in_two_steps_was_moved_there() -> None:
-    assert not reported_of_legs(away_and_slowly_back(2)).any()
-
-
 @pytest.mark.parametrize("width", [1.0, 1.5, 2.0, 3.0])
 def test_a_punch_and_a_walk_are_believed_however_fast(width: float) -> None:
     uv = walking()
