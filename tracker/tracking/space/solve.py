@@ -54,7 +54,6 @@ from keypose.tracker.tracking.drift import DOUBT_FLOOR
 from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, with_exact_ends
 from keypose.tracker.tracking.segment import NEAREST_M
 from keypose.tracker.tracking.space.jerk_sigmas import jerk_points, parts_of_known_jerk
-from keypose.tracker.tracking.space.keyed_jerk import with_jerk_of_keyed
 
 SEEN_SHARE = 0.003
 """Standard deviation of where the tracked motion was seen: a share of the body's height."""
@@ -316,10 +315,6 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     ]
     if problem.smooth and len(motion) > 3:
         points, sigma = jerk_points(skeleton, motion, problem.frames_per_second)
-        exact = set(problem.keyframes) - set(problem.soft)
-        sigma = with_jerk_of_keyed(
-            sigma, points, motion, exact, problem.keyed_parts, problem.frames_per_second
-        )
         links.append(Jerk(skeleton, points, sigma, problem.frames_per_second))
     return tuple(links)
 
