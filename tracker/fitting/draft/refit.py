@@ -17,7 +17,7 @@ from keypose.tracker.fitting.draft.clip import FEW_POINTS, filled, middle
 from keypose.tracker.fitting.draft.judged import NEAREST_M
 from keypose.tracker.fitting.draft.limbs import Joints, turning_ends
 from keypose.tracker.fitting.draft.observed import Observed
-from keypose.tracker.fitting.draft.offsets import learned_depths, learned_places
+from keypose.tracker.fitting.draft.offsets import learned_depth, learned_place
 from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
@@ -169,7 +169,7 @@ class _Stretch:
         posed_rows: list[int],
     ) -> Observed:  # fmt: skip
         """With these keypoints where they would be without what was learned that they are off."""
-        Ts, frames = first.transforms(self.skeleton), np.arange(len(first), dtype=np.float64)
+        Ts = first.transforms(self.skeleton)
         p, uv = points.at(Ts), seen.uv.copy()
         at = image_points(self.camera, p)
         for k, column in enumerate(columns.tolist()):
@@ -182,8 +182,7 @@ class _Stretch:
             slopes = np.swapaxes(image_jacobian(self.camera, p[:, k], axes), -1, -2)
             pixel_m = self.camera.depth(p[rows, k]) / self.camera.fy
             missed = seen.uv[rows, column] - at[rows, k]
-            beside_m = learned_places(frames, rows, slopes[rows], missed, pixel_m)
-            uv[:, column] -= np.einsum("nij,nj->ni", slopes, beside_m)
+            uv[:, column] -= slopes @ learned_place(slopes[rows], missed, pixel_m)
         return replace(seen, uv=uv)
 
     def _depth(
@@ -191,14 +190,13 @@ class _Stretch:
     ) -> Array:
         """(N, 12) metres farther than the root; NaN where nothing shows it."""
         own = points.at(first.transforms(self.skeleton))[..., 2] - first.ps_camera_root[:, 2:]
-        depth, frames = seen.p_hips[:, : len(JOINTS), 2].copy(), np.arange(len(first), dtype=float)
+        depth = seen.p_hips[:, : len(JOINTS), 2].copy()
         for k in range(len(JOINTS)):
             rows = [
                 n for n in posed_rows if np.isfinite(depth[n, k]) and seen.visibility[n, k] > SEEN
             ]
             if rows:
-                lacks = own[rows, k] - depth[rows, k]
-                depth[:, k] += learned_depths(frames, rows, lacks)
+                depth[:, k] += learned_depth(own[rows, k] - depth[rows, k])
             else:
                 depth[:, k] = own[:, k]
         return depth

@@ -9,7 +9,7 @@ import pytest
 
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.fitting.draft import draft_from_keypoints, refit_drafts
-from keypose.tracker.fitting.draft.offsets import learned_depths, learned_places
+from keypose.tracker.fitting.draft.offsets import learned_depth, learned_place
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, joints_of, walk
@@ -87,14 +87,10 @@ def test_nothing_is_found_without_a_posed_frame_where_somebody_is_seen(
     assert refit_drafts(unseen, CAMERA, clip.body, drafts, posed, [POSED]) == {}
 
 
-def test_what_is_learned_fades_with_frames_and_grows_with_agreement() -> None:
-    frames = np.arange(60.0)
+def test_what_is_learned_grows_with_agreement() -> None:
     slopes = np.tile([[200.0, 0.0, 0.0], [0.0, 200.0, 0.0]], (3, 1, 1))
     missed, pixel_m = np.tile([6.0, 0.0], (3, 1)), np.full(3, 1 / 200)
-    one = learned_places(frames, [10], slopes[:1], missed[:1], pixel_m[:1])[:, 0]
-    three = learned_places(frames, [5, 10, 15], slopes, missed, pixel_m)[:, 0]
-    assert 0 < one[50] < one[20] < one[10] < 0.03
-    assert three[10] > one[10]
-    assert np.allclose(learned_places(frames, [10], slopes[:1], missed[:1], pixel_m[:1])[:, 1:], 0)
-    depths = learned_depths(frames, [10], np.array([0.2]))
-    assert 0 < depths[50] < depths[10] < 0.2
+    one = learned_place(slopes[:1], missed[:1], pixel_m[:1])
+    assert 0 < one[0] < learned_place(slopes, missed, pixel_m)[0] < 0.03
+    assert np.allclose(one[1:], 0)
+    assert 0 < learned_depth(np.array([0.2])) < learned_depth(np.full(3, 0.2)) < 0.2
