@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
-from tests.browser.shared import Desk, admit, close_office
+from tests.browser.shared import SIZE, Desk, admit, close_office, desk
 
 
 @pytest.fixture(scope="package")
@@ -65,6 +65,17 @@ def page(browser: Browser, keypose: Keypose, drawn: bool) -> Iterator[Page]:
         tab.goto(keypose.address)
         tab.wait_for_selector("html[data-ready]", state="attached")
         yield tab
+
+
+@pytest.fixture(scope="module")
+def shared(
+    browser: Browser, tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
+) -> Iterator[Desk]:
+    """A page for a module's tests; a module may say its SIZE, and that its server is its OWN."""
+    asks, folder = request.module, tmp_path_factory.mktemp(request.module.__name__.split("_")[-1])
+    size, own = getattr(asks, "SIZE", SIZE), getattr(asks, "OWN", False)
+    with desk(browser, folder, size=size, own=own) as made:
+        yield made
 
 
 @pytest.fixture

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.browser.interaction import screens, section, until
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("ahead"), size=(1440, 900)) as made:
-        yield made
+SIZE = (1440, 900)
 
 
 @pytest.fixture

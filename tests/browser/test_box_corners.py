@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.browser.interaction import (
     Spot,
@@ -18,13 +17,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, desk
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("corners")) as made:
-        yield made
+from tests.browser.shared import Desk
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,12 +13,6 @@ from tests.browser.interaction import screen, screens, section, until, until_sta
 from tests.browser.shared import Desk, admit, desk, opened
 
 SIZE = (1440, 900)
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("cues"), size=SIZE) as made:
-        yield made
 
 
 @pytest.fixture

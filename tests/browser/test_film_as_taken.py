@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser
 
 from tests.browser.interaction import answered, until, until_state
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 from tests.browser.test_everyone import focus, typed
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("taken")) as made:
-        yield made
 
 
 def test_slow_motion_is_said_where_the_command_search_leads(shared: Desk) -> None:

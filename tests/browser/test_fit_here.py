@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -23,18 +21,12 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 FRAME = 24
 SIZE = (1440, 900)
 TURNS = {"right_forearm": -7.0, "left_upper_arm": 5.0, "right_thigh": 4.0, "left_shin": 6.0}
 """Degrees about x, as a hand that was in a hurry would leave them."""
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("fitting"), size=SIZE) as made:
-        yield made
 
 
 @pytest.fixture

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.browser.interaction import answered, section, until, until_counted, until_state
-from tests.browser.shared import Desk, desk, opened_in
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("free")) as made:
-        yield made
+from tests.browser.shared import Desk, opened_in
 
 
 @pytest.fixture

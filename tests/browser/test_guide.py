@@ -18,12 +18,6 @@ from tests.browser.shared import Desk, desk
 from tests.browser.test_surface import SAMPLE, arms
 
 
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("guide")) as made:
-        yield made
-
-
 @pytest.fixture
 def guided(at: Desk) -> Page:
     """The guide opened from the help, on a keyframe that stands."""

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.browser.interaction import Spot, drag, screen, section, settled, until, until_state
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 SIZE = (1440, 900)
 KEYS = [0, 24, 48, 72]
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("ranges"), size=SIZE) as made:
-        yield made
 
 
 @pytest.fixture

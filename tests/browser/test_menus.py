@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import pytest
-from playwright.sync_api import Browser, Locator, Page, WebSocketRoute
+from playwright.sync_api import Locator, Page, WebSocketRoute
 
 from tests.browser.interaction import (
     Spot,
@@ -19,15 +18,9 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 SIZE = (1440, 900)
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("menus"), size=SIZE) as made:
-        yield made
 
 
 def _menu(page: Page) -> Locator:

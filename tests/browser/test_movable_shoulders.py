@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser
 
 from tests.browser.interaction import drag, screens, spot, until
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("shoulders"), size=(1440, 900)) as made:
-        yield made
+SIZE = (1440, 900)
 
 
 def test_shoulders_move_once_they_are_asked_to_and_arms_keep_theirs(shared: Desk) -> None:

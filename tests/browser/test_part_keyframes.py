@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.browser.interaction import (
     Spot,
@@ -19,15 +17,9 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 SIZE = (1440, 900)
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("parts"), size=SIZE) as made:
-        yield made
 
 
 def _pull(page: Page, point: str, by: Spot) -> None:

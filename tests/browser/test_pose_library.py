@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser
 
 from tests.browser.interaction import screen, settled, themed, until, until_state
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
+OWN = True
+"""Its server is its own."""
 SIZE = (1440, 900)
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("poses"), size=SIZE, own=True) as made:
-        yield made
 
 
 def test_poses_are_kept_named_inserted_where_the_body_stands_and_deleted(shared: Desk) -> None:

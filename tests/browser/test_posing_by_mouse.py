@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from keypose.tracker.geometry.rotations import Array
 from tests.browser.interaction import (
@@ -22,16 +22,10 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 UNDER_PX = 1.5
 DOUBLE_CLICK_MS = 350
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("posing")) as made:
-        yield made
 
 
 def points(desk: Desk) -> dict[str, Array]:

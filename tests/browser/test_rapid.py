@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -16,7 +15,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.files import load_session
 from tests.app.serving import Visitor
 from tests.browser.interaction import Spot, section, settled, spot, until, until_state
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
 MANY = 500
 UNDER_PX = 1.5
@@ -33,12 +32,6 @@ async (element, [places, burst]) => {
 }
 """
 """Moves of the held pointer, several within each animation frame, which the browser would merge."""
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("rapid")) as made:
-        yield made
 
 
 def all_agree(desk: Desk) -> dict[str, Any]:

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
 from math import dist
 
-import pytest
-from playwright.sync_api import Browser
-
 from tests.browser.interaction import between, section, spot, until, until_state
-from tests.browser.shared import Desk, desk
+from tests.browser.shared import Desk
 
+OWN = True
+"""Its server is its own."""
 REACH_PX = 3.0
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("silence"), own=True) as made:
-        yield made
 
 
 def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at: Desk) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Locator, Page
 
 from tests.browser.interaction import Spot, section, settled, until, until_state
-from tests.browser.shared import Desk, desk, opened
+from tests.browser.shared import Desk, opened
 
 SIZE = (1440, 900)
 
@@ -27,12 +25,6 @@ DOT = """
 }
 """
 """Where the dot of the trail stands that is farthest from the body."""
-
-
-@pytest.fixture(scope="module")
-def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    with desk(browser, tmp_path_factory.mktemp("timeline"), size=SIZE) as made:
-        yield made
 
 
 def _on_key(page: Page, index: int) -> Spot:
