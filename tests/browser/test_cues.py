@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from tests.app.serving import ROOT, Keypose
 from tests.browser.interaction import screen, screens, section, until, until_state
-from tests.browser.shared import Desk, admit, desk, opened
+from tests.browser.shared import Desk, admit, opened
 
 SIZE = (1440, 900)
 
