@@ -40,6 +40,7 @@ from keypose.tracker.video.pyramid import IGNORED
 
 Way = Literal["joints", "neighbours", "outline", "nothing"]
 CANCELLED = "Cancelled. Pose unchanged."
+NOTHING_BETTER = "No better fit found. Pose unchanged."
 
 OTHER_STARTS = 4
 """Poses about the one as set from which the search starts as well."""
@@ -56,8 +57,6 @@ CLEARLY, CLEARLY_ALONE, OUTLINE_PIXELS = 16.0, 10.0, 100.0
 """What a pose must gain on joints, less what it strays from the one as set, with what its outline
 gains, or without one, to be moved by them: nats. The outline counts as so many pixels, since those
 side by side err alike. Poses that were right gain up to 14, those off by 3° 18 and more, mostly."""
-SAME_JOINTS = 2.0
-"""What a pose that fits the frames beside it may lose on joints, nats."""
 PRIOR_SHARE = 0.03
 """What one σ² of distance from the pose as set costs when poses are chosen by texture."""
 HIDDEN = 0.06
@@ -109,11 +108,14 @@ def fit_pose_to_picture(
         return unchanged("Nothing of this frame may be used. Pose unchanged.")
     near = keyframes_near(inputs, keyposes)
     outline, joints = inputs.outline(), Joints.of(inputs, source, near)
-    by_joints = None if joints is None else _clear_by_joints(inputs, outline, joints, cancelled)
-    if joints is not None and by_joints is not None:
+    if joints is not None:
+        by_joints = _clear_by_joints(inputs, outline, joints, cancelled)
+        if cancelled():
+            return unchanged(CANCELLED)
+        if by_joints is None:
+            return unchanged(NOTHING_BETTER)
         report(by_joints.pose)
-        refined = _with_textures(inputs, outline, joints, by_joints, near, tracked, cancelled)
-        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, refined, "joints")
+        return _as_fitted(inputs, by_joints, "joints")
     found = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
         return unchanged(CANCELLED)
@@ -122,8 +124,8 @@ def fit_pose_to_picture(
             "No other keyframe is near, and the body’s colours are too close to the background’s. "
             "Pose unchanged."
         )
-    if not _is_better(inputs, found.match, outline, found.refined.pose, joints):
-        return unchanged("No better fit found. Pose unchanged.")
+    if not _is_better(inputs, found.match, outline, found.refined.pose):
+        return unchanged(NOTHING_BETTER)
     return _as_fitted(inputs, found.refined, "outline" if found.match is None else "neighbours")
 
 
@@ -152,31 +154,6 @@ def _clear_by_joints(
         return refined if gained > CLEARLY_ALONE else None
     gained += OUTLINE_PIXELS * gain(outline, inputs.keyframe.pose, refined.pose)
     return refined if gained > CLEARLY else None
-
-
-def _with_textures(
-    inputs: FitInputs,
-    outline: Outline | None,
-    joints: Joints,
-    by_joints: RefinedPose,
-    near: Mapping[int, Pose],
-    tracked: Mapping[int, Pose],
-    cancelled: Callable[[], bool],
-) -> RefinedPose:
-    """The pose by joints refined by textures too, where the frames beside it are posed so well that
-    joints agree with them."""
-    textures = textures_near(inputs, near, tracked)
-    if not textures:
-        return by_joints
-    match = TextureMatch(inputs.scene, inputs.pictures, textures)
-    by_texture = refine(
-        inputs.keyframe, by_joints.pose, match, outline, cancelled, coarsest=1,
-        joints=joints.term,
-    )  # fmt: skip
-    match.update_visibility(inputs.keyframe.pose)
-    before, after = (match.score(p) for p in (inputs.keyframe.pose, by_texture.pose))
-    same = joints.gain(by_texture.pose) > joints.gain(by_joints.pose) - SAME_JOINTS
-    return by_texture if same and after < AGREEING * before else by_joints
 
 
 def _best_candidate(
@@ -272,26 +249,16 @@ def _is_better(
     match: TextureMatch | None,
     outline: Outline | None,
     pose: Pose,
-    joints: Joints | None,
 ) -> bool:
-    """Whether a pose fits the picture clearly better than the one as set, on the same pixels.
-
-    Where joints are seen near those of the pose as set, frames beside it must agree beyond doubt.
-    """
-    if joints is not None and joints.gain(pose) <= 0:
-        return False
+    """Whether a pose fits the picture clearly better than the one as set, on the same pixels."""
     if match is not None:
         match.update_visibility(inputs.keyframe.pose)
         before, after = (match.score(p) for p in (inputs.keyframe.pose, pose))
-        if joints is not None:
-            return after < AGREEING * before
         if after < BETTER_MATCH * before:
             return True
         if after > before:
             return False
-    if outline is None or joints is not None:
-        return False
-    return gain(outline, inputs.keyframe.pose, pose) > BETTER_OUTLINE
+    return outline is not None and gain(outline, inputs.keyframe.pose, pose) > BETTER_OUTLINE
 
 
 def _as_fitted(inputs: FitInputs, refined: RefinedPose, way: Way) -> PictureFit:
