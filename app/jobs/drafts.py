@@ -67,7 +67,8 @@ def drafted(
     network = Augmented.open(find_model(session.settings.network or FULL.name))
     found = draft_clip(
         picture, frames, at, box, session.camera, session.body, network,
-        proportions=proportions, report=report, film=session.video.pictures, kept=Detections(),
+        again=network.plain, proportions=proportions, report=report,
+        film=session.video.pictures, kept=Detections(),
     )  # fmt: skip
     return found, network.fingerprint
 

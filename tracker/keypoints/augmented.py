@@ -67,11 +67,12 @@ class Mirrors(Protocol):
 class Augmented:
     """A network that looks at each frame several times; as `Network` otherwise.
 
-    networks: the same one, read once for each thread that looks.
+    networks: the same one, read once for each thread that looks.  plain: one that looks once.
     """
 
     def __init__(self, networks: Sequence[Mirrors]) -> None:
-        self.fingerprint = _marked(networks[0].fingerprint)
+        self.plain = networks[0]
+        self.fingerprint = _marked(self.plain.fingerprint)
         self._threads = ThreadPoolExecutor(len(networks))
         self._idle: SimpleQueue[Mirrors] = SimpleQueue()
         for network in networks:

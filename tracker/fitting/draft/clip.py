@@ -81,6 +81,7 @@ def draft_clip(
     body: Body,
     network: Looks,
     *,
+    again: Looks | None = None,
     proportions: bool = True,
     report: Callable[[DraftProgress], None] = lambda progress: None,
     film: str = "",
@@ -90,6 +91,7 @@ def draft_clip(
 
     frame: a picture by its number.  at, box: the frame of the box, and left, top, right, bottom in
     pixels of the video.  camera: of the video, with its distortion.
+    again: what looks for other people on the way, the network where it is left out.
     report: called again and again; what it raises ends the work within a frame.
     proportions: whether the body's limbs may be scaled to the person's.
     KeypointError in one sentence for a box that is none, or without a person in it.
@@ -105,7 +107,7 @@ def draft_clip(
     def looked_again(done: int, expected: int) -> None:
         report(DraftProgress("keypoints", count + done, count + expected))
 
-    changes = person_changes(frame, keypoints, at, network, looked_again)
+    changes = person_changes(frame, keypoints, at, again or network, looked_again)
     return draft_from_keypoints(
         keypoints, camera, body, changes=changes, proportions=proportions, report=report
     )

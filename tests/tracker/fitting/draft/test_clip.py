@@ -63,6 +63,15 @@ def test_every_frame_that_is_asked_for_is_looked_at_and_drafted() -> None:
     assert set(stages) == {"keypoints", "poses"}
 
 
+def test_other_people_on_the_way_are_looked_for_by_what_is_given_for_that() -> None:
+    alone, network, again = Knowing(), Knowing(), Knowing()
+    given = (picture, (2, 9), 5, AROUND, CAMERA, CLIP.body)
+    draft_clip(*given, alone)
+    draft_clip(*given, network, again=again)
+    assert again.looked
+    assert network.looked + again.looked == alone.looked
+
+
 @pytest.mark.parametrize(
     ("box", "words"),
     [
