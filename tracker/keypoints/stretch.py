@@ -19,8 +19,7 @@ from keypose.tracker.keypoints.region import Region
 
 LEAST_PRESENCE: Final = 0.5
 LOOK_PARTS: Final = 32
-"""Regions are rounded to so many parts of their size before each look. With 16 the keypoints of a
-rendered stride are a quarter farther off, with 32 those of no clip are."""
+"""Regions are rounded to so many parts of their size before each look."""
 
 
 class Looks(Protocol):

@@ -27,9 +27,7 @@ FEWEST = 12
 USUAL: Final = 0.08
 """Standard deviation of people's proportions about the preset's."""
 DOUBT, SHOULDER_DOUBT = 0.04, 0.15
-"""Those of the network's. It puts shoulders where no joint is either, mostly too near each other:
-by 14 to 18 % on three rendered people, and on three filmed ones, as they were posed by hand, from
-16 % too near to 7 % too far apart."""
+"""Those of the network's, which puts shoulders mostly too near each other."""
 LARGEST: Final = 0.15
 """By which a length is changed at most, beside the others."""
 _TRUNK, _SHOULDERS = "trunk", "shoulders"

@@ -38,8 +38,7 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
 
 SIGMA = 0.010
-"""Standard deviation of a sure keypoint, after its offset: a share of the body's height.
-Carrying its residual at a keyframe over to the frames near it makes nothing nearer."""
+"""Standard deviation of a sure keypoint, after its offset: a share of the body's height."""
 SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
 OFFSET_M = 0.02

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.segment import Segment
 
 USUAL, MOST = 2.0, 5.0
-"""So many times as far as doubts say a body drifts that is followed well: on a filmed walk 1.4 to
-2.4 times, on rendered people at most 2.3; a man filmed from behind 3.3 times and more. And the most
-that is believed."""
+"""So many times as far as doubts say a body drifts that is followed well, and the most that is
+believed."""
 MEDIAN_OF_SIZES = 0.6745
 """Median of the sizes of what is normal with standard deviation 1."""
 
