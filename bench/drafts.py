@@ -17,7 +17,7 @@ from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.fitting.draft import ClipDraft, draft_clip
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
-from keypose.tracker.fitting.draft.limbs import LIMBS, SIDES, Joints
+from keypose.tracker.fitting.draft.observed import LIMBS, SIDES, Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.augmented import Augmented

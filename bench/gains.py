@@ -44,20 +44,19 @@ from keypose.tracker.body.pose import Pose, joint_positions, moved, pose_transfo
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.fitting.draft import clip as draft_module
-from keypose.tracker.fitting.draft import refit, sizes
+from keypose.tracker.fitting.draft import first_poses, refit
 from keypose.tracker.fitting.draft.clip import ClipDraft, draft_from_keypoints
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
-from keypose.tracker.fitting.draft.limbs import LIMBS as DRAFT_LIMBS
-from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import LIMBS as DRAFT_LIMBS
+from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.fitting.pose import fit_pose_to_picture
 from keypose.tracker.fitting.pose import keyframe as fit_pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.augmented import Augmented
 from keypose.tracker.keypoints.crossings import person_changes
-from keypose.tracker.keypoints.detect import Seed, detect
+from keypose.tracker.keypoints.detect import Seed, Stretch, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
@@ -69,7 +68,7 @@ from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.initial import choose
 from keypose.tracker.tracking.initial.templates import follow_point, tracks
 from keypose.tracker.tracking.initial.templates import patch as patches
-from keypose.tracker.tracking.parts import limb_anchors
+from keypose.tracker.tracking.parts import limb_segment
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
 from keypose.tracker.tracking.tracker import Tracker
@@ -226,7 +225,7 @@ _THIS = sys.modules[__name__]
 
 SWITCHES = (
     Switch("bit readers", ("film",), ((damage, "is_misread", lambda *_: False),)),
-    Switch("doubt of shoulders", ("draft",), ((sizes, "SHOULDER_DOUBT", sizes.DOUBT),)),
+    Switch("doubt of shoulders", ("draft",), ((first_poses, "SHOULDER_DOUBT", first_poses.DOUBT),)),
     Switch("drift_scale", BETWEEN, ((anchored_cycle, "drift_scale", lambda *_: 1.0),)),
     Switch("steady", BETWEEN, ((anchored_cycle, "_steadied", lambda c, *_: c),)),
     Switch("crossings", ("draft",), ((_THIS, "_changes", lambda *_: ()),)),
@@ -255,11 +254,11 @@ SWITCHES = (
     Switch("neighbours' texture", ("fit",), ((fit_pose, "textures_near", lambda *_: []),)),
     Switch(
         "Gaussian process of limbs", ("limb",),
-        ((limb_anchors, "_missing_as_near", _constant_missing),),
+        ((limb_segment, "_missing_as_near", _constant_missing),),
     ),
     Switch(
         "offsets of limbs", ("limb",),
-        ((limb_anchors, "_missing_as_near", lambda anchors, *_: anchors),),
+        ((limb_segment, "_missing_as_near", lambda anchors, *_: anchors),),
     ),
     Switch(
         "sides over time in drafts", ("draft", "learn"),

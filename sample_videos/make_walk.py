@@ -27,7 +27,7 @@ from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import load_session, save_session, session_json
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.tracks import load_trajectory
-from keypose.tracker.tracking.space.level import up_from_places
+from keypose.tracker.tracking.space.contacts import up_from_places
 
 FOLDER = Path(__file__).parent / "walk"
 WIDTH, HEIGHT, FPS = 1280, 720, 30

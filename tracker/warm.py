@@ -21,8 +21,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.shapes import Box
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.pose.texture import texture_of
-from keypose.tracker.fitting.pose.texture_match import TextureMatch
+from keypose.tracker.fitting.pose.texture import TextureMatch, texture_of
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import transform
 from keypose.tracker.geometry.view import ViewCamera

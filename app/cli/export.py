@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from keypose.app.export.motion_files import Sampling
     from keypose.tracker.geometry.rotations import Array
     from keypose.tracker.session import Session
-    from keypose.tracker.video.timecode import Timecode
+    from keypose.tracker.video.info import Timecode
 
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion

@@ -210,7 +210,7 @@ def _damage(facts: dict[str, Any]) -> str:
     """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
     import numpy as np
 
-    from keypose.tracker.tracking.diagnostics.runs import runs
+    from keypose.tracker.body.trajectory import runs
 
     frames = facts["damaged_frames"]
     flags = np.isin(np.arange(facts["frame_count"]), frames)

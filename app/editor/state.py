@@ -28,7 +28,7 @@ from keypose.tracker.storage.results import Fitting, Results, pose_at
 
 if TYPE_CHECKING:
     from keypose.app.editor.posing_edits import PosedByCorners
-    from keypose.tracker.video.timecode import Timecode
+    from keypose.tracker.video.info import Timecode
 
 
 def up_of(doc: Session) -> tuple[float, float, float]:

@@ -24,7 +24,7 @@ from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.tracks import Tracks
 
 if TYPE_CHECKING:
-    from keypose.tracker.video.timecode import Timecode
+    from keypose.tracker.video.info import Timecode
 
 
 @dataclass(frozen=True)

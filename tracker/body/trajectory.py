@@ -1,4 +1,4 @@
-"""A pose for every frame of a range of a video, and plain interpolation."""
+"""A pose for every frame of a range of a video, plain interpolation, and runs of frames."""
 
 from __future__ import annotations
 
@@ -6,10 +6,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, frozen, rotation_between, transpose
+
+
+def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

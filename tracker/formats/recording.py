@@ -26,7 +26,7 @@ from keypose.tracker.tracking.space.contacts import proposed_pins
 from keypose.tracker.tracking.space.gait import Gait, gait_of
 
 if TYPE_CHECKING:
-    from keypose.tracker.video.timecode import Timecode
+    from keypose.tracker.video.info import Timecode
 
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)

@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.detect import LEAST_PRESENCE
 from keypose.tracker.keypoints.model_files import FULL, Model
 from keypose.tracker.keypoints.network import Network, Seen, fingerprint_of
 from keypose.tracker.keypoints.region import Region
-from keypose.tracker.keypoints.stretch import LEAST_PRESENCE
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,11 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.detect import Frame
+from keypose.tracker.keypoints.detect import Frame, Looks, Rows
 from keypose.tracker.keypoints.jumps import TRUNK
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.region import Region
-from keypose.tracker.keypoints.stretch import Looks, Rows
 
 APART: Final = 0.25
 """Distance of two trunks, in sides of the region, from which on they are two people's: the length

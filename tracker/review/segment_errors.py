@@ -7,10 +7,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.diagnostics.expected_gain import MENDED
-from keypose.tracker.tracking.diagnostics.runs import runs
 from keypose.tracker.tracking.result import SegmentResult
 
 OWN_PX: Final = 0.2

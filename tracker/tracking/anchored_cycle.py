@@ -22,8 +22,8 @@ from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.drift_scale import drift_scale
-from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     even_increments,
@@ -31,9 +31,8 @@ from keypose.tracker.tracking.cues.soft_correction import (
 )
 from keypose.tracker.tracking.cues.steady import steadied
 from keypose.tracker.tracking.cycle import NOISE, Outcome, Work, drift_px, track_from
-from keypose.tracker.tracking.frame_pair import robust_pass
+from keypose.tracker.tracking.frame_pair import capped_score, robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
-from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import distance_px, is_sound
 
 if TYPE_CHECKING:

@@ -14,12 +14,18 @@ from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
 from keypose.tracker.tracking.drift import Corrected, Motions, correct_drift
-from keypose.tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
+from keypose.tracker.tracking.frame_pair import (
+    best_of,
+    capped_score,
+    keyframe_difference,
+    least_squares_pass,
+    printed_score,
+    robust_pass,
+)
 from keypose.tracker.tracking.initial.choose import Starts, printed_start, starts
 from keypose.tracker.tracking.method import Keypose, Method, Paper
 from keypose.tracker.tracking.own_motion import own_motion_links
 from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.tracking.score import best_of, capped_score, keyframe_difference
 from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
 
 EXACT_KEYFRAMES = 100.0

@@ -26,8 +26,13 @@ from keypose.tracker.tracking.diagnostics.segment_result import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from keypose.tracker.tracking.initial.choose import starts
 from keypose.tracker.tracking.method import Keypose, expected_steps, method_of
-from keypose.tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
-from keypose.tracker.tracking.parts.kept import KeptOutcomes, Kind
+from keypose.tracker.tracking.parts.correct import (
+    Evidence,
+    KeptOutcomes,
+    Kind,
+    corrected,
+    expected_limb_steps,
+)
 from keypose.tracker.tracking.parts.keyed import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene

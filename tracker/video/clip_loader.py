@@ -15,7 +15,6 @@ from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
-from keypose.tracker.video.plate import background, moving, smooth
 from keypose.tracker.video.pyramid import (
     IGNORED,
     LEVELS,
@@ -26,6 +25,7 @@ from keypose.tracker.video.pyramid import (
     level_sizes,
     prepare,
 )
+from keypose.tracker.video.still_camera import background, moving, smooth
 
 MEMORY_BYTES = 1_500_000_000
 """What the clip of one segment may take."""

@@ -23,12 +23,10 @@ from keypose.tracker.video.container import (
 )
 from keypose.tracker.video.damage import Examined, examine
 from keypose.tracker.video.fields import Deinterlacer
-from keypose.tracker.video.file_lens import lens_in
 from keypose.tracker.video.fingerprint import fingerprint_of_file
 from keypose.tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
-from keypose.tracker.video.info import VideoInfo, clock
+from keypose.tracker.video.info import VideoInfo, clock, lens_in, timecode_in
 from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
-from keypose.tracker.video.timecode import timecode_in
 
 T = TypeVar("T")
 

@@ -1,10 +1,11 @@
-"""A folder of images, read as the frames of a video."""
+"""Read a folder of images as the frames of a video."""
 
 from __future__ import annotations
 
 import io
 import math
 import re
+import struct
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -19,10 +20,8 @@ from keypose.tracker.errors import VideoError, numbers_listed
 from keypose.tracker.files import open_regular
 from keypose.tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
 from keypose.tracker.video.damage import Examined
-from keypose.tracker.video.file_lens import lens_in
 from keypose.tracker.video.fingerprint import fingerprint_of_images
-from keypose.tracker.video.image_size import stored_size
-from keypose.tracker.video.info import VideoInfo, clock
+from keypose.tracker.video.info import Timecode, VideoInfo, clock, lens_in
 from keypose.tracker.video.picture import (
     Orientation,
     Picture,
@@ -30,7 +29,36 @@ from keypose.tracker.video.picture import (
     depth_of,
     orientation_of,
 )
-from keypose.tracker.video.timecode import Timecode
+
+
+def stored_size(head: bytes) -> tuple[int, int] | None:
+    """(width, height) as stored, of a PNG, BMP or JPEG that begins with `head`; None otherwise."""
+    try:
+        if head.startswith(b"\x89PNG\r\n\x1a\n"):
+            width, height = struct.unpack_from(">II", head, 16)
+            return width, height
+        if head.startswith(b"BM"):
+            width, height = struct.unpack_from("<ii", head, 18)
+            return width, abs(height)  # negative: rows run from the top
+        if head.startswith(b"\xff\xd8"):
+            return _jpeg_size(head)
+    except struct.error:
+        return None  # the header is cut off
+    return None
+
+
+def _jpeg_size(head: bytes) -> tuple[int, int] | None:
+    """Walks the segments to the one that begins the frame."""
+    at = 2
+    while True:
+        mark, kind, length = struct.unpack_from(">BBH", head, at)
+        if mark != 0xFF:
+            return None
+        if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):
+            height, width = struct.unpack_from(">HH", head, at + 5)
+            return width, height
+        at += 1 if kind == 0xFF else 2 + length  # marks may be padded with 0xFF
+
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
 FPS = Fraction(30)  # a folder keeps no time; this is what is assumed

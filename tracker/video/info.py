@@ -1,17 +1,145 @@
-"""The facts of a video that are known without decoding its frames."""
+"""The facts of a video that are known without decoding its frames: lens, timecode, size, rate.
+
+A frame is written as HH:MM:SS:FF. Where the rate is 30/1.001 or 60/1.001 frames a second, a
+semicolon before FF says that numbers are dropped: 2 or 4 of them at every minute but each tenth, so
+that the timecode keeps to the clock.
+"""
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import VideoError
-from keypose.tracker.video.file_lens import FileLens
-from keypose.tracker.video.timecode import Timecode
+
+NEAREST_MM, FARTHEST_MM = 4.0, 2000.0
+"""Focal lengths, as a 35 mm film would have them, between which there are lenses."""
+
+LONGEST_NAME = 60
+
+_FOCAL = ("focal_length.35mm_equivalent", "focallengthin35mmfilm", "focallengthin35mmformat")
+_MAKE = ("com.apple.quicktime.make", "com.android.manufacturer", "make")
+_MODEL = ("com.apple.quicktime.model", "com.android.model", "model")
+_NUMBER = re.compile(r"\s*([0-9]{1,4}(?:\.[0-9]{1,6})?)\s*(?:mm)?\s*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class FileLens:
+    """focal_mm: as on 35 mm film, whose frame is 36 mm wide.  device: its name, or empty."""
+
+    focal_mm: float
+    device: str = ""
+
+
+def lens_in(tags: Iterable[Mapping[str, str]]) -> FileLens | None:
+    """The lens named by tags of QuickTime and MP4 files, or by the EXIF tags of an image.
+
+    None where no focal length is given, or one that no lens has.
+    """
+    known = {key.casefold(): value for some in tags for key, value in some.items()}
+    texts = [value for key, value in known.items() if key.endswith(_FOCAL)]
+    focal_mm = next((mm for mm in map(_millimetres, texts) if mm is not None), None)
+    if focal_mm is None:
+        return None
+    return FileLens(focal_mm, _device(_first(known, _MAKE), _first(known, _MODEL)))
+
+
+def _millimetres(text: str) -> float | None:
+    found = _NUMBER.fullmatch(text)
+    mm = float(found[1]) if found else math.nan
+    return mm if NEAREST_MM <= mm <= FARTHEST_MM else None
+
+
+def _first(known: Mapping[str, str], keys: tuple[str, ...]) -> str:
+    return next((known[key] for key in keys if key in known), "")
+
+
+def _device(make: str, model: str) -> str:
+    """ "Google Pixel 7"; the maker once."""
+    make, model = _printable(make), _printable(model)
+    name = model if model.casefold().startswith(make.casefold()) else f"{make} {model}"
+    return name.strip()[:LONGEST_NAME]
+
+
+def _printable(text: str) -> str:
+    return " ".join("".join(c for c in text if c.isprintable()).split())
+
+
+_TIMECODE = re.compile(r"([01]\d|2[0-3]):([0-5]\d):([0-5]\d)([:;.,])(\d{2,3})", re.ASCII)
+_TAG = "timecode"
+_MINUTES = 24 * 60
+
+
+@dataclass(frozen=True)
+class Timecode:
+    """A film's timecode.
+
+    rate: numbers of frames in a second, the film's rate rounded.
+    number: of the film's first frame, since midnight.
+    mark: what stands before the frame; anything but a colon says that numbers are dropped.
+    of_files: the film is image files, and `number` is that in the name of the first.
+    """
+
+    rate: int
+    number: int
+    mark: str = ":"
+    of_files: bool = False
+
+    @classmethod
+    def read(cls, text: str, fps: float) -> Self | None:
+        """The timecode of a first frame; None where the text is none of this rate."""
+        found, rate = _TIMECODE.fullmatch(text.strip()), round(fps)
+        if found is None or int(found[5]) >= rate:
+            return None
+        hours, minutes, seconds, frame = (int(found[k]) for k in (1, 2, 3, 5))
+        minutes += 60 * hours
+        number = (60 * minutes + seconds) * rate + frame
+        dropped = _dropped(rate, found[4])
+        return cls(rate, number - dropped * (minutes - minutes // 10), found[4])
+
+    @classmethod
+    def of_numbers(cls, numbers: Sequence[int | None], fps: float) -> Self | None:
+        """The timecode of image files by the numbers in their names, frame 0 of which is midnight;
+        None unless these are consecutive and within a day."""
+        first, rate = numbers[0], round(fps)
+        if first is None or len(numbers) < 2 or first + len(numbers) > 60 * _MINUTES * rate:
+            return None
+        if any(number != first + n for n, number in enumerate(numbers)):
+            return None
+        return cls(rate, first, of_files=True)
+
+    def at(self, frame: int) -> str:
+        """Of a frame of the film; a day has 24 hours."""
+        dropped = _dropped(self.rate, self.mark)
+        minute, tens = 60 * self.rate - dropped, 600 * self.rate - 9 * dropped
+        number = (self.number + frame) % (_MINUTES // 10 * tens)
+        whole, rest = divmod(number, tens)
+        number += dropped * (9 * whole + max(0, (rest - dropped) // minute))
+        seconds, shown = divmod(number, self.rate)
+        clock = f"{seconds // 3600:02}:{seconds // 60 % 60:02}:{seconds % 60:02}"
+        return f"{clock}{self.mark}{shown:02}"
+
+    def __str__(self) -> str:
+        return self.at(0)
+
+
+def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | None:
+    """The timecode that tags of a file give for its first frame; None where none do."""
+    texts = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
+    return next((code for text in texts if (code := Timecode.read(text, fps)) is not None), None)
+
+
+def _dropped(rate: int, mark: str) -> int:
+    """How many numbers a minute drops, but for every tenth."""
+    return 0 if mark == ":" else 2 * round(rate / 30)
 
 
 class MissingFrame(VideoError):

@@ -1,4 +1,4 @@
-"""Does the camera stand still? Judged from a few frames of the film alone.
+"""Tell whether the camera stands still, and the background behind it: every pixel's median.
 
 Two looks must agree, each by cells of the picture, since people and leaves move before a camera
 that stands still and only some cells are theirs. Corners are followed from the first frame to the
@@ -9,15 +9,39 @@ look also works on soft gradients, where a pan leaves no corner to follow.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.video.plate import Grey, background, moving, smooth
 from keypose.tracker.video.video import Video
+
+Grey: TypeAlias = NDArray[np.float32]
+
+DIFFERENCE = 8.0
+"""Grey levels by which a pixel must differ from the background to count as moving."""
+SMOOTHING_PX = 1.2
+
+
+def smooth(grey: NDArray[np.uint8] | Grey) -> Grey:
+    """A grey picture freed of most of its noise."""
+    blurred = cv2.GaussianBlur(grey.astype(np.float32), (0, 0), SMOOTHING_PX)
+    return np.asarray(blurred, dtype=np.float32)
+
+
+def background(pictures: Sequence[NDArray[Any]]) -> Grey:
+    """Every pixel's median over grey pictures (H, W)."""
+    return np.asarray(np.median(np.stack(pictures), axis=0), dtype=np.float32)
+
+
+def moving(picture: Grey, plate: Grey) -> NDArray[np.bool_]:
+    """Pixels (H, W) of a smoothed picture that do not look as the empty scene does."""
+    return np.asarray(np.abs(picture - plate) >= DIFFERENCE)
+
 
 SAMPLES = 9
 """Frames that are looked at, however long the film is."""

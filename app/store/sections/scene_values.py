@@ -13,10 +13,10 @@ from keypose.app.posing import tilt_and_roll, view_rotations
 from keypose.app.store.sections.evidence_values import surface_version
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.session.references import VideoReference
 from keypose.tracker.session.schema import Session
-from keypose.tracker.tracking.diagnostics.runs import runs
 from keypose.tracker.video import VideoInfo
 
 

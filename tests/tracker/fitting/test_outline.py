@@ -7,9 +7,13 @@ import pytest
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose, moved
-from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
 from keypose.tracker.fitting.pose.outline import Edges, Outline, gain, separation
-from keypose.tracker.fitting.pose.refinement import PosedKeyframe, decided_share, refine
+from keypose.tracker.fitting.pose.refinement import (
+    EdgeDistances,
+    PosedKeyframe,
+    decided_share,
+    refine,
+)
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.terms import Equations
 from keypose.tracker.tracking.scene import Scene

@@ -19,8 +19,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted, fit_sizes
-from keypose.tracker.fitting.sizes.colours import learn_colours
-from keypose.tracker.fitting.sizes.contours import contour_of, offsets
+from keypose.tracker.fitting.sizes.contours import contour_of, learn_colours, offsets
 from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.proposals import FLOATING_M, _floating
 from keypose.tracker.fitting.sizes.residuals import Pictures

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.pose import Pose, moved
-from keypose.tracker.fitting.pose.texture import texture_of, without_parts
-from keypose.tracker.fitting.pose.texture_match import TextureMatch
+from keypose.tracker.fitting.pose.texture import TextureMatch, texture_of, without_parts
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.tracking.scene import Scene
 from tests.tracker.tracking_cases import CAMERAS, random_body, random_pose, scene_of, smooth_picture

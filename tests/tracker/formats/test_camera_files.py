@@ -16,7 +16,7 @@ from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import apply_transform
-from keypose.tracker.video.timecode import Timecode
+from keypose.tracker.video.info import Timecode
 from tests.tracker.formats import recordings
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.formats.test_glb import written

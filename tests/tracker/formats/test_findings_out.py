@@ -17,7 +17,7 @@ from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.verdict import GOOD
-from keypose.tracker.video.timecode import Timecode
+from keypose.tracker.video.info import Timecode
 from tests.tracker.formats import recordings
 
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, Stretch, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import Network
-from keypose.tracker.keypoints.stretch import Stretch
 from tests.tracker.keypoints import keypoint_cases as cases
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
 

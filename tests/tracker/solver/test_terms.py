@@ -14,9 +14,8 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.joint_limits import Limits, TwistLimits
 from keypose.tracker.body.pose import Pose, moved
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.pose.edge_distances import EdgeDistances
-from keypose.tracker.fitting.pose.texture import texture_of
-from keypose.tracker.fitting.pose.texture_match import TextureMatch
+from keypose.tracker.fitting.pose.refinement import EdgeDistances
+from keypose.tracker.fitting.pose.texture import TextureMatch, texture_of
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.pose_terms import (

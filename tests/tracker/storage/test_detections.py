@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.tracker.keypoints.detect import Seed, detect
-from keypose.tracker.keypoints.stretch import Stretch
+from keypose.tracker.keypoints.detect import Seed, Stretch, detect
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.cache import Detections
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.video import Video
-from keypose.tracker.video.file_lens import FileLens, lens_in
+from keypose.tracker.video.info import FileLens, lens_in
 
 QUICKTIME = "com.apple.quicktime."
 FOCAL = f"{QUICKTIME}camera.focal_length.35mm_equivalent"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.video import Video
-from keypose.tracker.video.timecode import Timecode, timecode_in
+from keypose.tracker.video.info import Timecode, timecode_in
 
 
 def code(text: str, fps: float) -> Timecode:

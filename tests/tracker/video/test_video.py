@@ -22,8 +22,8 @@ from hypothesis import strategies as st
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video import MissingFrame, Video
 from keypose.tracker.video import decode as decode_module
-from keypose.tracker.video.cache import PictureCache
 from keypose.tracker.video.index import index_from_packets
+from keypose.tracker.video.video import PictureCache
 from tests.tracker.video_cases import (
     ask_for_turn,
     damage_packet,

@@ -22,21 +22,17 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.fitting.draft.depth_signs import pointing, turned
-from keypose.tracker.fitting.draft.first_poses import first_pose
+from keypose.tracker.fitting.draft.depth_signs import consistent_sides, pointing, turned
+from keypose.tracker.fitting.draft.first_poses import first_pose, with_proportions
 from keypose.tracker.fitting.draft.judged import Judged, Piece, judged
-from keypose.tracker.fitting.draft.limbs import Joints, turning_ends
-from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends
 from keypose.tracker.fitting.draft.proposals import Proposal
-from keypose.tracker.fitting.draft.sides import consistent_sides
-from keypose.tracker.fitting.draft.sizes import with_proportions
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.crossings import person_changes
-from keypose.tracker.keypoints.detect import Frame, Kept, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Box
-from keypose.tracker.keypoints.stretch import Looks
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
 

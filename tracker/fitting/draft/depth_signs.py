@@ -1,4 +1,4 @@
-"""Which way the bones of limbs point over a whole stretch: toward the camera or away from it.
+"""Decide over a whole stretch which way bones point in depth, and which side is left.
 
 How steeply a bone stands to the picture's plane is seen by how short it looks; toward which side is
 the network's word. Frame by frame that is often wrong: it puts a joint too near or too far by about
@@ -10,23 +10,41 @@ it gives rises and falls with the bone's own tilt, in one sense or the other:
 A sign changes only while the bone passes through the plane, and an upper arm hangs about where arms
 hang. Signs are found by dynamic programming and the bias by what they leave, in turn, from several
 biases on; the most probable outcome counts.
+
+Arms and legs stand in each frame in one of three ways: as detected; exchanged; or with their outer
+joints exchanged in the picture alone. That last a network does where one leg passes before the
+other: hips, depths and visibility stay with their side, knees and feet are seen on the other one's.
+What joints jump from frame to frame, in the picture and in depth, is least along one way through
+these states, found by dynamic programming. The left shoulder and the left hip are on one side of a
+body, and most of what is detected is right. Where both legs coincide the way may still be wrong: so
+it stands beside what was detected, and all terms of the poses decide between the two.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from itertools import product
+from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.fitting.draft.limbs import SIDES, Bone, Joints, place_of
-from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.observed import (
+    LIMBS,
+    POINTS,
+    SIDES,
+    Bone,
+    Joints,
+    Observed,
+    place_of,
+)
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.jumps import trunk_straightness
+from keypose.tracker.keypoints.keypoints import JOINTS
 
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
@@ -48,7 +66,7 @@ ROUNDS: Final = 6
 PASSING: Final = 0.1
 """Tilt at which a bone changes its side at the cost of one standard deviation; steeper ones hardly
 ever do."""
-CHANGE: Final = 0.5
+DEPTH_CHANGE: Final = 0.5
 """What a change of side costs besides."""
 SURE: Final = 4.0
 """A bone is turned where the other side is so much less probable, as −log p."""
@@ -187,7 +205,7 @@ def _least(steep: Array, estimated: Array, unlikely: Array) -> Array:
     """(N, B, 2) the least sum of costs over all frames with this sign in this one."""
     own = (estimated[..., None] - _SIGNS * steep[..., None]) ** 2 / (2 * NOISE**2 * TOGETHER)
     own = own + unlikely / POSED_TOGETHER
-    change = ((np.minimum(steep[1:], steep[:-1]) / PASSING) ** 2 + CHANGE)[..., None]
+    change = ((np.minimum(steep[1:], steep[:-1]) / PASSING) ** 2 + DEPTH_CHANGE)[..., None]
     return _up_to(own, change) + _up_to(own[::-1], change[::-1])[::-1] - own
 
 
@@ -217,3 +235,118 @@ def turned(joints: Joints, seen: Observed, p_hips: Array, found: Pointing) -> Ob
     every = seen.p_hips.copy()
     every[:, joint] = np.where(seen.known[:, joint, None], p, every[:, joint])
     return replace(seen, p_hips=every)
+
+
+SIDE_CHANGE: Final = 0.05
+"""What an exchange costs on the way, as a share of the body's height."""
+AGAINST: Final = np.array([0.0, 0.01, 0.02])
+"""What a frame costs in each way: outer joints alone are never exchanged for long."""
+CROSSED: Final = 0.1
+"""What a frame costs whose hips are turned against its shoulders."""
+_ARMS, _LEGS = ([place_of(side, joint) for joint in limb for side in SIDES] for limb in LIMBS)
+_LEGS += [POINTS.index(f"{side}_{end}") for end in ("heel", "foot_index") for side in SIDES]
+"""From the trunk outward, left and right beside each other."""
+
+Way: TypeAlias = Literal[0, 1, 2]
+"""As detected, exchanged, or the outer joints exchanged in the picture alone."""
+WAYS: Final[tuple[Way, ...]] = get_args(Way)
+EXCHANGED, OUTER = WAYS[1:]
+_STATES = np.array(list(product(WAYS, repeat=2)))
+"""(9, 2) the ways of arms and legs."""
+
+
+def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Observed | None:
+    """With arms and legs exchanged where they jump from side to side; None where they do not.
+
+    height_px, height_m: of the body.
+    """
+    where = np.concatenate([seen.uv / height_px, seen.p_hips[..., 2:] / height_m], axis=-1)
+    where[~seen.known] = np.nan
+    own = AGAINST[_STATES].sum(axis=1) + _crossed(seen)
+    steps = np.zeros((len(seen) - 1, len(_STATES), len(_STATES)))
+    for k, group in enumerate((_ARMS, _LEGS)):
+        before, now = _STATES[:, None, k], _STATES[None, :, k]
+        steps += SIDE_CHANGE * (before != now) + _group_jumps(where, group)[:, before, now]
+    states = _STATES[_least_way(own, steps)]
+    return _exchanged(seen, states) if states.any() else None
+
+
+def _crossed(seen: Observed) -> Array:
+    """(N, 9) by frame and state."""
+    straight = trunk_straightness(JOINTS, seen.p_hips[:, : len(JOINTS)])
+    assert straight is not None
+    cosine = np.nan_to_num(straight)
+    turned = _STATES == EXCHANGED
+    sign = np.where(turned[:, 0] == turned[:, 1], 1.0, -1.0)
+    return np.asarray(CROSSED * np.maximum(-cosine[:, None] * sign, 0.0))
+
+
+def _group_jumps(where: Array, group: list[int]) -> Array:
+    """(N − 1, 3 before, 3) mean distance from a group's joints to those of the frame before, each
+    in one of the ways; 0 where nothing is known in both."""
+    ways = np.stack([_in_way(where[:, group], way) for way in WAYS])
+    return np.stack(
+        [
+            np.stack([_mean_distance(now[1:], before[:-1]) for now in ways], axis=-1)
+            for before in ways
+        ],
+        axis=1,
+    )
+
+
+def _in_way(where: Array, way: Way) -> Array:
+    """Joints (N, J, 3), pixels and depth, of one group in one of the ways."""
+    if way == EXCHANGED:
+        return _other(where)
+    if way != OUTER:
+        return where
+    out = where.copy()
+    out[:, len(SIDES) :, :2] = _other(where)[:, len(SIDES) :, :2]
+    return out
+
+
+def _mean_distance(a: Array, b: Array) -> Array:
+    away = np.linalg.norm(a - b, axis=-1)
+    known = np.isfinite(away)
+    return np.asarray(np.where(known, away, 0.0).sum(-1) / np.maximum(known.sum(-1), 1))
+
+
+def _other(values: NDArray[Any]) -> NDArray[Any]:
+    """Left and right, which lie beside each other, exchanged."""
+    pairs = values.reshape(len(values), values.shape[1] // 2, 2, *values.shape[2:])
+    return np.asarray(pairs[:, :, ::-1].reshape(values.shape))
+
+
+def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
+    """(N,) the states whose sum of own costs (N, S) and of steps (N − 1, S before, S) is least."""
+    cost, came_from = own[0], np.zeros(own.shape, np.int64)
+    for n in range(1, len(own)):
+        way = cost[:, None] + steps[n - 1]
+        came_from[n] = way.argmin(axis=0)
+        cost = way.min(axis=0) + own[n]
+    states = np.zeros(len(own), np.int64)
+    states[-1] = int(cost.argmin())
+    for n in range(len(own) - 1, 0, -1):
+        states[n - 1] = came_from[n, states[n]]
+    return states
+
+
+def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
+    """With arms and legs in the ways that states (N, 2) say."""
+    places = np.tile(np.arange(len(POINTS)), (len(seen), 1))
+    labels = places.copy()
+    for group, ways in zip((_ARMS, _LEGS), states.T, strict=True):
+        for order, joints, rows in (
+            (places, group, ways == EXCHANGED),
+            (labels, group, ways == EXCHANGED),
+            (places, group[len(SIDES) :], ways == OUTER),
+        ):
+            here = np.ix_(rows, joints)
+            order[here] = _other(order[here])
+    every = np.arange(len(seen))[:, None]
+    known = seen.known[every, places] & seen.known[every, labels]
+    return replace(
+        seen, uv=seen.uv[every, places], known=known,
+        visibility=np.where(known, seen.visibility[every, labels], 0.0),
+        p_hips=seen.p_hips[every, labels],
+    )  # fmt: skip

@@ -14,11 +14,10 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.clip import FEW_POINTS, filled, middle
+from keypose.tracker.fitting.draft.depth_signs import consistent_sides
 from keypose.tracker.fitting.draft.judged import NEAREST_M
-from keypose.tracker.fitting.draft.limbs import Joints, turning_ends
-from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends
 from keypose.tracker.fitting.draft.offsets import learned_depth, learned_place
-from keypose.tracker.fitting.draft.sides import consistent_sides
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.fitting.draft.limbs import Joints
-from keypose.tracker.fitting.draft.observed import Observed
+from keypose.tracker.fitting.draft.observed import Joints, Observed
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares

@@ -18,8 +18,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.fitting.pose.outline import Outline, separation
 from keypose.tracker.fitting.pose.refinement import PosedKeyframe, refine
-from keypose.tracker.fitting.pose.texture import Texture, texture_of, without_parts
-from keypose.tracker.fitting.pose.texture_match import TextureMatch
+from keypose.tracker.fitting.pose.texture import Texture, TextureMatch, texture_of, without_parts
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.tracking.scene import Scene

@@ -17,8 +17,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.sizes.colours import ColourModels
-from keypose.tracker.fitting.sizes.contours import offsets
+from keypose.tracker.fitting.sizes.contours import ColourModels, offsets
 from keypose.tracker.fitting.sizes.estimate import estimate
 from keypose.tracker.fitting.sizes.messages import SizesFound, size_changes
 from keypose.tracker.fitting.sizes.residuals import Pictures, contours

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh
-from keypose.tracker.fitting.sizes.colours import (
+from keypose.tracker.fitting.sizes.contours import (
     ColourModels,
+    Contour,
     colour_cells,
+    contour_of,
     learn_colours,
+    offsets,
     plate_odds,
 )
-from keypose.tracker.fitting.sizes.contours import Contour, contour_of, offsets
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.errors import listed, readable
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.surface.fit.chain import Link
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.solving import UNSEEN
-from keypose.tracker.tracking.diagnostics.runs import runs
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""

@@ -26,7 +26,7 @@ from keypose.tracker.tracking.anchored_cycle import (
     joint_evidence,
     measured_by_keypoints,
 )
-from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
+from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.soft_correction import Correction
 from keypose.tracker.tracking.initial.chains import Chain, follow
 from keypose.tracker.tracking.segment import distance_px, extent_px, is_sound

@@ -15,13 +15,13 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
 from keypose.tracker.tracking.cycle import NOWHERE_PX, Outcome
 from keypose.tracker.tracking.diagnostics.observability import Observation
-from keypose.tracker.tracking.diagnostics.runs import runs
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, extent_px
 

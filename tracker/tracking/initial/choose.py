@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
-from keypose.tracker.tracking.frame_pair import printed_score
+from keypose.tracker.tracking.frame_pair import capped_score, printed_score
 from keypose.tracker.tracking.initial.chains import Chains, blend_chains, follow_both
 from keypose.tracker.tracking.initial.lifting import lift
 from keypose.tracker.tracking.initial.planar import planar_start
 from keypose.tracker.tracking.initial.templates import limb_tracks
 from keypose.tracker.tracking.method import Keypose, Paper
 from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
 
 DOUBT = 0.5

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from keypose.tracker.tracking.initial.templates import Start
-from keypose.tracker.tracking.initial.templates.ends import (
+from keypose.tracker.tracking.initial.templates.first_keyframe import FirstKeyframe, NotFollowed
+from keypose.tracker.tracking.initial.templates.tracks import (
     TwoLinks,
     is_left_out,
     leaves,
     middle,
     two_link_limbs,
 )
-from keypose.tracker.tracking.initial.templates.first_keyframe import FirstKeyframe, NotFollowed
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 

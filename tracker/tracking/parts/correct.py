@@ -1,4 +1,4 @@
-"""A tracked segment corrected where a person set limbs right between its keyframes.
+"""Correct a tracked segment where a person set limbs right between its keyframes.
 
 The rest of the body stays exactly as it was tracked. Of each limb that was set right the frames
 between two at which it is known are tracked anew, as a segment of their own in which nothing but
@@ -10,8 +10,11 @@ is corrected changes nothing of a leg.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from threading import Lock
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,20 +22,62 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, Trajectory, joined
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.settings import Quality
 from keypose.tracker.tracking.anchored_cycle import track_anchored
 from keypose.tracker.tracking.cues.anchors import anchors_of
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cycle import Outcome, Work, track_from
+from keypose.tracker.tracking.frame_pair import capped_score
 from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import Keypose, Method
-from keypose.tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb, with_parts
 from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
-from keypose.tracker.tracking.parts.limb_anchors import limb_anchors
-from keypose.tracker.tracking.parts.limb_segment import LimbSegment, other_side
+from keypose.tracker.tracking.parts.limb_segment import (
+    LimbSegment,
+    closed_on,
+    closed_pieces,
+    limb_anchors,
+    other_side,
+    with_limb,
+    with_parts,
+)
 from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.tracking.score import capped_score
 from keypose.tracker.tracking.segment import Segment
+
+Kind: TypeAlias = tuple[str, Quality, str]
+"""What identifies an outcome: the segment's key without part keyframes, quality, all settings."""
+
+MOST_FRAMES = 4000
+"""Of all that is kept together; some 15 kB each."""
+
+
+class KeptOutcomes:
+    """Outcomes of segments as tracked, the latest ones; used by several threads."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[Kind, Outcome] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, kind: Kind) -> Outcome | None:
+        """That of this kind; of a preview also a better one of the same segment, so that nothing
+        but a limb is seen to change while it is corrected."""
+        key, quality, _ = kind
+        with self._lock:
+            better = [k for k in self._kept if k[0] == key and k[1] != "preview"]
+            if kind not in self._kept and quality == "preview" and better:
+                kind = better[-1]
+            found = self._kept.get(kind)
+            if found is not None:
+                self._kept.move_to_end(kind)
+            return found
+
+    def keep(self, kind: Kind, outcome: Outcome) -> None:
+        with self._lock:
+            self._kept[kind] = outcome
+            frames = sum(len(one.trajectory) for one in self._kept.values())
+            while frames > MOST_FRAMES and len(self._kept) > 1:
+                _, oldest = self._kept.popitem(last=False)
+                frames -= len(oldest.trajectory)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.fitting.draft import ClipDraft
-from keypose.tracker.fitting.draft.limbs import ENDS, POINTS, SIDES, Joints, place_of
+from keypose.tracker.fitting.draft.observed import ENDS, POINTS, SIDES, Joints, place_of
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints

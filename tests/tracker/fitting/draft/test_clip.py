@@ -11,7 +11,7 @@ from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import DraftProgress, draft_clip, draft_from_keypoints
-from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.network import NAMES, Network, Seen

@@ -11,7 +11,7 @@ import pytest
 from keypose.tracker.fitting.draft import clip as clip_module
 from keypose.tracker.fitting.draft import draft_from_keypoints
 from keypose.tracker.fitting.draft.depth_signs import Pointing, most_probable_signs, pointing
-from keypose.tracker.fitting.draft.limbs import Joints
+from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, place, walk

@@ -15,9 +15,8 @@ from keypose.tracker.body.shapes.box import Box as BoxShape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
-from keypose.tracker.fitting.draft.limbs import Joints
-from keypose.tracker.fitting.draft.observed import Observed
-from keypose.tracker.fitting.draft.sides import consistent_sides
+from keypose.tracker.fitting.draft.depth_signs import consistent_sides
+from keypose.tracker.fitting.draft.observed import Joints, Observed
 from keypose.tracker.geometry.rotations import log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import (

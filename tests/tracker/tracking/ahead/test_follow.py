@@ -15,7 +15,7 @@ from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.ahead import follow
 from keypose.tracker.tracking.ahead.follow import FoundAhead, follow_ahead
 from keypose.tracker.tracking.ahead.followed import Followed
-from keypose.tracker.tracking.ahead.stops import Stopped
+from keypose.tracker.tracking.ahead.stop_reasons import Stopped
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.tracker import NO_KEYPOINTS, Tracker

@@ -13,7 +13,7 @@ from keypose.tracker.solver.least_squares import least_squares
 from keypose.tracker.solver.robust import SQUARED, Cauchy
 from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.cues.anchors import Anchors
-from keypose.tracker.tracking.cues.from_keypoints import from_keypoints
+from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.soft_correction import CRITERIA, Correction, measured_increments
 from keypose.tracker.tracking.drift import Doubt, Motions, closing_error, correct_drift
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, joints_apart_m, moving

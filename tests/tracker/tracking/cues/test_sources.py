@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from keypose.tracker.keypoints.augmented import augmented_fingerprint
+from keypose.tracker.keypoints.detect import Stretch
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
 from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
-from keypose.tracker.keypoints.stretch import Stretch
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving

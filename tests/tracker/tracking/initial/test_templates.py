@@ -10,9 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.tracking.initial.templates import LimbTracks, limb_tracks
-from keypose.tracker.tracking.initial.templates.combine_courses import combine_courses
-from keypose.tracker.tracking.initial.templates.ends import followed_points, two_link_limbs
-from keypose.tracker.tracking.initial.templates.follow_point import Course
+from keypose.tracker.tracking.initial.templates.follow_point import Course, combine_courses
+from keypose.tracker.tracking.initial.templates.tracks import followed_points, two_link_limbs
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from tests.tracker import tracking_cases as cases

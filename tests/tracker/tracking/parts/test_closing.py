@@ -7,8 +7,8 @@ import numpy as np
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.tracking.parts.closing import closed_on
 from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_segment import closed_on
 from tests.tracker.tracking.cues.people import SKELETON, moving
 
 ARM = [SKELETON.body.index(f"right_{name}") for name in ("upper_arm", "forearm", "hand")]

@@ -10,9 +10,12 @@ import pytest
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.tracking.cues.anchors import Anchors
-from keypose.tracker.tracking.parts.closing import part_of
-from keypose.tracker.tracking.parts.limb_anchors import limb_anchors, resolve_sides
-from keypose.tracker.tracking.parts.limb_segment import LimbSegment
+from keypose.tracker.tracking.parts.limb_segment import (
+    LimbSegment,
+    limb_anchors,
+    part_of,
+    resolve_sides,
+)
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, Floats, moving
 
 ARM = ("right_upper_arm", "right_forearm", "right_hand")

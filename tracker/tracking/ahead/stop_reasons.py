@@ -1,4 +1,4 @@
-"""Where a followed motion stops to be trusted, and why."""
+"""Decide where a followed motion stops to be trusted, and why: occlusion, doubt, damage, a cut."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.raster import BodyMesh, raster
+from keypose.tracker.body.trajectory import runs
+from keypose.tracker.geometry.view import ViewCamera
 from keypose.tracker.session.annotations import Stop, StopCause
-from keypose.tracker.tracking.ahead.hidden import hidden_share
 from keypose.tracker.tracking.diagnostics.judge import SHORTEST_RUN
-from keypose.tracker.tracking.diagnostics.runs import runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +21,28 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.ahead.followed import Followed
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.video.pyramid import Clip
+
+
+def hidden_share(scene: Scene, pose: Pose, part: int) -> tuple[float, int | None]:
+    """The share of a part's near side that other parts cover or that lies outside the picture; and
+    the part that covers most of it, None where more of it is outside."""
+    skeleton, points, camera = scene.skeleton, scene.points, scene.camera
+    Ts = pose_transforms(skeleton, pose)
+    own = slice(points.starts[part], points.starts[part + 1])
+    R, p = Ts[part, :3, :3], Ts[part, :3, 3]
+    p_camera = points.points[own] @ R.T + p
+    near = ((points.normals[own] @ R.T) * p_camera).sum(axis=-1) < 0
+    if not near.any():
+        return 0.0, None
+    uv = np.round(camera.project(p_camera[near])).astype(int)
+    inside = ((uv >= 0) & (uv < np.array([camera.width, camera.height]))).all(axis=-1)
+    u, v = uv[inside].T
+    seen = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(camera)).part[v, u]
+    covering = seen[(seen >= 0) & (seen != part)]
+    outside = int((~inside).sum())
+    behind = int(np.bincount(covering).argmax()) if len(covering) > outside else None
+    return (len(covering) + outside) / len(uv), behind
+
 
 INSIDE_SHARE: Final = 0.5
 """Of the marks that are in the picture at the keyframe: with fewer the body has left it."""

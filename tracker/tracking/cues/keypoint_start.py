@@ -1,4 +1,4 @@
-"""A first motion from keypoints alone, for where the body could not be followed in the picture."""
+"""Start a motion from keypoints alone, where the body could not be followed in the picture."""
 
 from __future__ import annotations
 
