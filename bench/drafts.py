@@ -20,7 +20,7 @@ from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
 from keypose.tracker.fitting.draft.observed import LIMBS, SIDES, Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.augmented import Augmented
+from keypose.tracker.keypoints.augmented import AugmentedNetwork
 from keypose.tracker.video import Video
 
 CAMERAS = (1, 2, 3, 4)
@@ -58,7 +58,7 @@ def _of_camera(number: int) -> tuple[Array, float]:
     box = _box(camera, rough[0])
     ends = 0, len(pictures) - 1
     draft = draft_clip(
-        lambda n: pictures[n], ends, 0, box, camera, preset("adult_male"), Augmented.open()
+        lambda n: pictures[n], ends, 0, box, camera, preset("adult_male"), AugmentedNetwork.open()
     )
     return _counted(draft, camera, rough[:, [names.index(name) for name in _names()]])
 

@@ -53,9 +53,9 @@ from keypose.tracker.fitting.pose import fit_pose_to_picture
 from keypose.tracker.fitting.pose import keyframe as fit_pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.keypoints.augmented import Augmented
+from keypose.tracker.keypoints.augmented import AugmentedNetwork
 from keypose.tracker.keypoints.crossings import person_changes
-from keypose.tracker.keypoints.detect import Seed, Stretch, detect
+from keypose.tracker.keypoints.detect import DetectionWindow, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
@@ -69,7 +69,7 @@ from keypose.tracker.tracking.initial import choose
 from keypose.tracker.tracking.initial.templates import follow_point, tracks
 from keypose.tracker.tracking.initial.templates import patch as patches
 from keypose.tracker.tracking.parts import limb_segment
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video, damage
@@ -536,16 +536,16 @@ def _limb(name: str, ends: tuple[int, int], seed: int) -> tuple[dict[str, float]
     return {"limb px": float(np.mean(own)), "rest px": float(np.mean(rest))}, _bytes(motion)
 
 
-class _Remembered(dict[str, Stretch]):
+class _Remembered(dict[str, DetectionWindow]):
     """What the network found before, as the program keeps it on disk."""
 
-    def put(self, key: str, stretch: Stretch) -> None:
+    def put(self, key: str, stretch: DetectionWindow) -> None:
         self[key] = stretch
 
 
 @cache
-def _network() -> Augmented:
-    return Augmented.open()
+def _network() -> AugmentedNetwork:
+    return AugmentedNetwork.open()
 
 
 def _box(film: Shown, first: int, seed: int) -> tuple[float, float, float, float]:

@@ -13,7 +13,7 @@ from keypose.tracker.solver.least_squares import Criteria, Damping, least_square
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.tracking.parts.keyed import turning
+from keypose.tracker.tracking.parts.limb_keyframes import turning
 from keypose.tracker.tracking.segment import NEAREST_M
 
 LIMBS = {

@@ -54,7 +54,7 @@ def drafted(
 ) -> tuple[ClipDraft, str]:
     """Drafts of these frames, first and last, and the network's fingerprint; see `draft_clip`."""
     from keypose.tracker.fitting.draft import draft_clip  # loads what only this needs
-    from keypose.tracker.keypoints.augmented import Augmented
+    from keypose.tracker.keypoints.augmented import AugmentedNetwork
     from keypose.tracker.keypoints.model_files import FULL, find_model
     from keypose.tracker.storage.cache import Detections
 
@@ -64,7 +64,7 @@ def drafted(
         except MissingFrame:
             return None
 
-    network = Augmented.open(find_model(session.settings.network or FULL.name))
+    network = AugmentedNetwork.open(find_model(session.settings.network or FULL.name))
     found = draft_clip(
         picture, frames, at, box, session.camera, session.body, network,
         again=network.plain, proportions=proportions, report=report,

@@ -61,7 +61,7 @@ class Mirrors(Protocol):
     ) -> Seen: ...
 
 
-class Augmented:
+class AugmentedNetwork:
     """A network that looks at each frame several times; as `Network` otherwise.
 
     networks: the same one, read once for each thread that looks.  plain: one that looks once.
@@ -76,7 +76,7 @@ class Augmented:
             self._idle.put(network)
 
     @classmethod
-    def open(cls, model: Model = FULL, *, fast: bool | None = None) -> Augmented:
+    def open(cls, model: Model = FULL, *, fast: bool | None = None) -> AugmentedNetwork:
         """Read a network's file; KeypointError as `Network.open`."""
         threads = min(len(VARIATIONS), os.cpu_count() or 1)
         return cls([Network.open(model, fast=fast) for _ in range(threads)])
@@ -105,7 +105,7 @@ class Augmented:
 
 
 def augmented_fingerprint(model: Model) -> str:
-    """What the network would have as `Augmented.fingerprint`, which is not read for it."""
+    """Return what the network would have as `Augmented.fingerprint`, which is not read for it."""
     return _marked(fingerprint_of(model))
 
 

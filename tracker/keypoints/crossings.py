@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.detect import Frame, Looks, Rows
-from keypose.tracker.keypoints.jumps import TRUNK
+from keypose.tracker.keypoints.detect import Detector, Frame, Rows
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import NAMES
+from keypose.tracker.keypoints.outliers import TRUNK
 from keypose.tracker.keypoints.region import Region
 
 APART: Final = 0.25
@@ -36,7 +36,7 @@ def person_changes(
     frame: Frame,
     keypoints: Keypoints,
     at: int,
-    network: Looks,
+    network: Detector,
     report: Callable[[int, int], None] = lambda done, expected: None,
 ) -> tuple[int, ...]:
     """The frames from which on the body may be another one than before, ascending.
@@ -63,7 +63,7 @@ def person_changes(
 
 
 def _are_apart(before: Array, again: Rows) -> bool:
-    """Whether a body that is followed again is elsewhere than it was, in its newest frame."""
+    """Return whether a body that is followed again is elsewhere in its newest frame."""
     uv = again.stretch().uv[-1]
     return bool(np.isfinite(uv).all()) and _distance(before, uv) > APART
 

@@ -35,7 +35,7 @@ LOOK_PARTS: Final = 32
 """Regions are rounded to so many parts of their size before each look."""
 
 
-class Looks(Protocol):
+class Detector(Protocol):
     """What sees keypoints in a region, as `Network`."""
 
     @property
@@ -44,7 +44,7 @@ class Looks(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class DetectionWindow:
     """A piece of a chain: N frames in its direction.
 
     uv, visibility, p_hips: (N, 33, ...) as of Keypoints, NaN and 0 where nobody was seen.
@@ -62,17 +62,17 @@ class Stretch:
         return len(self.uv)
 
     def region(self, row: int) -> Region:
-        """Where to look after a frame."""
+        """Return where to look after a frame."""
         x, y, side, turn = self.regions[row].tolist()
         return Region(x, y, side, turn)
 
-    def __getitem__(self, rows: slice) -> Stretch:
+    def __getitem__(self, rows: slice) -> DetectionWindow:
         """Some of its frames, or all in the other direction."""
         uv, visibility, p_hips = self.uv[rows], self.visibility[rows], self.p_hips[rows]
-        return Stretch(uv, visibility, p_hips, self.regions[rows], self.lost_for[rows])
+        return DetectionWindow(uv, visibility, p_hips, self.regions[rows], self.lost_for[rows])
 
     @classmethod
-    def joined(cls, pieces: Sequence[Stretch]) -> Stretch:
+    def joined(cls, pieces: Sequence[DetectionWindow]) -> DetectionWindow:
         """Pieces that follow one another."""
         return cls(
             np.concatenate([p.uv for p in pieces]),
@@ -94,7 +94,7 @@ class Rows:
 
     @classmethod
     def begun(
-        cls, region: Region, network: Looks, picture: NDArray[np.uint8] | None, looks: int
+        cls, region: Region, network: Detector, picture: NDArray[np.uint8] | None, looks: int
     ) -> Rows:
         """One frame, looked at so often, each time where the body was seen the last time."""
         rows = cls(region)
@@ -103,7 +103,7 @@ class Rows:
             rows.add(network, picture)
         return rows
 
-    def add(self, network: Looks, picture: NDArray[np.uint8] | None) -> None:
+    def add(self, network: Detector, picture: NDArray[np.uint8] | None) -> None:
         """The next frame; None where it cannot be decoded, or is not to be looked at."""
         seen = None
         if picture is not None:
@@ -120,11 +120,11 @@ class Rows:
         self._regions.append(self.region)
         self._lost_for.append(self.lost_for)
 
-    def stretch(self) -> Stretch:
+    def stretch(self) -> DetectionWindow:
         points = len(NAMES)
         uv, metres = np.full((points, 2), np.nan), np.full((points, 3), np.nan)
         unseen = np.zeros(points)
-        return Stretch(
+        return DetectionWindow(
             _stack([uv if s is None else s.uv for s in self._seen], (points, 2)),
             _stack([unseen if s is None else s.visibility for s in self._seen], (points,)),
             _stack([metres if s is None else s.p_hips for s in self._seen], (points, 3)),
@@ -177,8 +177,8 @@ class Seed:
 class Kept(Protocol):
     """Stretches of earlier runs, by key."""
 
-    def get(self, key: str) -> Stretch | None: ...
-    def put(self, key: str, stretch: Stretch) -> None: ...
+    def get(self, key: str) -> DetectionWindow | None: ...
+    def put(self, key: str, stretch: DetectionWindow) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ def detect(
     frame: Frame,
     frames: tuple[int, int],
     seeds: Sequence[Seed],
-    network: Looks,
+    network: Detector,
     *,
     report: Callable[[Progress], None] = lambda progress: None,
     film: str = "",
@@ -217,7 +217,7 @@ def detect(
     inside = bool(numbers) and first <= numbers[0] <= numbers[-1] <= last
     if not inside or len(set(numbers)) < len(numbers):
         raise ValueError("seeds are of different frames among those asked for")
-    work = _Work(frame, network, report, film, kept, expected=last - first + 1)
+    work = _DetectionRun(frame, network, report, film, kept, expected=last - first + 1)
     starts = [start for start in map(work.start, ordered) if start is not None]
     if not starts:
         raise _nobody(numbers)
@@ -244,14 +244,16 @@ class _Start:
     """A seed where somebody was seen; one frame, its region mended."""
 
     frame: int
-    seen: Stretch
+    seen: DetectionWindow
 
     @property
     def region(self) -> Region:
         return self.seen.region(0)
 
 
-def _both_ways(work: _Work, one: _Start, other: _Start) -> tuple[Stretch, Stretch | None, int]:
+def _both_ways(
+    work: _DetectionRun, one: _Start, other: _Start
+) -> tuple[DetectionWindow, DetectionWindow | None, int]:
     """Forward from one start to the frame of the other; backward, where that is needed, as far as
     the frame of the first, ordered by frame; and the step from which backward is taken."""
     forward = work.chain(one, 1, other.frame)
@@ -262,12 +264,13 @@ def _both_ways(work: _Work, one: _Start, other: _Start) -> tuple[Stretch, Stretc
     return forward, backward, _change(forward, backward)
 
 
-def _is_near(forward: Stretch, other: _Start) -> bool:
+def _is_near(forward: DetectionWindow, other: _Start) -> bool:
     return forward.region(-1).distance(other.region) < CLEARLY_BESIDE
 
 
-def _change(forward: Stretch, backward: Stretch) -> int:
-    """Where the body passes from one chain to the other: where both are nearest to each other.
+def _change(forward: DetectionWindow, backward: DetectionWindow) -> int:
+    """Return where the body passes from one chain to the other: where both are nearest to each
+    other.
 
     Row k of forward is of frame one + 1 + k, of backward of one + k.
     """
@@ -295,12 +298,14 @@ class _Found:
         self._visibility = np.zeros((count, points))
         self._p_hips = np.full((count, points, 3), np.nan)
 
-    def put(self, after: int, direction: int, rows: Stretch) -> None:
+    def put(self, after: int, direction: int, rows: DetectionWindow) -> None:
         """The frames that follow this one in the direction."""
         for k in range(len(rows)):
             self._put(after + direction * (k + 1), rows, k)
 
-    def between(self, first: int, forward: Stretch, backward: Stretch | None, change: int) -> None:
+    def between(
+        self, first: int, forward: DetectionWindow, backward: DetectionWindow | None, change: int
+    ) -> None:
         """The frames after the first, from two chains."""
         for k in range(len(forward) - 1):
             if backward is None or (k < change and not forward.lost_for[k]):
@@ -308,7 +313,7 @@ class _Found:
             else:
                 self._put(first + 1 + k, backward, k + 1)
 
-    def _put(self, frame: int, rows: Stretch, k: int) -> None:
+    def _put(self, frame: int, rows: DetectionWindow, k: int) -> None:
         n = frame - self._first
         self._uv[n], self._visibility[n] = rows.uv[k], rows.visibility[k]
         self._p_hips[n] = rows.p_hips[k]
@@ -318,11 +323,11 @@ class _Found:
 
 
 @dataclass(eq=False)
-class _Work:
+class _DetectionRun:
     """One run: looks at frames, or takes what was kept."""
 
     frame: Frame
-    network: Looks
+    network: Detector
     report: Callable[[Progress], None]
     film: str
     kept: Kept | None
@@ -332,7 +337,7 @@ class _Work:
     def start(self, seed: Seed) -> _Start | None:
         """The seed's frame, looked at several times; None where nobody is there."""
 
-        def look() -> Stretch:
+        def look() -> DetectionWindow:
             self._report(seed.frame)
             picture = self.frame(seed.frame)
             return Rows.begun(seed.region, self.network, picture, LOOKS_AT_SEED).stretch()
@@ -340,7 +345,7 @@ class _Work:
         stretch = self._kept(("seed", seed.frame, astuple(seed.region)), 1, look)
         return None if stretch.lost_for[0] else _Start(seed.frame, stretch)
 
-    def chain(self, start: _Start, direction: int, last: int) -> Stretch:
+    def chain(self, start: _Start, direction: int, last: int) -> DetectionWindow:
         """All frames after the start up to the last, in this direction."""
         frames = range(start.frame + direction, last + direction, direction)
         region, lost_for = start.region, 0
@@ -349,10 +354,10 @@ class _Work:
             piece = self._stretch(piece_frames, region, lost_for)
             pieces.append(piece)
             region, lost_for = piece.region(-1), int(piece.lost_for[-1])
-        return Stretch.joined(pieces)
+        return DetectionWindow.joined(pieces)
 
-    def _stretch(self, frames: range, region: Region, lost_for: int) -> Stretch:
-        def look() -> Stretch:
+    def _stretch(self, frames: range, region: Region, lost_for: int) -> DetectionWindow:
+        def look() -> DetectionWindow:
             rows = Rows(region, lost_for)
             for number in frames:
                 self._report(number)
@@ -362,7 +367,9 @@ class _Work:
         key = ("piece", frames[0], frames.step, astuple(region.rounded(LOOK_PARTS)), lost_for)
         return self._kept(key, len(frames), look)
 
-    def _kept(self, key: tuple[object, ...], count: int, look: Callable[[], Stretch]) -> Stretch:
+    def _kept(
+        self, key: tuple[object, ...], count: int, look: Callable[[], DetectionWindow]
+    ) -> DetectionWindow:
         if self.kept is None:
             return look()
         text = json.dumps([self.film, self.network.fingerprint, repr(key)])

@@ -33,13 +33,13 @@ class Model:
 
     @property
     def path(self) -> Path:
-        """Where it lies, or would lie."""
+        """Return where it lies, or would lie."""
         folder = Path(__file__).with_name("models") if self.bundled else added_folder()
         return folder / self.file
 
     @property
     def is_here(self) -> bool:
-        """Whether there is a file of it; what it holds is checked when it is opened."""
+        """Return whether there is a file of it; what it holds is checked when it is opened."""
         return self.path.is_file()
 
 
@@ -66,7 +66,7 @@ def cache_folder() -> Path:
 
 
 def added_folder() -> Path:
-    """Where added networks are kept."""
+    """Return where added networks are kept."""
     return cache_folder() / "models"
 
 
@@ -103,5 +103,5 @@ def verified(model: Model) -> Path:
 
 
 def is_content(model: Model, content: bytes) -> bool:
-    """Whether these bytes are the network's file."""
+    """Return whether these bytes are the network's file."""
     return hashlib.sha256(content).hexdigest() == model.sha256

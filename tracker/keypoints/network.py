@@ -159,12 +159,12 @@ class Network:
 
 
 def fast_is_here() -> bool:
-    """Whether LiteRT is installed."""
+    """Return whether LiteRT is installed."""
     return importlib.util.find_spec("ai_edge_litert") is not None
 
 
 def fingerprint_of(model: Model) -> str:
-    """What the network would have as `Network.fingerprint`, which is not read for it."""
+    """Return what the network would have as `Network.fingerprint`, which is not read for it."""
     return f"{model.sha256[:16]}-{_litert_name() if fast_is_here() else _opencv_name()}"
 
 

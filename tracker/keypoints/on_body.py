@@ -57,7 +57,9 @@ def points_on_body(body: Body, names: Sequence[str]) -> PointsOnBody:
 
 
 def is_persons(body: Body) -> bool:
-    """Whether enough of a person's joints are on a body for keypoints to be compared with it."""
+    """Return whether enough of a person's joints are on a body for keypoints to be compared with
+    it.
+    """
     return len(points_on_body(body, JOINTS).indices) >= FEWEST
 
 

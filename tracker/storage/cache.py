@@ -19,7 +19,7 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_own, read_regular
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import (
     FULL,
@@ -92,7 +92,7 @@ class Detections:
         self._folder = cache_folder() / "keypoints" if folder is None else folder
         self._most_bytes = most_bytes
 
-    def get(self, key: str) -> Stretch | None:
+    def get(self, key: str) -> DetectionWindow | None:
         """The stretch of this key; None where there is none that can be used."""
         path = self._path(key)
         try:
@@ -103,7 +103,7 @@ class Detections:
             os.utime(path)  # used now
         return stretch
 
-    def put(self, key: str, stretch: Stretch) -> None:
+    def put(self, key: str, stretch: DetectionWindow) -> None:
         """Keep a stretch, if that can be done."""
         content = archive_bytes({name: getattr(stretch, name) for name in (*_ROWS, *_STATE)})
         with suppress(KeypointError):
@@ -131,7 +131,7 @@ class Detections:
 _STATE: Final = ("regions", "lost_for")
 
 
-def _stretch(content: bytes) -> Stretch:
+def _stretch(content: bytes) -> DetectionWindow:
     """ValueError where it is none."""
     arrays = archive_arrays(content)
     if set(arrays) != {*_ROWS, *_STATE}:
@@ -146,7 +146,7 @@ def _stretch(content: bytes) -> Stretch:
     seen = np.isfinite(arrays["uv"]).all(axis=(1, 2))
     if count < 1 or not np.isfinite(arrays["regions"]).all() or (lost_for[seen] != 0).any():
         raise ValueError("it holds no stretch")
-    return Stretch(*(arrays[name] for name in (*_ROWS, *_STATE)))
+    return DetectionWindow(*(arrays[name] for name in (*_ROWS, *_STATE)))
 
 
 def found_before(session: Session, span: Span) -> Keypoints | None:

@@ -16,7 +16,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
 from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.findings import Judged, space_findings
+from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
 from keypose.tracker.tracking.space.result import SpaceResult
 from keypose.tracker.tracking.space.solve import (
     PinnedPoint,
@@ -61,7 +61,7 @@ def solved(
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
     body = session.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
-    judged = Judged(
+    judged = MotionInSpace(
         skeleton,
         problem.camera,
         found.motion,

@@ -26,7 +26,7 @@ from keypose.tracker.tracking.cues.sources import (
     GivenKeypoints,
     KeypointSource,
 )
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video

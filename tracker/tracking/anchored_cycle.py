@@ -21,15 +21,15 @@ from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.bundle import refine
-from keypose.tracker.tracking.cues.drift_scale import drift_scale
+from keypose.tracker.tracking.cues.increment_scale import increment_scale
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
+from keypose.tracker.tracking.cues.smoothed_keypoints import smoothed_keypoints
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     even_increments,
     measured_increments,
 )
-from keypose.tracker.tracking.cues.steady import steadied
 from keypose.tracker.tracking.cycle import NOISE, Outcome, Work, drift_px, track_from
 from keypose.tracker.tracking.frame_pair import capped_score, robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
@@ -49,7 +49,7 @@ keypoints have led, and leave the more to brightness."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ended:
+class Candidate:
     """Where the cycle led from one start. index: of its last trajectory among all passes.
 
     cost: of all evidence together.  score: grey levels², None where brightness does not count.
@@ -72,26 +72,26 @@ def track_anchored(
     candidates: Sequence[Anchors],
     begun: Starts | None,
     *,
-    from_afar: bool = True,
+    reach_far: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     several where left and right are in doubt.  begun: starts from brightness; None where it does
         not count.
-    from_afar: unless the starts are about right already, and keypoints need not reach far.
+    reach_far: unless the starts are about right already, and keypoints need not reach far.
     """
     brightness = begun is not None
     begun = begun or Starts(())
     tried: list[Pass] = []
-    ends: list[Ended] = []
+    ends: list[Candidate] = []
     scale = 1.0
     if begun.chains is not None:
         measured, _, _ = _measure(free, segment, method, begun.ways[0].trajectory)
-        scale = drift_scale(segment, begun.chains, measured)
+        scale = increment_scale(segment, begun.chains, measured)
     for anchors in candidates:
         correction = Correction(free, segment, anchors)
-        alone = Pass("keypoints", from_keypoints(correction, from_afar), None)
+        alone = Pass("keypoints", from_keypoints(correction, reach_far), None)
         if not brightness:
             tried.append(alone)
             yield alone
@@ -113,10 +113,11 @@ def track_anchored(
 
 
 def _is_misled(
-    free: Scene, segment: Segment, method: Keypose, begun: Starts, ends: Sequence[Ended]
+    free: Scene, segment: Segment, method: Keypose, begun: Starts, ends: Sequence[Candidate]
 ) -> bool:
-    """Whether all that was found with keypoints explains the pictures worse than the body as it was
-    followed to begin with. What a person set right misleads nobody."""
+    """Return whether all that was found with keypoints explains the pictures worse than the body as
+    it was followed to begin with. What a person set right misleads nobody.
+    """
     if any((ended.anchors.by_hand > 0).any() for ended in ends):
         return False
     followed = capped_score(free, segment.clip, begun.ways[0].trajectory, method.stride)
@@ -142,16 +143,16 @@ def expected_anchored_steps(passes: int) -> int:
     return 2 * (passes + 2)
 
 
-def measured_by_keypoints(correction: Correction, found: Trajectory, index: int) -> Ended:
-    """What keypoints alone led to."""
+def measured_by_keypoints(correction: Correction, found: Trajectory, index: int) -> Candidate:
+    """Return what keypoints alone led to."""
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
-    return Ended(index, found, correction.cost(found, held), None, nothing, correction.anchors)
+    return Candidate(index, found, correction.cost(found, held), None, nothing, correction.anchors)
 
 
 def cycle(
     correction: Correction, method: Keypose, start: Pass, tried: list[Pass]
-) -> Generator[Pass, None, Ended]:
+) -> Generator[Pass, None, Candidate]:
     """All passes from one start, which are put into `tried` one by one. The first one is led by the
     keypoints of each frame, which reach far; the others by steadied ones.
 
@@ -189,7 +190,7 @@ def cycle(
 def _ended(
     correction: Correction, motion: Trajectory, measured: Increments, drift: Array, score: float,
     index: int,
-) -> Ended:  # fmt: skip
+) -> Candidate:  # fmt: skip
     """With its cost: what anchors, limits and steps say, and how well the pictures are explained.
 
     Differences of brightness have a width that nobody knows, so they count by the logarithm of
@@ -198,7 +199,7 @@ def _ended(
     steps = len(motion) - 1
     unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + NOISE)
     cost = correction.cost(motion, measured) + float(unexplained)
-    return Ended(index, motion, cost, score, drift, correction.anchors)
+    return Candidate(index, motion, cost, score, drift, correction.anchors)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -206,14 +207,16 @@ def _steadied(correction: Correction, present: Trajectory, weight: float) -> Cor
     open end nothing tells what lasts from what shakes."""
     if correction.open_end:
         return correction
-    anchors = steadied(correction.anchors, correction.scene, present)
+    anchors = smoothed_keypoints(correction.anchors, correction.scene, present)
     return replace(correction, anchors=anchors.weighted(weight))
 
 
 def _measure(
     scene: Scene, segment: Segment, method: Keypose, present: Trajectory
 ) -> tuple[Increments, Array, float]:
-    """What the picture says of every step, how far that leads from the motion, and its score."""
+    """Return what the picture says of every step, how far that leads from the motion, and its
+    score.
+    """
     motions, score = robust_pass(
         scene, segment.clip, present, method.stride, method.inner, method.stop
     )
@@ -221,7 +224,12 @@ def _measure(
 
 
 def _outcome(
-    scene: Scene, free: Scene, begun: Starts, tried: list[Pass], ends: list[Ended], best: Ended
+    scene: Scene,
+    free: Scene,
+    begun: Starts,
+    tried: list[Pass],
+    ends: list[Candidate],
+    best: Candidate,
 ) -> Outcome:
     chains = begun.chains
     zeros = np.zeros((len(best.trajectory), len(scene.marks[1])))
@@ -239,10 +247,11 @@ def _outcome(
 
 
 def joint_evidence(
-    free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
+    free: Scene, ends: Sequence[Candidate], best: Candidate, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
-    """What tracking saw of the best motion: its keypoints, how far from it brightness leads, and
-    how far the others lie that took left and right alike. keyed: its rows that are keyframes."""
+    """Return what tracking saw of the best motion: its keypoints, how far from it brightness leads,
+    and how far the others lie that took left and right alike. keyed: its rows that are keyframes.
+    """
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
@@ -259,7 +268,7 @@ def joint_evidence(
     )
 
 
-def _drift_by_part(free: Scene, end: Ended) -> Array:
+def _drift_by_part(free: Scene, end: Candidate) -> Array:
     """(N, P) pixels by which a part's worst mark drifts in the steps to and from a frame, in the
     mean of both."""
     by_step = np.zeros((len(end.drift_px), free.skeleton.part_count))
@@ -268,6 +277,6 @@ def _drift_by_part(free: Scene, end: Ended) -> Array:
     return np.asarray(0.5 * (around[:-1] + around[1:]))
 
 
-def _joint_pixels(free: Scene, end: Ended) -> Array:
+def _joint_pixels(free: Scene, end: Candidate) -> Array:
     """(N, K) where the joints are that have keypoints."""
     return image_points(free.camera, end.anchors.where(end.trajectory.transforms(free.skeleton)))

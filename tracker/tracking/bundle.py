@@ -161,7 +161,7 @@ class _Point:
 def _keyframe_textures(
     scene: Scene, pictures: Picture, slots: NDArray[np.int64], R: Array, t: Array, stride: int
 ) -> _Textures:
-    """What the first and the last frame show of the body."""
+    """Return what the first and the last frame show of the body."""
     size, parts = len(scene.points.points), scene.skeleton.part_count
     chosen, grey = np.zeros((2, size + 1), np.int32), np.zeros((2, size + 1), np.float32)
     starts = np.zeros((2, parts + 1), np.int64)

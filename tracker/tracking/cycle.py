@@ -24,7 +24,7 @@ from keypose.tracker.tracking.frame_pair import (
 )
 from keypose.tracker.tracking.initial.choose import Starts, printed_start, starts
 from keypose.tracker.tracking.method import Keypose, Method, Paper
-from keypose.tracker.tracking.own_motion import own_motion_links
+from keypose.tracker.tracking.prior_motion import prior_motion_links
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
 
@@ -148,7 +148,7 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
 def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
     others, own = None, segment.own
     if own is not None:
-        others = SegmentPoses(scene.skeleton, scene.arrays, (), own_motion_links(scene, own))
+        others = SegmentPoses(scene.skeleton, scene.arrays, (), prior_motion_links(scene, own))
     given = (scene, segment.clip, start.trajectory, method.refinement, others)
     trajectory = refine(*given, even=own is None)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
@@ -161,7 +161,7 @@ def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pas
 def _is_better(
     scene: Scene, segment: Segment, method: Keypose, refined: Pass, unrefined: Pass
 ) -> bool:
-    """Whether the refinement is better.
+    """Return whether the refinement is better.
 
     The score compares neighbouring frames and so prefers the passes, which do just that; the
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.

@@ -145,7 +145,7 @@ def run_tasks(
     Each event is reported on the thread that works on its segment. Cancelling takes effect within
     one pass. A segment that fails does not stop the others; its later tasks are left out.
     """
-    work = _Work(tracker, len({task.index for task in tasks}), report, cancelled)
+    work = _TaskQueue(tracker, len({task.index for task in tasks}), report, cancelled)
     for future in wait([threads.submit(work.run, task) for task in tasks]).done:
         future.result()
     return work.is_complete
@@ -154,7 +154,8 @@ def run_tasks(
 def stream(
     work: Callable[[Callable[[Item], None]], None], stop: Event, look: Callable[[], object] = never
 ) -> Generator[Item]:
-    """What `work` reports to the function it is given, in order; it works on a thread of its own.
+    """Return what `work` reports to the function it is given, in order; it works on a thread of its
+    own.
 
     stop: set when the iterator is closed before the end, so that the work leaves.
     look: called on the caller's thread, again and again. An error of the work is raised last.
@@ -238,7 +239,7 @@ def run_chosen(
     yield TrackFinished(result, cancelled=not all(complete))
 
 
-class _Work:
+class _TaskQueue:
     """The tasks of one run, shared by its threads."""
 
     def __init__(

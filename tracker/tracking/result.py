@@ -59,7 +59,7 @@ def _layout(
     rows: Literal["step", "frame"], width: Literal["", "part", "dof"] = "", *, dtype: str = "<f8",
     stored_as: str = "", optional: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
-    """What a field of `Diagnostics` declares of its array, see `Column`."""
+    """Return what a field of `Diagnostics` declares of its array, see `Column`."""
     return {
         "rows": rows, "width": width, "dtype": dtype, "stored_as": stored_as, "optional": optional,
     }  # fmt: skip
@@ -158,7 +158,7 @@ class Diagnostics:
 
 
 def _is_known(rows: NDArray[Any]) -> bool:
-    """Whether something is known of every row."""
+    """Return whether something is known of every row."""
     return bool(np.isfinite(rows).reshape(len(rows), -1).any(axis=1).all())
 
 
@@ -221,7 +221,7 @@ class SegmentResult:
 
     @property
     def finished(self) -> bool:
-        """Whether it can be used: judged, though perhaps stopped before all was done."""
+        """Return whether it can be used: judged, though perhaps stopped before all was done."""
         return self.verdict is not None
 
     @property

@@ -79,14 +79,14 @@ class Scene:
         return replace(self, skeleton=skeleton, arrays=_arrays(skeleton, self.points))
 
     def mark_pixels(self, trajectory: Trajectory) -> Array:
-        """Where the marks of every pose are seen: (N, M, 2) pixels."""
+        """Return where the marks of every pose are seen: (N, M, 2) pixels."""
         points, parts = self.marks
         T = trajectory.transforms(self.skeleton)[:, parts]
         p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
         return self.camera.project(p_camera)
 
     def point_pixels(self, trajectory: Trajectory, part: int, p_part: Array) -> Array:
-        """Where a point of a part is seen in every pose: (N, 2) pixels."""
+        """Return where a point of a part is seen in every pose: (N, 2) pixels."""
         T = trajectory.transforms(self.skeleton)[:, part]
         return self.camera.project(T[:, :3, :3] @ p_part + T[:, :3, 3])
 

@@ -33,7 +33,7 @@ from keypose.tracker.tracking.parts.correct import (
     corrected,
     expected_limb_steps,
 )
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
@@ -65,7 +65,7 @@ class _Prepared:
 
     @property
     def has_static_camera(self) -> bool:
-        """Whether pictures are compared with one of the empty scene."""
+        """Return whether pictures are compared with one of the empty scene."""
         return self._loading[1]
 
     def loader(self, longest: int) -> ClipLoader:
@@ -143,7 +143,7 @@ class Tracker:
         return other
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
-        """What loads the pictures of a segment, in the size that its length allows."""
+        """Return what loads the pictures of a segment, in the size that its length allows."""
         return self._prepared.loader(span[1] - span[0] + 1)
 
     def scene(self, span: tuple[int, int], density: float, free: bool = False) -> Scene:
@@ -258,7 +258,7 @@ class Tracker:
     def _evidence(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Evidence:
-        """What limbs are tracked from."""
+        """Return what limbs are tracked from."""
         method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
         if keypoints is None:
             return Evidence(scene)
@@ -298,17 +298,18 @@ class Tracker:
         return source.over(segment, self.skeleton, report)
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
-        """Where keypoints come from; None where they do not count."""
+        """Return where keypoints come from; None where they do not count."""
         return self._keypoints if self._uses_keypoints(settings) else None
 
     def _uses_keypoints(self, settings: TrackSettings) -> bool:
-        """Whether keypoints count where there are any: never for the printed method, nor for bodies
-        that are no person's."""
+        """Return whether keypoints count where there are any: never for the printed method, nor for
+        bodies that are no person's.
+        """
         wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
     def _uses_silhouette(self, settings: TrackSettings) -> bool:
-        """Whether what moves counts: it is known before a camera that stands still."""
+        """Return whether what moves counts: it is known before a camera that stands still."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         return wanted and self._prepared.has_static_camera
 

@@ -184,7 +184,7 @@ class ClipLoader:
         return self.size.picture(self.camera.rectify(grey))
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
-        """What each pixel may be used for, or None where everything may."""
+        """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
         if not masks and not self.static_camera and not self.camera.is_distorted:
             return None

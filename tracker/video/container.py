@@ -128,7 +128,9 @@ def decode_packets(
 
 
 def tags_of(frame: av.VideoFrame) -> dict[str, str]:
-    """What a picture says of itself, such as its EXIF tags; nothing where that cannot be read."""
+    """Return what a picture says of itself, such as its EXIF tags; nothing where that cannot be
+    read.
+    """
     try:
         return dict(frame.metadata)
     except PYAV_ERRORS:

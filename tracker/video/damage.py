@@ -166,8 +166,8 @@ def _note(section: _Section, step: _Step) -> None:
 
 
 def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> bool:
-    """Whether a decoder that is put before this key begins with it, and it is one; or the file's
-    beginning, which always is.
+    """Return whether a decoder that is put before this key begins with it, and it is one; or the
+    file's beginning, which always is.
 
     Some files call frames keys that are built on others: pictures refreshed bit by bit.
     """

@@ -34,7 +34,7 @@ BT709 = 1
 
 
 def can_write_films() -> bool:
-    """Whether the installed PyAV brings an encoder for H.264."""
+    """Return whether the installed PyAV brings an encoder for H.264."""
     return "libx264" in av.codecs_available
 
 

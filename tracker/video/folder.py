@@ -242,8 +242,9 @@ def _number_in(stem: str) -> int | None:
 
 
 def _unevenness(numbers: Sequence[int | None]) -> str:
-    """Which numbers in the names of the images are missing or doubled, in a sentence; empty where
-    none is, or where most would be: then they do not count images, but are times, say."""
+    """Return which numbers in the names of the images are missing or doubled, in a sentence; empty
+    where none is, or where most would be: then they do not count images, but are times, say.
+    """
     counted = Counter(number for number in numbers if number is not None)
     there = sorted(counted)
     if len(there) < 2 or counted.total() < len(numbers):

@@ -138,7 +138,7 @@ def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | Non
 
 
 def _dropped(rate: int, mark: str) -> int:
-    """How many numbers a minute drops, but for every tenth."""
+    """Return how many numbers a minute drops, but for every tenth."""
     return 0 if mark == ":" else 2 * round(rate / 30)
 
 

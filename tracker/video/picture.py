@@ -76,8 +76,9 @@ _DEPTHS = (10, 12, 14)
 
 
 def depth_of(frames: Iterable[av.VideoFrame]) -> int | None:
-    """How many bits the brightest value of pictures of sixteen bits needs: 10, 12 or 14, as cameras
-    have them; None where it needs more, or the pictures have not sixteen."""
+    """Return how many bits the brightest value of pictures of sixteen bits needs: 10, 12 or 14, as
+    cameras have them; None where it needs more, or the pictures have not sixteen.
+    """
     brightest = max((_values(f)[..., :3].max() for f in frames if _is_deep(f)), default=0xFFFF)
     return next((depth for depth in _DEPTHS if brightest < 1 << depth), None)
 

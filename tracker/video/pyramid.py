@@ -74,7 +74,9 @@ class Clip:
         return len(self.levels[0])
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
-        """Where the frames first_frame … last_frame lie in the arrays; IndexError beyond them."""
+        """Return where the frames first_frame … last_frame lie in the arrays; IndexError beyond
+        them.
+        """
         if first_frame < self.first_frame or last_frame >= self.first_frame + len(self):
             raise IndexError(f"frames {first_frame} to {last_frame} are not all in the clip")
         return np.arange(first_frame - self.first_frame, last_frame - self.first_frame + 1)

@@ -90,7 +90,7 @@ class StillCamera:
 
 
 def still_camera(video: Video) -> StillCamera:
-    """Whether the camera of a film stands still. Equal for equal frames.
+    """Return whether the camera of a film stands still. Equal for equal frames.
 
     A film of fewer than three readable frames is never called still.
     """
@@ -175,7 +175,9 @@ def _standing(away: NDArray[np.bool_]) -> NDArray[np.uint8]:
 def _followed(
     first: NDArray[np.uint8], picture: NDArray[np.uint8], start: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Where corners (K, 1, 2) are in another picture (K, 2), and whether they are found back."""
+    """Return where corners (K, 1, 2) are in another picture (K, 2), and whether they are found
+    back.
+    """
     reached, forward = _follow(first, picture, start)
     back, backward = _follow(picture, first, reached)
     found = forward & backward
@@ -203,7 +205,8 @@ def _medians(ways: NDArray[np.float32], cell: NDArray[np.int64]) -> Array:
 
 
 def _residual_shifts(picture: Grey, plate: Grey, away: NDArray[np.bool_]) -> Array:
-    """How far each cell of the background would have to be shifted to look as the picture does.
+    """Return how far each cell of the background would have to be shifted to look as the picture
+    does.
 
     Linear least squares on the gradients of the background, outside moving pixels; cells whose
     gradients say too little in one direction are left out.

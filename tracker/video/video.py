@@ -106,7 +106,7 @@ class Video:
 
     @property
     def info(self) -> VideoInfo:
-        """What is known now. `missing` may grow while frames are read; and a file whose
+        """Return what is known now. `missing` may grow while frames are read; and a file whose
         frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
         info = self._source.info
@@ -125,7 +125,7 @@ class Video:
 
     @property
     def is_closed(self) -> bool:
-        """Whether it is closed."""
+        """Return whether it is closed."""
         return self._closed
 
     def frame(self, index: int) -> Picture:
@@ -201,7 +201,7 @@ class Video:
                 self._with_damaged = None
 
     def note(self, index: int) -> str | None:
-        """What is known to be wrong with a frame's own file, in a sentence."""
+        """Return what is known to be wrong with a frame's own file, in a sentence."""
         return None
 
     def fingerprint(self) -> str:

@@ -121,12 +121,12 @@ def test_ctrl_c_keeps_the_steps_that_are_done(
     monkeypatch.setattr(segment, "REPORT_S", 0.0)
     looks: list[int] = []
 
-    def stop_at_the_third_look(work: pool._Work) -> None:
+    def stop_at_the_third_look(work: pool._TaskQueue) -> None:
         looks.append(1)
         if len(looks) == 3:
             raise pool.Cancelled
 
-    monkeypatch.setattr(pool._Work, "_leave_when_cancelled", stop_at_the_third_look)
+    monkeypatch.setattr(pool._TaskQueue, "_leave_when_cancelled", stop_at_the_third_look)
     assert fit("--session", session_path) == 130
     reported = capsys.readouterr()
     assert "check frames 3–4: not fitted yet" in reported.out

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.keypoints.augmented import (
     VARIATIONS,
-    Augmented,
+    AugmentedNetwork,
     Variation,
     augmented_fingerprint,
 )
@@ -49,7 +49,7 @@ class Fake:
 
 
 def looked_at(fake: Fake) -> Seen:
-    return Augmented([fake]).look(PICTURE, REGION)
+    return AugmentedNetwork([fake]).look(PICTURE, REGION)
 
 
 def is_truth(seen: Seen) -> bool:
@@ -89,7 +89,7 @@ def test_several_threads_find_the_same_as_one() -> None:
         picture = video.frame(0)
     region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
     one, three = (
-        Augmented([Network.open(fast=False) for _ in range(threads)]).look(picture, region)
+        AugmentedNetwork([Network.open(fast=False) for _ in range(threads)]).look(picture, region)
         for threads in (1, 3)
     )
     for name in ("uv", "visibility", "p_hips"):
@@ -133,11 +133,11 @@ def test_whether_somebody_is_there_and_where_to_look_next_are_the_plain_looks() 
 
 def test_what_was_found_by_one_look_is_not_taken_for_the_same() -> None:
     fake = Fake()
-    assert Augmented([fake]).fingerprint != fake.fingerprint
+    assert AugmentedNetwork([fake]).fingerprint != fake.fingerprint
 
 
 def test_the_fingerprint_is_known_without_the_network() -> None:
-    assert Augmented.open(FULL).fingerprint == augmented_fingerprint(FULL)
+    assert AugmentedNetwork.open(FULL).fingerprint == augmented_fingerprint(FULL)
 
 
 def test_a_real_man_is_found_as_near_as_by_one_look() -> None:
@@ -154,6 +154,6 @@ def test_a_real_man_is_found_as_near_as_by_one_look() -> None:
         off = [seen.uv[NAMES.index(j)] - marked[j] for j in JOINTS if j in marked]
         return float(np.mean(np.hypot(*np.transpose(off))))
 
-    assert apart(Augmented([network]).look(picture, region)) < 1.1 * apart(
+    assert apart(AugmentedNetwork([network]).look(picture, region)) < 1.1 * apart(
         network.look(picture, region)
     )

@@ -6,17 +6,24 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, Stretch, detect
+from keypose.tracker.keypoints.detect import (
+    PATIENCE,
+    STRETCH,
+    DetectionWindow,
+    Progress,
+    Seed,
+    detect,
+)
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.network import Network
 from tests.tracker.keypoints import keypoint_cases as cases
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
 
 
-class Kept(dict[str, Stretch]):
+class Kept(dict[str, DetectionWindow]):
     """Stretches in memory."""
 
-    def put(self, key: str, stretch: Stretch) -> None:
+    def put(self, key: str, stretch: DetectionWindow) -> None:
         self[key] = stretch
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.tracker.keypoints.detect import Seed, Stretch, detect
+from keypose.tracker.keypoints.detect import DetectionWindow, Seed, detect
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.cache import Detections
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
@@ -24,10 +24,10 @@ def found(folder: Path) -> tuple[np.ndarray, int]:
     return keypoints.uv, len(walker.looked)
 
 
-def stretch(rows: int = 2) -> Stretch:
+def stretch(rows: int = 2) -> DetectionWindow:
     uv, p = np.zeros((rows, 33, 2)), np.zeros((rows, 33, 3))
     lost_for = np.zeros(rows, dtype=np.int64)
-    return Stretch(uv, np.ones((rows, 33)), p, np.ones((rows, 4)), lost_for)
+    return DetectionWindow(uv, np.ones((rows, 33)), p, np.ones((rows, 4)), lost_for)
 
 
 def test_what_was_found_before_is_not_looked_for_again(tmp_path: Path) -> None:

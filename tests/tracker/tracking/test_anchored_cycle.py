@@ -10,7 +10,7 @@ import pytest
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.tracking import anchored_cycle
-from keypose.tracker.tracking.anchored_cycle import Ended, joint_evidence, track_anchored
+from keypose.tracker.tracking.anchored_cycle import Candidate, joint_evidence, track_anchored
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import FULL
 from tests.tracker.tracking.cues.people import Filmed, moving
@@ -25,12 +25,12 @@ def led_to(by_keypoints: float, monkeypatch: pytest.MonkeyPatch) -> Trajectory:
 
     def cycle(
         correction: Any, _: Any, start: Pass, tried: list[Pass]
-    ) -> Generator[Pass, None, Ended]:
+    ) -> Generator[Pass, None, Candidate]:
         tried.append(start)
         yield start
         cost = 100.0 if start.trajectory is FILM.truth else by_keypoints
         nothing = np.zeros((len(FILM.truth) - 1, len(FILM.free.marks[1])))
-        return Ended(len(tried) - 1, start.trajectory, cost, None, nothing, correction.anchors)
+        return Candidate(len(tried) - 1, start.trajectory, cost, None, nothing, correction.anchors)
 
     monkeypatch.setattr(anchored_cycle, "cycle", cycle)
     work = track_anchored(FILM.free, FILM.free, FILM.segment, FULL, FILM.anchors(), begun)
@@ -54,7 +54,7 @@ def test_evidence_has_the_drift_of_a_parts_worst_mark_and_how_far_the_other_moti
     mark = int(np.flatnonzero(FILM.free.marks[1] == part)[-1])
     drift[3, mark] = 5.0
     ends = [
-        Ended(index, motion, 1.0, None, drift, anchors)
+        Candidate(index, motion, 1.0, None, drift, anchors)
         for index, motion in enumerate((FILM.truth, FILM.segment.interpolated()))
     ]
     found = joint_evidence(FILM.free, ends, ends[0])

@@ -24,13 +24,13 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft.depth_signs import consistent_sides, pointing, turned
 from keypose.tracker.fitting.draft.first_poses import first_pose, with_proportions
-from keypose.tracker.fitting.draft.judged import Judged, Piece, judged
+from keypose.tracker.fitting.draft.judged import JudgedDrafts, Piece, judged
 from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends
 from keypose.tracker.fitting.draft.proposals import Proposal
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.crossings import person_changes
-from keypose.tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
@@ -65,7 +65,7 @@ class ClipDraft:
     poses: Mapping[int, Pose]
     keypoints: Keypoints
     proposals: tuple[Proposal, ...]
-    judged: Judged
+    judged: JudgedDrafts
 
 
 def draft_clip(
@@ -75,9 +75,9 @@ def draft_clip(
     box: Box,
     camera: Camera,
     body: Body,
-    network: Looks,
+    network: Detector,
     *,
-    again: Looks | None = None,
+    again: Detector | None = None,
     proportions: bool = True,
     report: Callable[[DraftProgress], None] = lambda progress: None,
     film: str = "",
@@ -137,7 +137,7 @@ def draft_from_keypoints(
         raise _nowhere()
     if proportions:
         body = with_proportions(body, observed)
-    work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
+    work = _DraftRun(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
     pieces = [work.run(observed.rows(run)) for run in runs]
     return _draft(work, body, keypoints, pieces)
 
@@ -156,7 +156,7 @@ def _with_clavicles(draft: ClipDraft, body: Body) -> ClipDraft:
 
 
 @dataclass(eq=False)
-class _Work:
+class _DraftRun:
     """Runs of frames, one after the other."""
 
     skeleton: Skeleton
@@ -207,7 +207,7 @@ class _Work:
         return _Solved(seen, Whole.of_joints(scene, joints, seen, first), motion)
 
     def _without_jumps(self, seen: Observed, motion: Trajectory) -> Observed:
-        """What poses are found from: without keypoints that jump."""
+        """Return what poses are found from: without keypoints that jump."""
         return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
     def _with_ends(self, found: _Solved) -> Trajectory:
@@ -276,7 +276,7 @@ def _nowhere() -> KeypointError:
     )
 
 
-def _draft(work: _Work, body: Body, keypoints: Keypoints, pieces: list[Piece]) -> ClipDraft:
+def _draft(work: _DraftRun, body: Body, keypoints: Keypoints, pieces: list[Piece]) -> ClipDraft:
     found = judged(work.skeleton, work.camera, pieces)
     if not found.frames:
         raise _nowhere()

@@ -43,8 +43,8 @@ from keypose.tracker.fitting.draft.observed import (
 )
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.jumps import trunk_straightness
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.outliers import trunk_straightness
 
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
@@ -105,7 +105,7 @@ class Pointing:
 
 
 def pointing(joints: Joints, camera: Camera, p_hips: Array, motion: Trajectory) -> Pointing:
-    """How the bones of a motion of N frames should point by the network's landmarks.
+    """Return how the bones of a motion of N frames should point by the network's landmarks.
 
     camera: without distortion.  p_hips: (N, 12, 3) of the joints, finite.
     """

@@ -20,7 +20,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
 from keypose.tracker.fitting.draft.observed import Bone, Joints, Observed
-from keypose.tracker.fitting.draft.proposals import Proposal, Stretch, proposed
+from keypose.tracker.fitting.draft.proposals import FrameRange, Proposal, proposed
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
@@ -89,7 +89,7 @@ NEAREST_M = 0.06
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedDrafts:
     """F frames with a draft, and four limbs, left arm first, then right arm and both legs.
 
     frames (F,): of the video, ascending.  stretches: of frames that show one person.
@@ -100,7 +100,7 @@ class Judged:
     """
 
     frames: tuple[int, ...]
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[FrameRange, ...]
     parts: tuple[str, ...]
     residual: Array
     hidden: Array
@@ -125,13 +125,13 @@ class Piece(NamedTuple):
     depth_m: Array
 
 
-def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judged:
+def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> JudgedDrafts:
     """Of stretches of frames with their motions; camera without distortion."""
     joints = Joints.of(skeleton)
     names = tuple(skeleton.body.names[limb.upper.part] for limb in joints.limbs)
     found = [_piece(joints, camera, piece) for piece in pieces]
     found = [piece for piece in found if piece.frames]
-    return Judged(
+    return JudgedDrafts(
         tuple(frame for piece in found for frame in piece.frames),
         tuple(stretch for piece in found for stretch in piece.stretches),
         names,
@@ -142,7 +142,7 @@ def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judge
     )
 
 
-def _piece(joints: Joints, camera: Camera, piece: Piece) -> Judged:
+def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
     skeleton, (seen, motion, depth_m) = joints.skeleton, piece
     Ts = motion.transforms(skeleton)
     uv = image_points(camera, joints.seen.at(Ts))
@@ -160,8 +160,8 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> Judged:
     flips = flip_doubts(joints, camera, depth_m, motion)
     numbers = tuple((rows + motion.first_frame).tolist())
     begins: Reason = "person" if seen.jumped[0] else "start"
-    whole = (Stretch(numbers[0], numbers[-1], begins),) if numbers else ()
-    return Judged(numbers, whole, (), own[rows], hidden[rows], flips[rows])
+    whole = (FrameRange(numbers[0], numbers[-1], begins),) if numbers else ()
+    return JudgedDrafts(numbers, whole, (), own[rows], hidden[rows], flips[rows])
 
 
 def _mean(away: Array) -> Array:

@@ -16,9 +16,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.posed import BodyPoints
 
 SIDES: Final = ("left", "right")
@@ -232,7 +232,7 @@ class Observed:
 
     def without_jumps(self, height_px: float) -> Observed:
         """With those unknown that are for a few frames elsewhere. height_px: of the body."""
-        away = jumped_away(self.uv, self.known, height_px, POINTS, self.p_hips)
+        away = excursions(self.uv, self.known, height_px, POINTS, self.p_hips)
         known = self.known & ~away
         return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
 

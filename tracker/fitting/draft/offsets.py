@@ -35,5 +35,5 @@ def learned_place(slopes: Array, missed_px: Array, pixel_m: Array) -> Array:
 
 
 def learned_depth(missed_m: Array) -> float:
-    """What a keypoint's depth lacks, metres; missed_m (R,): in R posed frames."""
+    """Return what a keypoint's depth lacks, metres; missed_m (R,): in R posed frames."""
     return float(missed_m.sum() / (len(missed_m) + (POSED_DEPTH_M / DEPTH_M) ** 2))

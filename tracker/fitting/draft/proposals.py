@@ -33,7 +33,7 @@ class Proposal:
     score: float = 0.0
 
 
-class Stretch(NamedTuple):
+class FrameRange(NamedTuple):
     """First and last draft of a stretch of frames, and why it begins: "start" or "person"."""
 
     first: int
@@ -43,7 +43,7 @@ class Stretch(NamedTuple):
 
 def proposed(
     frames: list[int],
-    stretches: Sequence[Stretch],
+    stretches: Sequence[FrameRange],
     doubts: Mapping[Reason, Array],
     parts: tuple[str, ...],
 ) -> tuple[Proposal, ...]:

@@ -56,7 +56,7 @@ def refit_drafts(
     for frames in _stretches(observed, known, around):
         if any(frame in drafts for frame in frames) and any(frame in posed for frame in frames):
             rows = slice(frames.start - observed.first_frame, frames.stop - observed.first_frame)
-            work = _Stretch(skeleton, camera.without_distortion(), observed.rows(rows), known)
+            work = _PosedRun(skeleton, camera.without_distortion(), observed.rows(rows), known)
             motion = work.solved([frame for frame in frames if frame in posed])
             found |= {frame: motion.pose(frame) for frame in frames if frame in drafts}
     return {
@@ -96,7 +96,7 @@ def _is_before_camera(skeleton: Skeleton, pose: Pose) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class _PosedRun:
     """N frames that show one person, and the poses that they have."""
 
     skeleton: Skeleton

@@ -110,7 +110,7 @@ class Whole:
         return len(self.first)
 
     def cost(self, motion: Trajectory) -> float:
-        """What motions that have left and right otherwise are compared by."""
+        """Return what motions that have left and right otherwise are compared by."""
         padded = _padded(motion)
         return float(self._problem(slice(0, len(self)), Cauchy()).at(padded, 0).cost)
 

@@ -155,7 +155,7 @@ def align_textures(
 def textures_near(
     inputs: FitInputs, near: Mapping[int, Pose], tracked: Mapping[int, Pose]
 ) -> list[Texture]:
-    """What keyframes and tracked frames near show of the body; together they weigh one."""
+    """Return what keyframes and tracked frames near show of the body; together they weigh one."""
     keyframes = [(pose, frame) for frame, pose in near.items()]
     wrong = np.zeros(inputs.scene.skeleton.part_count, np.bool_)
     if _is_independent(inputs, tracked):
@@ -174,8 +174,9 @@ def textures_near(
 
 
 def _is_independent(inputs: FitInputs, tracked: Mapping[int, Pose]) -> bool:
-    """Whether tracking is independent of this keyframe: poses that were led through it share its
-    error."""
+    """Return whether tracking is independent of this keyframe: poses that were led through it share
+    its error.
+    """
     if inputs.frame not in tracked:
         return bool(tracked)
     away = inputs.keyframe.away(tracked[inputs.frame]) * np.sqrt(inputs.keyframe.precision)

@@ -255,8 +255,9 @@ def _best_candidate(
 def _agree(
     inputs: FitInputs, outline: Outline, outlined: RefinedPose, as_posed: _Candidate
 ) -> bool:
-    """Whether a pose fits the frames beside it so well that their poses are beyond doubt, and the
-    outline agrees."""
+    """Return whether a pose fits the frames beside it so well that their poses are beyond doubt,
+    and the outline agrees.
+    """
     if as_posed.cost > AGREEING * _cost(inputs, as_posed.match, inputs.keyframe.pose):
         return False
     return gain(outline, as_posed.refined.pose, outlined.pose) < OTHER_OUTLINE
@@ -310,7 +311,9 @@ def _is_better(
     outline: Outline | None,
     pose: Pose,
 ) -> bool:
-    """Whether a pose fits the picture clearly better than the one as set, on the same pixels."""
+    """Return whether a pose fits the picture clearly better than the one as set, on the same
+    pixels.
+    """
     if match is not None:
         match.update_visibility(inputs.keyframe.pose)
         before, after = (match.score(p) for p in (inputs.keyframe.pose, pose))

@@ -138,7 +138,7 @@ class Outline:
         return _histogram(self.steps[inside]) if inside.any() else behind
 
     def edges(self, shown: Raster, colours: Colours, reach_m: float) -> Edges:
-        """Where the picture has the edges of the body as drawn, up to reach_m away."""
+        """Return where the picture has the edges of the body as drawn, up to reach_m away."""
         reach_px = self.pixels(reach_m)
         v, u, part, other = _contour_pixels(shown)
         normal = _outward_normals(shown, v, u, part)

@@ -62,7 +62,9 @@ class Texture:
 def visible_points(
     scene: Scene, size: tuple[int, int], pose: Pose
 ) -> tuple[NDArray[np.uint8], Picture]:
-    """Which surface points (S,) a pose shows in a picture of (height, width), and uvz (S, 3)."""
+    """Return which surface points (S,) a pose shows in a picture of (height, width), and uvz (S,
+    3).
+    """
     HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
     place_parts(scene.arrays, *pose.writable(), HR, Ho)
     see(
@@ -222,7 +224,7 @@ class TextureDifferences:
         return Equations(A, b, np.nan)
 
     def _scales(self) -> list[float]:
-        """What a squared grey level counts, by texture."""
+        """Return what a squared grey level counts, by texture."""
         information = self.placed.scene.information(STRIDE) * STATED_INFORMATION
         both = zip(self.placed.textures, self.noise, strict=True)
         return [texture.weight * information / noise**2 for texture, noise in both]

@@ -57,7 +57,7 @@ class Proposal:
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class KeyframePictures:
     """The pictures of the keyframes at `frames`, looked at for proposals.
 
     camera: of the video.  scale: pixels of the pictures, in the video's.

@@ -23,7 +23,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.sizes.estimate import Estimate, estimate
 from keypose.tracker.fitting.sizes.messages import NO_GAIN, SizesFound, describe_sizes, unseen_parts
 from keypose.tracker.fitting.sizes.proportions import Proportions
-from keypose.tracker.fitting.sizes.proposals import UP_CAMERA, Look, Proposal
+from keypose.tracker.fitting.sizes.proposals import UP_CAMERA, KeyframePictures, Proposal
 from keypose.tracker.fitting.sizes.residuals import Pictures
 from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
@@ -101,7 +101,7 @@ def fit_sizes(
         return SizesFitted("Fitting was cancelled.")
     if not found.changed.any():
         return SizesFitted(describe_sizes(found), unseen=unseen_parts(found))
-    look = Look(
+    look = KeyframePictures(
         fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
     )  # fmt: skip
     alone = look.alone(found)

@@ -16,7 +16,7 @@ import numpy as np
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.annotations import Direction, Stop, StopCause
-from keypose.tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
+from keypose.tracker.tracking.ahead.forward_pass import ForwardPass, by_brightness, by_keypoints
 from keypose.tracker.tracking.ahead.stop_reasons import Stopped, pictures_end, stopped
 from keypose.tracker.tracking.cues.anchors import Anchors, anchors_of
 from keypose.tracker.tracking.method import FULL, Keypose, method_of
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Line:
+class DirectedFrames:
     """The frames from a keyframe on in one direction."""
 
     frame: int
@@ -44,7 +44,7 @@ class Line:
 
     @property
     def sign(self) -> int:
-        """What one step adds to the frame."""
+        """Return what one step adds to the frame."""
         return 1 if self.direction == "forward" else -1
 
     def frame_at(self, step: int) -> int:
@@ -91,7 +91,7 @@ class _Steps(Clip):
         return len(self.places)
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
-        """Where these steps lie in the arrays; IndexError beyond them."""
+        """Return where these steps lie in the arrays; IndexError beyond them."""
         if first_frame < 0 or last_frame >= len(self):
             raise IndexError(f"steps {first_frame} to {last_frame} are not all in the clip")
         return np.ascontiguousarray(self.places[first_frame : last_frame + 1])
@@ -143,7 +143,7 @@ def follow_ahead(
     """
     if frame not in tracker.keyposes:
         raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
-    work = _Work(tracker, Line(frame, direction), settings, emit)
+    work = _AheadRun(tracker, DirectedFrames(frame, direction), settings, emit)
     steps, end = _reach(tracker, work.line, longest)
     if steps < 1:
         raise SessionError(_NOWHERE[end].format(frame=frame, where=_WHERE[direction]))
@@ -151,11 +151,11 @@ def follow_ahead(
 
 
 def followed_ways(
-    tracker: Tracker, line: Line, steps: int, settings: TrackSettings
-) -> list[Followed]:
+    tracker: Tracker, line: DirectedFrames, steps: int, settings: TrackSettings
+) -> list[ForwardPass]:
     """The body followed over so many steps, trusted or not: with keypoints, where they count and
     there are any, and by brightness alone, where that counts."""
-    return _Work(tracker, line, settings, lambda motion: None)._block(steps, steps)[0]
+    return _AheadRun(tracker, line, settings, lambda motion: None)._block(steps, steps)[0]
 
 
 _NOWHERE: Final = {
@@ -165,8 +165,8 @@ _NOWHERE: Final = {
 _WHERE: Final = {"forward": "last", "backward": "first"}
 
 
-def _reach(tracker: Tracker, line: Line, longest: int) -> tuple[int, StopCause]:
-    """How many steps may be followed, and what ends them."""
+def _reach(tracker: Tracker, line: DirectedFrames, longest: int) -> tuple[int, StopCause]:
+    """Return how many steps may be followed, and what ends them."""
     last = tracker.frame_count - 1
     to_end = last - line.frame if line.direction == "forward" else line.frame
     others = [line.sign * (key - line.frame) for key in tracker.keyposes]
@@ -178,11 +178,11 @@ def _reach(tracker: Tracker, line: Line, longest: int) -> tuple[int, StopCause]:
 
 
 @dataclass(eq=False)
-class _Work:
+class _AheadRun:
     """One keyframe's way, grown block by block."""
 
     tracker: Tracker
-    line: Line
+    line: DirectedFrames
     settings: TrackSettings
     emit: Emit
     trusted: Trajectory | None = None
@@ -223,9 +223,9 @@ class _Work:
         return None if halt is None else halt.stop
 
     def _judged(
-        self, followed: Followed, scene: Scene, count: int, *, is_last: bool
+        self, followed: ForwardPass, scene: Scene, count: int, *, is_last: bool
     ) -> Stopped | None:
-        """Where a motion over so many steps stops to be trusted."""
+        """Return where a motion over so many steps stops to be trusted."""
         is_short = len(followed.motion) <= count  # it left the space before the camera
         halt = stopped(scene, followed, is_last=is_last or is_short)
         if halt is None and is_short:
@@ -237,7 +237,7 @@ class _Work:
         line = self.line
         return line.clip(self.tracker.loader(line.span(steps)).load(*line.span(count)), count)
 
-    def _block(self, count: int, steps: int) -> tuple[list[Followed], Scene]:
+    def _block(self, count: int, steps: int) -> tuple[list[ForwardPass], Scene]:
         """All of the first `count` steps of so many, with keypoints and by brightness alone: the
         way that can be trusted longer is the one to go."""
         tracker, start, whole = self.tracker, self._start, self.line.span(steps)
@@ -262,7 +262,7 @@ class _Work:
         by_joints = self._reported(by_keypoints(free, segment, method, anchors, followed))
         return [by_joints] if followed is None else [by_joints, followed], scene
 
-    def _keep_if_cancelled(self, followed: Followed, scene: Scene, count: int) -> None:
+    def _keep_if_cancelled(self, followed: ForwardPass, scene: Scene, count: int) -> None:
         """What brightness alone has found of a block is kept where that is cancelled."""
         halt = self._judged(followed, scene, count, is_last=True)
         motion = _cut(followed.motion, count if halt is None else halt.step)
@@ -291,13 +291,13 @@ class _Work:
         camera, by_step = self.tracker.loader(whole).camera, self.line.keypoints(keypoints, count)
         return anchors_of(free, segment, camera, by_step, open_end=True, followed=followed)
 
-    def _reported(self, work: Generator[Pass, None, Followed]) -> Followed:
-        """What the work comes to; every motion on the way is emitted."""
+    def _reported(self, work: Generator[Pass, None, ForwardPass]) -> ForwardPass:
+        """Return what the work comes to; every motion on the way is emitted."""
         while True:
             try:
                 step = next(work)
             except StopIteration as done:
-                found: Followed = done.value
+                found: ForwardPass = done.value
                 self._report(found.motion)
                 return found
             self._report(step.trajectory)

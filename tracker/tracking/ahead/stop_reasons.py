@@ -18,12 +18,12 @@ from keypose.tracker.tracking.diagnostics.judge import SHORTEST_RUN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from keypose.tracker.tracking.ahead.followed import Followed
+    from keypose.tracker.tracking.ahead.forward_pass import ForwardPass
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.video.pyramid import Clip
 
 
-def hidden_share(scene: Scene, pose: Pose, part: int) -> tuple[float, int | None]:
+def occluded_fraction(scene: Scene, pose: Pose, part: int) -> tuple[float, int | None]:
     """The share of a part's near side that other parts cover or that lies outside the picture; and
     the part that covers most of it, None where more of it is outside."""
     skeleton, points, camera = scene.skeleton, scene.points, scene.camera
@@ -62,13 +62,13 @@ class Stopped:
 
 
 def pictures_end(clip: Clip) -> Stopped | None:
-    """Where the pictures themselves end a motion; None where they do not. clip: by step."""
+    """Return where the pictures themselves end a motion; None where they do not. clip: by step."""
     found = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
     return min(found, key=lambda each: each.step, default=None)
 
 
-def stopped(scene: Scene, followed: Followed, *, is_last: bool) -> Stopped | None:
-    """Where a followed motion stops first; None where nothing speaks against it so far.
+def stopped(scene: Scene, followed: ForwardPass, *, is_last: bool) -> Stopped | None:
+    """Return where a followed motion stops first; None where nothing speaks against it so far.
 
     is_last: nothing is followed beyond it. A doubt that has only begun counts then, which may else
     pass again.
@@ -100,7 +100,7 @@ def _cut(clip: Clip) -> int | None:
     return None if first is None else first + 1
 
 
-def _leaves(scene: Scene, followed: Followed) -> int | None:
+def _leaves(scene: Scene, followed: ForwardPass) -> int | None:
     uv, camera = scene.mark_pixels(followed.motion), scene.camera
     size = np.array([camera.width, camera.height])
     inside = np.asarray(((uv > -0.5) & (uv < size - 0.5)).all(axis=-1))
@@ -110,7 +110,7 @@ def _leaves(scene: Scene, followed: Followed) -> int | None:
     return _first(inside[:, at_first].mean(axis=1) < INSIDE_SHARE)
 
 
-def _doubted(scene: Scene, followed: Followed, is_last: bool) -> Iterator[Stopped]:
+def _doubted(scene: Scene, followed: ForwardPass, is_last: bool) -> Iterator[Stopped]:
     """Parts that may be wrong for more than a moment."""
     error = np.nan_to_num(followed.expected_error)
     bad, count = error > followed.most_error, len(error)
@@ -124,9 +124,9 @@ def _doubted(scene: Scene, followed: Followed, is_last: bool) -> Iterator[Stoppe
                 break
 
 
-def _about(scene: Scene, followed: Followed, part: int, step: int) -> Stop:
+def _about(scene: Scene, followed: ForwardPass, part: int, step: int) -> Stop:
     name = scene.skeleton.body.names
-    share, behind = hidden_share(scene, followed.motion.pose(step), part)
+    share, behind = occluded_fraction(scene, followed.motion.pose(step), part)
     if share < HIDDEN_SHARE:
         return Stop(cause="uncertain", part=name[part])
     return Stop(cause="not_seen", part=name[part], behind=None if behind is None else name[behind])

@@ -19,9 +19,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.jumps import jumped_away
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
+from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
 from keypose.tracker.solver.posed import (
@@ -55,7 +55,7 @@ DEPTH_M = 0.08
 BY_HAND = 0.0025
 """Standard deviation of what a person set, which is as exact as a keyframe: a share of the body's
 height, a pixel of 400."""
-ELSEWHERE = 0.10
+OTHER_PERSON = 0.10
 """Keypoints that miss a posed body by this share of its height lie on another person."""
 
 
@@ -182,7 +182,7 @@ def frame_anchors(
     scene: Scene, camera: Camera, seen: Keypoints, pose: Pose,
     keyed: Sequence[tuple[Pose, Keypoints]], kernel: Kernel,
 ) -> PointsInPicture | None:  # fmt: skip
-    """What the keypoints of one frame say of its pose; None where they lie on another body.
+    """Return what the keypoints of one frame say of its pose; None where they lie on another body.
 
     keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
     The poses also show which side is which.
@@ -204,7 +204,7 @@ def frame_anchors(
 
     uv, scale = read(seen, pose)
     miss = np.linalg.norm(_places(scene, pose, parts, points) - uv, axis=-1)[scale > 0]
-    if len(miss) < FEWEST or np.median(miss) > ELSEWHERE * height:
+    if len(miss) < FEWEST or np.median(miss) > OTHER_PERSON * height:
         return None
     loose = np.array([seen.names[k] in FACE for k in index])
     sigma_m = np.where(loose, LOOSE_OFFSET_M, EYE_OFFSET_M)
@@ -218,7 +218,7 @@ def frame_anchors(
 
 
 def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
-    """How tall the body is in the picture, were it to stand where it is."""
+    """Return how tall the body is in the picture, were it to stand where it is."""
     rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))[:, :3, 3]
     tall = float(np.ptp(rest, axis=0).max()) * 1.1  # joints end at ankles and neck
     return tall * camera.fy / float(camera.depth(pose.p_camera_root))
@@ -253,13 +253,13 @@ def _anchors(
     detected = known & ~by_hand
     p_hips = None if seen.p_hips is None else seen.p_hips[:, index]
     names = [seen.names[k] for k in index]
-    jumped = detected & jumped_away(uv, known, height, names, p_hips)  # depth stays with its side
+    jumped = detected & excursions(uv, known, height, names, p_hips)  # depth stays with its side
     visibility = np.where(known & ~jumped, seen.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
     ]
-    if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
+    if not compared or any(np.nanmedian(away) > OTHER_PERSON * height for away in miss):
         return None
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)

@@ -91,7 +91,7 @@ class JointEvidence:
 
     @property
     def is_good(self) -> bool:
-        """Whether all joints but few are expected to be off by little."""
+        """Return whether all joints but few are expected to be off by little."""
         between = np.delete(self.error, list(self.keyed), axis=0)
         px = between * min(self.height_px, TALL_PX)
         return not between.size or bool(np.quantile(px, 1 - FEW) <= LITTLE_PX)

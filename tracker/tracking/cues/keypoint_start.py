@@ -23,17 +23,17 @@ ONE_FRAME = Criteria(
 )
 
 
-def from_keypoints(correction: Correction, from_afar: bool = True) -> Trajectory:
+def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory:
     """The motion that the anchors give, smooth, within the limits, its ends the keyframes.
 
-    Twice: from interpolation, and, `from_afar`, from following the keypoints frame by frame, which
+    Twice: from interpolation, and, `reach_far`, from following the keypoints frame by frame, which
     reaches what interpolation is too far from. With Huber's kernel first, which comes from afar,
     then with Cauchy's, which gives little weight to what stays far. The cheaper one counts.
     """
     path = correction.segment.interpolated()
     held = even_increments(correction.scene, path)
     ways: list[tuple[float, int, Trajectory]] = []
-    begun = (path, _frame_by_frame(correction)) if from_afar else (path,)
+    begun = (path, _frame_by_frame(correction)) if reach_far else (path,)
     for way in begun:
         for kernel in (Huber(), Cauchy()):
             way = correction.solve(way, held, kernel)

@@ -206,7 +206,7 @@ def _shares(window: _Window, tones: Array) -> Array:
 def _nearest_part(
     shown: NDArray[np.int16], covered: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.int16]]:
-    """How far every pixel lies from the body, pixels, and which part lies nearest."""
+    """Return how far every pixel lies from the body, pixels, and which part lies nearest."""
     distance, label = cv2.distanceTransformWithLabels(
         (~covered).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )

@@ -32,7 +32,7 @@ from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
-from keypose.tracker.tracking.own_motion import own_motion_links
+from keypose.tracker.tracking.prior_motion import prior_motion_links
 
 if TYPE_CHECKING:
     from keypose.tracker.tracking.cues.anchors import Anchors
@@ -77,7 +77,7 @@ class Correction:
         terms = self.frame_terms(slice(1, None if self.open_end else -1), kernel)
         links = with_drift(measured, self.drift_scale)
         if self.segment.own is not None:
-            links = (*links, *own_motion_links(scene, self.segment.own))
+            links = (*links, *prior_motion_links(scene, self.segment.own))
         elif bends:
             inner = self.segment.last_frame - self.segment.first_frame - 1
             bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
@@ -86,20 +86,21 @@ class Correction:
         return SegmentPoses(skeleton, scene.arrays, terms, links, self.open_end)
 
     def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
-        """What the poses of some frames, or that of one, are compared with by themselves."""
+        """Return what the poses of some frames, or that of one, are compared with by themselves."""
         posed = [self.segment.start.Rs_parent_part, self.segment.end.Rs_parent_part]
         limits = Limits.of(self.scene.skeleton.body).widened(posed[: 1 if self.open_end else 2])
         anchored = self.anchors.terms(self.scene.camera, kernel, frames)
         return *anchored, JointLimits(limits, LIMIT_RAD)
 
     def cost(self, motion: Trajectory, measured: Increments) -> float:
-        """What motions from different starts are compared by: the anchors, the limits, and how far
-        each step is from what the picture shows there."""
+        """Return what motions from different starts are compared by: the anchors, the limits, and
+        how far each step is from what the picture shows there.
+        """
         return float(self.problem(measured, Cauchy(), bends=False).at(motion, 0).cost)
 
 
 def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> Increments:
-    """What a pass measured at the present motion, with its doubts."""
+    """Return what a pass measured at the present motion, with its doubts."""
     skeleton = scene.skeleton
     R, t = present.Rs_parent_part[:-1], present.ps_camera_root[:-1]
     turn = log_rotation(transpose(R) @ motions.Rs_parent_part)

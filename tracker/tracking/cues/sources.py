@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.augmented import Augmented, augmented_fingerprint
+from keypose.tracker.keypoints.augmented import AugmentedNetwork, augmented_fingerprint
 from keypose.tracker.keypoints.detect import Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import FULL, Model
@@ -38,8 +38,8 @@ _LOOKING = Lock()
 
 
 @cache
-def _network(model: Model) -> Augmented:
-    return Augmented.open(model)
+def _network(model: Model) -> AugmentedNetwork:
+    return AugmentedNetwork.open(model)
 
 
 class FrameSource(Protocol):
@@ -193,8 +193,8 @@ def found_before(
     kept: Kept,
     model: Model,
 ) -> Keypoints | None:
-    """What a network found in a segment when it was tracked last, with no look at the film; None
-    where it did not, or nobody keeps it any more.
+    """Return what a network found in a segment when it was tracked last, with no look at the film;
+    None where it did not, or nobody keeps it any more.
 
     posed: the keyposes of the segment's first and last frame, by frame.  camera, film, model: as of
     `DetectedKeypoints`.

@@ -77,7 +77,7 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
 
 
 def _is_noise(segment: Segment) -> bool:
-    """Whether the pictures, in the median, show nothing that lasts: black, or noise alone."""
+    """Return whether the pictures, in the median, show nothing but black or noise."""
     clip = segment.clip
     frames = [
         n for n in range(segment.first_frame, segment.last_frame + 1) if n not in clip.damaged
@@ -238,7 +238,7 @@ def _carrier(scene: Scene, part: int) -> int:
 
 
 def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
-    """Whether the part was tracked but not seen in most of these frames."""
+    """Return whether the part was tracked but not seen in most of these frames."""
     start = segment.first_frame + 1
     within = slice(first - start, last - start + 1)
     looked = seen.diagnostics.rank[within] >= 0

@@ -183,7 +183,7 @@ def _links(keyed: FirstKeyframe, motion: Trajectory, limb: TwoLinks) -> tuple[Ar
 
 
 def _is_planar(scene: Scene, motion: Trajectory, limb: TwoLinks, L1: Array, L2: Array) -> bool:
-    """Whether both keyframes show both links (2,) about as long as they are."""
+    """Return whether both keyframes show both links (2,) about as long as they are."""
     Ts = motion.transforms(scene.skeleton)[[0, -1]]
     hip, knee = Ts[:, limb.upper, :3, 3], Ts[:, limb.lower, :3, 3]
     end = Ts[:, limb.leaf, :3, :3] @ limb.p_leaf + Ts[:, limb.leaf, :3, 3]

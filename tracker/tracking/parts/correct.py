@@ -31,7 +31,12 @@ from keypose.tracker.tracking.frame_pair import capped_score
 from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.method import Keypose, Method
-from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
+from keypose.tracker.tracking.parts.limb_keyframes import (
+    KeyedLimb,
+    KeyedParts,
+    keyed_limbs,
+    tracking_only,
+)
 from keypose.tracker.tracking.parts.limb_segment import (
     LimbSegment,
     closed_on,
@@ -113,13 +118,17 @@ def corrected(
 
 
 def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skeleton) -> Trajectory:
-    """What a limb is tracked beside: the motion without corrections, but for its counterpart."""
+    """Return what a limb is tracked beside: the motion without corrections, but for its
+    counterpart.
+    """
     other = np.array(other_side(skeleton, limb.parts), dtype=np.int64)
     return with_parts(base, now, other)
 
 
 def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
-    """How many trajectories `corrected` is expected to yield, with so many of a whole segment."""
+    """Return how many trajectories `corrected` is expected to yield, with so many of a whole
+    segment.
+    """
     limbs = keyed_limbs(skeleton, keyed)
     return 1 + sum((len(limb.keyed) + 1) * whole + 1 for limb in limbs)
 
@@ -154,7 +163,7 @@ def _whole(
     work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
     tried: list[Pass], rest: Trajectory, limb: KeyedLimb,
 ) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
-    """What is found of the kth piece as a motion of all pieces, and of the rest of the body."""
+    """Return what is found of the kth piece as a motion of all pieces and the rest."""
     while True:
         try:
             step = next(work)
@@ -182,7 +191,7 @@ def _tracked(
             anchors = limb_anchors(candidates, segment, whole, free)
             by_brightness = begun if seen.brightness else None
             work = track_anchored(
-                scene, free, segment, method, [anchors], by_brightness, from_afar=False
+                scene, free, segment, method, [anchors], by_brightness, reach_far=False
             )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))

@@ -23,7 +23,7 @@ from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.drift import Motions, correct_drift
-from keypose.tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, placed
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedLimb, KeyedParts, keyed_limbs, placed
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 

@@ -30,7 +30,7 @@ SHAKES_M_S2 = 8.0
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class MotionInSpace:
     """What is looked at.
 
     camera: without distortion.  motion: in space.  tracked: the same before the last solve, which
@@ -62,7 +62,7 @@ class Judged:
         return points.at(motion.transforms(self.skeleton)[rows])
 
 
-def space_findings(judged: Judged) -> tuple[SpaceFinding, ...]:
+def space_findings(judged: MotionInSpace) -> tuple[SpaceFinding, ...]:
     """Everything that is found, the order that of the kinds."""
     return (
         *_slides(judged),
@@ -75,7 +75,7 @@ def space_findings(judged: Judged) -> tuple[SpaceFinding, ...]:
     )
 
 
-def _slides(judged: Judged) -> Iterator[SpaceFinding]:
+def _slides(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Feet that stand still and are not pinned."""
     for stance, pinned in zip(judged.stances, judged.pinned, strict=True):
         if pinned:
@@ -86,7 +86,7 @@ def _slides(judged: Judged) -> Iterator[SpaceFinding]:
             yield _of_stance("slides", stance, int(np.argmax(away)), float(away.max()))
 
 
-def _floats(judged: Judged) -> Iterator[SpaceFinding]:
+def _floats(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Standing feet that are not on the floor, where it is known."""
     if judged.up_camera is None or judged.floor_m is None:
         return
@@ -100,7 +100,7 @@ def _floats(judged: Judged) -> Iterator[SpaceFinding]:
             yield _of_stance(kind, stance, row, abs(usual))
 
 
-def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
+def _keyframe_depths(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Keyframes at which a planted foot stands nearer or farther than at the others."""
     for stance in judged.stances:
         z = judged.places(stance, judged.tracked)[..., 2].mean(axis=1)
@@ -117,7 +117,7 @@ def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
             yield _of_stance("keyframe_depth", stance, row, float(z[row] - usual))
 
 
-def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
+def _mirrored(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Limbs that a keyframe may have the wrong way round in depth."""
     poses = {frame: judged.tracked.pose(frame) for frame in judged.keyframes}
     rate = judged.frames_per_second
@@ -128,7 +128,7 @@ def _mirrored(judged: Judged) -> Iterator[SpaceFinding]:
         )  # fmt: skip
 
 
-def _twisted(judged: Judged) -> Iterator[SpaceFinding]:
+def _twisted(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Arms and legs that a keyframe turns about their own length farther than a body can."""
     limits = Limits.of(judged.skeleton.body)
     for frame in sorted((*judged.keyframes, *judged.soft)):
@@ -140,7 +140,7 @@ def _twisted(judged: Judged) -> Iterator[SpaceFinding]:
             )  # fmt: skip
 
 
-def _leans(judged: Judged) -> Iterator[SpaceFinding]:
+def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """A slow body whose trunk is not over its feet."""
     up, motion = judged.up_camera, judged.motion
     if up is None or not judged.stances:
@@ -188,7 +188,7 @@ def _out_of_balance(middle: Array, feet: Array, up: Array) -> float:
     return float(np.arctan2(nearest, max(float(height.max()), 1e-6)))
 
 
-def _shakes(judged: Judged) -> Iterator[SpaceFinding]:
+def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """A waist that is accelerated back and forth."""
     motion = judged.motion
     if len(motion) < 10:

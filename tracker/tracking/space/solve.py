@@ -53,7 +53,12 @@ from keypose.tracker.tracking.cues.soft_correction import (
     STEP_TURN_RAD,
 )
 from keypose.tracker.tracking.drift import DOUBT_FLOOR
-from keypose.tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, with_exact_ends
+from keypose.tracker.tracking.parts.limb_keyframes import (
+    BETWEEN_M,
+    END_M,
+    KeyedParts,
+    with_exact_ends,
+)
 from keypose.tracker.tracking.segment import NEAREST_M
 from keypose.tracker.tracking.space.contacts import speed_m_s
 

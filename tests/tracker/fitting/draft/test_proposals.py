@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from keypose.tracker.fitting.draft import draft_from_keypoints
-from keypose.tracker.fitting.draft.proposals import APART, Stretch, proposed
+from keypose.tracker.fitting.draft.proposals import APART, FrameRange, proposed
 from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, place, standing, walk
 
@@ -90,7 +90,7 @@ def test_proposals_are_apart_few_and_begin_with_the_worst() -> None:
     doubts = {"residual": rng.uniform(0.0, 0.02, (240, 4))}
     doubts["residual"][100:104, 2] = (0.1, 0.2, 0.3, 0.1)
     doubts["residual"][50, 0] = 0.04
-    found = proposed(frames, [Stretch(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
+    found = proposed(frames, [FrameRange(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
     assert [(p.frame, p.reason, p.parts) for p in found] == [
         (0, "start", ()),
         (50, "residual", ("left_upper_arm",)),
@@ -98,6 +98,6 @@ def test_proposals_are_apart_few_and_begin_with_the_worst() -> None:
         (239, "end", ()),
     ]
     doubts["residual"][:] = 1.0
-    every = proposed(frames, [Stretch(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
+    every = proposed(frames, [FrameRange(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
     assert len(every) < 10
     assert np.diff([p.frame for p in every]).min() >= APART

@@ -14,7 +14,7 @@ from keypose.tracker.session.annotations import Direction, Stop
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.ahead import follow
 from keypose.tracker.tracking.ahead.follow import FoundAhead, follow_ahead
-from keypose.tracker.tracking.ahead.followed import Followed
+from keypose.tracker.tracking.ahead.forward_pass import ForwardPass
 from keypose.tracker.tracking.ahead.stop_reasons import Stopped
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
 from keypose.tracker.tracking.pool import Cancelled
@@ -190,7 +190,7 @@ def test_where_nobody_is_found_it_says_so_and_goes_by_brightness() -> None:
 def test_what_was_trusted_stays_when_more_frames_bring_a_doubt(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def doubted(_: object, followed: Followed, **__: object) -> Stopped | None:
+    def doubted(_: object, followed: ForwardPass, **__: object) -> Stopped | None:
         """As soon as there are more than the first 8 steps."""
         doubt = Stopped(2, Stop(cause="uncertain", part="left_hand"))
         return doubt if len(followed.motion) > 9 else None

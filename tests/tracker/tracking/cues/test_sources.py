@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.keypoints.augmented import augmented_fingerprint
-from keypose.tracker.keypoints.detect import Stretch
+from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
 from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
@@ -33,8 +33,8 @@ class Pictures:
         return np.zeros((FILM.camera.height, FILM.camera.width, 3), np.uint8)
 
 
-class Kept(dict[str, Stretch]):
-    def put(self, key: str, stretch: Stretch) -> None:
+class Kept(dict[str, DetectionWindow]):
+    def put(self, key: str, stretch: DetectionWindow) -> None:
         self[key] = stretch
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.parts.limb_segment import closed_on
 from tests.tracker.tracking.cues.people import SKELETON, moving
 

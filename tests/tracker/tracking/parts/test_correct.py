@@ -13,7 +13,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video.clip_loader import ClipLoader

@@ -13,7 +13,7 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.findings import Judged, space_findings
+from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
 from tests.tracker.tracking.space.space_cases import UP, fps_of, places, standing
@@ -52,7 +52,7 @@ def findings(shown: Scene, motion: Trajectory, **changes: Any) -> tuple[SpaceFin
         "up_camera": UP,
         "floor_m": floor_of(shown),
     }
-    return space_findings(Judged(**{**given, **changes}))
+    return space_findings(MotionInSpace(**{**given, **changes}))
 
 
 def moved(motion: Trajectory, by: Any) -> Trajectory:

@@ -8,7 +8,7 @@ import pytest
 from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.solver.depth_turn import turned_in_depth
-from keypose.tracker.tracking.space.findings import Judged, space_findings
+from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
 from keypose.tracker.tracking.space.mirrored import Mirrored, mirrored_limbs
 from tests.rendering.scenes import Scene, scene
 
@@ -85,7 +85,7 @@ def test_it_is_among_what_is_not_plausible_in_space(thrower: Scene) -> None:
     Rs[40], ps[40] = wrong[40].Rs_parent_part, wrong[40].p_camera_root
     motion = type(thrower.truth)(0, Rs, ps)
     found: tuple[SpaceFinding, ...] = space_findings(
-        Judged(
+        MotionInSpace(
             thrower.skeleton, thrower.camera, motion, motion, RATE, stances=(), pinned=(),
             keyframes=FRAMES, up_camera=None, floor_m=None,
         )

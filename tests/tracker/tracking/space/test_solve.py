@@ -11,7 +11,7 @@ from scipy.signal import savgol_filter
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.tracking.parts.keyed import KeyedParts
+from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene

@@ -103,7 +103,7 @@ def two_link_limbs(skeleton: Skeleton) -> list[TwoLinks]:
 
 
 def _moves_on(skeleton: Skeleton, lower: int, leaf: int) -> bool:
-    """Whether the lower link is long enough to show how it is turned."""
+    """Return whether the lower link is long enough to show how it is turned."""
     p = skeleton.joints[leaf] if leaf != lower else middle(skeleton, leaf)
     return bool(np.linalg.norm(p) > 1e-3)
 
@@ -115,13 +115,13 @@ def middle(skeleton: Skeleton, part: int) -> Array:
 
 
 def is_left_out(skeleton: Skeleton, part: int, left_out: Collection[str]) -> bool:
-    """Whether a part, or any other part of its limb, is among these names."""
+    """Return whether a part, or any other part of its limb, is among these names."""
     limb = np.flatnonzero(skeleton.limbs == skeleton.limbs[part])
     return any(skeleton.body.names[i] in left_out for i in limb)
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FollowedPoint:
     """A point that is followed: of which part, where in its frame (3,), and what moves with it.
 
     size_m: how much of the body about it is looked at.
@@ -133,7 +133,7 @@ class Followed:
     size_m: float
 
 
-def followed_points(skeleton: Skeleton, left_out: Collection[str] = ()) -> list[Followed]:
+def followed_points(skeleton: Skeleton, left_out: Collection[str] = ()) -> list[FollowedPoint]:
     """The middles of all leaves, and of limbs of two links a point of the lower one near its joint.
 
     That point shows knee and elbow; it lies far enough from the joint that what is around it
@@ -145,12 +145,14 @@ def followed_points(skeleton: Skeleton, left_out: Collection[str] = ()) -> list[
             above = int(skeleton.parents[leaf])
             still = leaf not in skeleton.dof_part and above > 0
             rigid = (leaf, above) if still else (leaf,)
-            points.append(Followed(leaf, middle(skeleton, leaf), rigid, _extent(skeleton, leaf)))
+            points.append(
+                FollowedPoint(leaf, middle(skeleton, leaf), rigid, _extent(skeleton, leaf))
+            )
     for limb in two_link_limbs(skeleton):
         if limb.leaf != limb.lower and not is_left_out(skeleton, limb.leaf, left_out):
             p = KNEE_SHARE * skeleton.joints[limb.leaf]
             size = _extent(skeleton, limb.lower) / 2
-            points.append(Followed(limb.lower, p, (limb.lower,), size))
+            points.append(FollowedPoint(limb.lower, p, (limb.lower,), size))
     return points
 
 
@@ -181,8 +183,8 @@ class Anchor:
     is_seen: bool
 
 
-def find_anchor(scene: Scene, point: Followed, T: Array, seen: Raster, half: int) -> Anchor:
-    """Where a keyframe shows the part about a point.
+def find_anchor(scene: Scene, point: FollowedPoint, T: Array, seen: Raster, half: int) -> Anchor:
+    """Return where a keyframe shows the part about a point.
 
     T (4, 4): the part in the camera frame. The pixel nearest to where the point would be seen
     through the part is taken, if it lies within `half` pixels along both axes.
@@ -231,7 +233,7 @@ def _about(scene: Scene, anchor: Anchor) -> NDArray[np.int64]:
 def _seen_count(
     scene: Scene, T: Array, chosen: NDArray[np.int64], depth: NDArray[np.float32]
 ) -> int:
-    """How many of these surface points are seen, their part at T (4, 4)."""
+    """Return how many of these surface points are seen, their part at T (4, 4)."""
     p_camera = scene.points.points[chosen].astype(np.float64) @ T[:3, :3].T + T[:3, 3]
     normals = scene.points.normals[chosen].astype(np.float64) @ T[:3, :3].T
     facing = np.einsum("ij,ij->i", normals, p_camera) < 0
@@ -258,7 +260,7 @@ def limb_tracks(
     left_out: Collection[str] = (),
     chains: Chains | None = None,
 ) -> LimbTracks:
-    """Where the ends of limbs are seen.
+    """Return where the ends of limbs are seen.
 
     Every point is followed twice, as either keyframe shows it: they may show different sides of a
     part. chains: the body followed from both keyframes, if known.
@@ -314,7 +316,7 @@ class _View:
         ends = (raster(mesh, Ts[0], view), raster(mesh, Ts[-1], view))
         return cls(scene, pictures, [GreyPicture.of(p) for p in pictures], chains, base, ends)
 
-    def anchor(self, point: Followed, forward: bool) -> Anchor:
+    def anchor(self, point: FollowedPoint, forward: bool) -> Anchor:
         """The point as the first keyframe shows it, or the last one."""
         seen, slot = (self.ends[0], 0) if forward else (self.ends[1], -1)
         T = self.base.transforms(self.scene.skeleton)[slot, point.part]
@@ -343,7 +345,7 @@ class _View:
         return int(np.clip(size_m / self.scene.pixel_m / 2, LEAST_HALF, MOST_HALF))
 
 
-def _words(view: _View, point: Followed, uv: Array) -> list[str]:
+def _words(view: _View, point: FollowedPoint, uv: Array) -> list[str]:
     """Notes for a person on a point's tracks (2, N, 2): hands and feet represent their limbs."""
     lost = 1 + np.flatnonzero(np.isnan(uv[:, 1:-1, 0]).all(axis=0))  # the ends are posed
     if not len(lost) or point.part in view.scene.skeleton.parents:

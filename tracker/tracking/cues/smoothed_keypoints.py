@@ -24,7 +24,7 @@ FRAMES = 4.0
 """Standard deviation of the frames that count, as a Gaussian."""
 
 
-def steadied(anchors: Anchors, scene: Scene, present: Trajectory) -> Anchors:
+def smoothed_keypoints(anchors: Anchors, scene: Scene, present: Trajectory) -> Anchors:
     """The anchors as far from a motion of the same frames as they are in the mean about each frame,
     by their weights: what a detector is less sure of, and what lies far off, counts less.
 

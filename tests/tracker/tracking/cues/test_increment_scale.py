@@ -11,7 +11,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.smoothness import Increments, increments
-from keypose.tracker.tracking.cues.drift_scale import MOST, USUAL, drift_scale
+from keypose.tracker.tracking.cues.increment_scale import MOST, USUAL, increment_scale
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     measured_increments,
@@ -64,21 +64,21 @@ def test_a_body_that_misses_the_keyframes_so_many_times_as_far_says_so(
 ) -> None:
     film = Filmed(moving(COUNT))
     chain = _astray(film, sigmas)
-    found = drift_scale(film.segment, (chain, chain), _measured(film))
+    found = increment_scale(film.segment, (chain, chain), _measured(film))
     assert found == pytest.approx(scale, rel=0.02)
 
 
 def test_one_limb_that_was_lost_says_nothing_of_the_others() -> None:
     film = Filmed(moving(COUNT))
     chain = _astray(film, 30.0, {"left_upper_arm", "left_forearm"})
-    assert drift_scale(film.segment, (chain, chain), _measured(film)) == 1.0
+    assert increment_scale(film.segment, (chain, chain), _measured(film)) == 1.0
 
 
 def test_where_nothing_was_measured_nothing_is_known_to_drift() -> None:
     film = Filmed(moving(COUNT))
     chain, measured = _astray(film, 10.0), _measured(film)
     nothing = replace(measured, precision=0 * measured.precision)
-    assert drift_scale(film.segment, (chain, chain), nothing) == 1.0
+    assert increment_scale(film.segment, (chain, chain), nothing) == 1.0
 
 
 def test_steps_that_do_not_lead_astray_stay_the_only_link() -> None:

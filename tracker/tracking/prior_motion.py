@@ -26,8 +26,9 @@ BEND_TURN_RAD, BEND_SHIFT_PX = STEP_TURN_RAD, STEP_SHIFT_PX
 """Standard deviations of how that changes from frame to frame."""
 
 
-def own_motion_links(scene: Scene, own: Trajectory) -> tuple[Link, ...]:
-    """What a segment's motion is compared with from frame to frame; it needs no other smoothness.
+def prior_motion_links(scene: Scene, own: Trajectory) -> tuple[Link, ...]:
+    """Return what a segment's motion is compared with from frame to frame; it needs no other
+    smoothness.
 
     own: a motion that meets both keyframes.
     """

@@ -11,7 +11,12 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed, with_exact_ends
+from keypose.tracker.tracking.parts.limb_keyframes import (
+    KeyedParts,
+    keyed_limbs,
+    placed,
+    with_exact_ends,
+)
 
 SKELETON = Skeleton.of(preset("adult_male"))
 CAMERA = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)

@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.tracking.cues.anchors import Anchors
-from keypose.tracker.tracking.cues.steady import steadied
+from keypose.tracker.tracking.cues.smoothed_keypoints import smoothed_keypoints
 from tests.tracker.tracking.cues.people import Filmed, Floats, moving
 
 FILM = Filmed(moving(count=61))
@@ -25,7 +25,7 @@ def with_errors(off: Floats) -> Anchors:
 
 def left(anchors: Anchors) -> Floats:
     """(N, K, 2) by how much they are off the true motion once they are steadied beside it."""
-    return np.asarray(steadied(anchors, FILM.free, FILM.truth).uv - TRUE_UV)
+    return np.asarray(smoothed_keypoints(anchors, FILM.free, FILM.truth).uv - TRUE_UV)
 
 
 def test_shaking_goes_and_what_lasts_stays() -> None:

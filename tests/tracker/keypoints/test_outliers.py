@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from keypose.tracker.keypoints.jumps import jumped_away
+from keypose.tracker.keypoints.outliers import excursions
 
 HEIGHT_PX = 400.0
 FRAMES, HIP, KNEE, ANKLE = 30, 0, 1, 2
@@ -23,7 +23,7 @@ def walking() -> NDArray[np.float64]:
 
 def reported(uv: NDArray[np.float64]) -> NDArray[np.bool_]:
     known = np.isfinite(uv).all(axis=-1)
-    return jumped_away(np.nan_to_num(uv), known, HEIGHT_PX)
+    return excursions(np.nan_to_num(uv), known, HEIGHT_PX)
 
 
 def test_a_foot_seen_elsewhere_that_comes_back_is_reported_with_the_knee_that_goes_along() -> None:
@@ -90,15 +90,15 @@ def test_frames_that_tell_left_from_right_are_believed_among_such_as_exchange_th
     mostly = [n for n in range(FRAMES) if n not in (14, 15)]
     known = np.ones(uv.shape[:2], np.bool_)
     crossed = with_arms_exchanged(uv, mostly), with_arms_exchanged(p, mostly)
-    assert jumped_away(crossed[0], known, HEIGHT_PX)[14:16].any()
-    assert not jumped_away(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1]).any()
+    assert excursions(crossed[0], known, HEIGHT_PX)[14:16].any()
+    assert not excursions(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1]).any()
 
 
 def test_arms_exchanged_for_two_frames_are_elsewhere() -> None:
     uv, p = facing()
     known = np.ones(uv.shape[:2], np.bool_)
     crossed = with_arms_exchanged(uv, [14, 15]), with_arms_exchanged(p, [14, 15])
-    found = jumped_away(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1])
+    found = excursions(crossed[0], known, HEIGHT_PX, TRUNK, crossed[1])
     assert found[14:16][:, [0, 1, 4, 5]].all()
     assert found.sum() == 8
 
@@ -107,6 +107,6 @@ def test_a_hand_that_jumps_alone_is_elsewhere_however_the_trunk_turns() -> None:
     uv, p = facing()
     uv[14:16, 5] += (0, 120)
     p = with_arms_exchanged(p, [n for n in range(FRAMES) if n not in (14, 15)])
-    found = jumped_away(uv, np.ones(uv.shape[:2], np.bool_), HEIGHT_PX, TRUNK, p)
+    found = excursions(uv, np.ones(uv.shape[:2], np.bool_), HEIGHT_PX, TRUNK, p)
     assert found[14:16, 5].all()
     assert found.sum() == 2

@@ -21,7 +21,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.tracking.anchored_cycle import (
-    Ended,
+    Candidate,
     cycle,
     joint_evidence,
     measured_by_keypoints,
@@ -53,7 +53,7 @@ elsewhere when it is farther away than this."""
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class ForwardPass:
     """A motion by step.
 
     expected_error (N, P): by which a part is expected to be off, a share of the body's height in
@@ -66,7 +66,7 @@ class Followed:
     most_error: float
 
 
-def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> Followed:
+def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> ForwardPass:
     """Followed from step to step, and back; as far as it stays before the camera."""
     how = (method.stride, method.chain_inner, method.stop, method.finest)
     chain = follow(scene, segment.clip, segment.start, 0, segment.last_frame, *how)
@@ -81,7 +81,7 @@ def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> Followed:
     every = np.arange(len(motion))
     error = np.stack([np.interp(every, at, known[:, p]) for p in range(parts)], axis=-1)
     error = MISSED * error + UNSEEN * _unseen(scene, chain)[: len(motion)]
-    return Followed(motion, error, MOST_BY_BRIGHTNESS)
+    return ForwardPass(motion, error, MOST_BY_BRIGHTNESS)
 
 
 def _unseen(scene: Scene, chain: Chain) -> Array:
@@ -118,14 +118,14 @@ def by_keypoints(
     segment: Segment,
     method: Keypose,
     candidates: Sequence[Anchors],
-    plain: Followed | None,
-) -> Generator[Pass, None, Followed]:
+    plain: ForwardPass | None,
+) -> Generator[Pass, None, ForwardPass]:
     """All poses at once, by brightness and keypoints; yields the motions on the way.
 
     plain: followed by brightness; None where brightness does not count.
     """
     tried: list[Pass] = []
-    ends: list[Ended] = []
+    ends: list[Candidate] = []
     for anchors in candidates:
         correction = Correction(free, segment, anchors, open_end=True)
         alone = Pass("keypoints", from_keypoints(correction), None)
@@ -143,10 +143,10 @@ def by_keypoints(
     if plain is not None:
         count = len(plain.motion)
         error[:count] = np.fmax(error[:count], _contradicted(free, best.trajectory, plain))
-    return Followed(best.trajectory, error, MOST_BY_KEYPOINTS)
+    return ForwardPass(best.trajectory, error, MOST_BY_KEYPOINTS)
 
 
-def _contradicted(free: Scene, motion: Trajectory, plain: Followed) -> Array:
+def _contradicted(free: Scene, motion: Trajectory, plain: ForwardPass) -> Array:
     """(N, P) how far a part is from where brightness surely puts it; NaN where it is near, or
     nothing is sure."""
     count = len(plain.motion)
