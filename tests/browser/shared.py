@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,9 +41,12 @@ def copied(folder: Path) -> Path:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[tuple[Keypose, Path]]:
+def served(
+    folder: Path, begin: Callable[[Path], None] = lambda session: None
+) -> Iterator[tuple[Keypose, Path]]:
     """A server of the person sample, and the session's file. It must end without a stumble."""
     session = copied(folder / "person")
+    begin(session)
     keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
     try:
         yield keypose, session
@@ -224,20 +227,22 @@ def desk(
     size: tuple[int, int] = SIZE,
     late: bool = True,
     own: bool = False,
+    begin: Callable[[Path], None] = lambda session: None,
 ) -> Iterator[Desk]:
     """A page to work at, with everything that belongs to it.
 
     own: with a server that nobody else has, for what is done to the server itself, or beside
-    another desk.
+    another desk.  begin: changes the session's file before it is opened.
     """
     if not (own or drawn):
         place = office(browser, folder)
         source = copied(place.folder / folder.name / "person")
+        begin(source)
         with place.desk(source, size=size, late=late) as made:
             yield made
         return
     with (
-        served(folder) as (keypose, session),
+        served(folder, begin) as (keypose, session),
         admit(browser, drawn=drawn, size=size, late=late) as context,
     ):
         visitor = Visitor(keypose)

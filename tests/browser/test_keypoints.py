@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -32,7 +31,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import admit, opened
+from tests.browser.shared import admit, desk, opened
 
 UNSURE = JOINTS.index("right_elbow")
 PROJECTED = """
@@ -56,19 +55,16 @@ def seen(session: Session) -> Keypoints:
 
 @pytest.fixture(scope="module")
 def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    def begin(path: Path) -> None:
+        session = load_session(path)
+        chosen = {"cues": ("brightness", "keypoints"), "quality": "preview"}
+        settings = session.settings.model_copy(update=chosen)
+        session = session.model_copy(update={"settings": settings})
+        save_session(save_keypoints(session, path, seen(session), "points.json"), path)
+
     folder = tmp_path_factory.mktemp("keypoints")
-    place = folder / "person"
-    place.mkdir()
-    for name in ("person.mp4", "session.json"):
-        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
-    path = place / "session.json"
-    session = load_session(path)
-    chosen = {"cues": ("brightness", "keypoints"), "quality": "preview"}
-    session = session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
-    save_session(save_keypoints(session, path, seen(session), "points.json"), path)
-    given = (str(path), "--workspace", str(folder / "workspace"))
-    with Keypose(*given) as keypose, admit(browser, drawn=False, size=(1440, 900)) as context:
-        page = opened(context, keypose)
+    with desk(browser, folder, size=(1440, 900), begin=begin) as made:
+        page = made.page
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()
         for _ in range(12):
@@ -163,22 +159,20 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
 def test_where_nobody_was_found_it_is_said_with_what_to_do(
     browser: Browser, tmp_path: Path
 ) -> None:
-    path = tmp_path / "person" / "session.json"
-    path.parent.mkdir()
-    for name in ("person.mp4", "session.json"):
-        shutil.copy(ROOT / "sample_videos" / "person" / name, path.parent)
-    session = load_session(path)
-    first = session.keyframes[1]
-    drafts = tuple(first.model_copy(update={"frame": n, "time_s": n / 30}) for n in range(31, 73))
-    missing = [{"first_frame": 0, "last_frame": 30}]
-    places = [{"frame": 40, "reason": "hidden", "parts": ["left_forearm"]}]
-    found = {"first_frame": 0, "last_frame": 72, "missing": missing, "places": places}
-    drafted = Drafted.model_validate(found)
-    update = {"keyframes": (), "drafts": drafts, "results": None, "drafted": drafted}
-    save_session(session.model_copy(update=update), path)
-    given = (str(path), "--workspace", str(tmp_path / "workspace"))
-    with Keypose(*given) as keypose, admit(browser, drawn=False, size=(1440, 900)) as context:
-        page = opened(context, keypose)
+    def begin(path: Path) -> None:
+        session = load_session(path)
+        first = session.keyframes[1]
+        frames = range(31, 73)
+        drafts = tuple(first.model_copy(update={"frame": n, "time_s": n / 30}) for n in frames)
+        missing = [{"first_frame": 0, "last_frame": 30}]
+        places = [{"frame": 40, "reason": "hidden", "parts": ["left_forearm"]}]
+        found = {"first_frame": 0, "last_frame": 72, "missing": missing, "places": places}
+        drafted = Drafted.model_validate(found)
+        update = {"keyframes": (), "drafts": drafts, "results": None, "drafted": drafted}
+        save_session(session.model_copy(update=update), path)
+
+    with desk(browser, tmp_path, size=(1440, 900), own=True, begin=begin) as made:
+        page = made.page
         page.keyboard.press("Escape")
         page.get_by_role("tab", name="Track").click()
         part = page.get_by_role("region", name="Draft")

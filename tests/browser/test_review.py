@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +12,6 @@ from playwright.sync_api import Browser, Page
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
 from tests.app.editor.test_review import doubting
-from tests.app.serving import ROOT
 from tests.browser.interaction import (
     answered,
     drag,
@@ -23,30 +22,26 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import Desk, office
+from tests.browser.shared import Desk, desk
 
 PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
 
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    folder = tmp_path_factory.mktemp("review")
-    there = office(browser, folder)
-    place = there.folder / folder.name
-    place.mkdir()
-    shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", place)
     state = doubting(**PLACES)
-    path = place / "session.json"
-    save_session(save_results(state.doc, path, state.results), path)
-    with there.desk(path, size=(1440, 900)) as made:
+
+    def begin(path: Path) -> None:
+        save_session(save_results(state.doc, path, state.results), path)
+
+    folder = tmp_path_factory.mktemp("review")
+    with desk(browser, folder, size=(1440, 900), begin=begin) as made:
         yield made
 
 
 @pytest.fixture
-def page(shared: Desk) -> Page:
-    """The page as if it had just been opened."""
-    shared.fresh()
-    return shared.page
+def page(at: Desk) -> Page:
+    return at.page
 
 
 def rows(page: Page) -> list[str]:

@@ -3,9 +3,9 @@ large view say it."""
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +18,6 @@ from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, save_results, segment_keys
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
-from tests.app.serving import ROOT
 from tests.browser.interaction import (
     drag,
     screens,
@@ -29,7 +28,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import office
+from tests.browser.shared import desk
 
 WORST = {
     "right_upper_arm": (10.4, 12),
@@ -57,19 +56,15 @@ def tracked(session: Session) -> SegmentResult:
 
 @pytest.fixture(scope="module")
 def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    def begin(path: Path) -> None:
+        session = load_session(path)
+        both = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
+        session = session.model_copy(update={"settings": both})
+        found = tracked(session)
+        save_session(save_results(session, path, Results({found.key: found})), path)
+
     folder = tmp_path_factory.mktemp("verdict")
-    there = office(browser, folder)
-    place = there.folder / folder.name
-    place.mkdir()
-    for name in ("person.mp4", "session.json"):
-        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
-    session = load_session(place / "session.json")
-    both = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
-    session = session.model_copy(update={"settings": both})
-    found = tracked(session)
-    known = save_results(session, place / "session.json", Results({found.key: found}))
-    save_session(known, place / "session.json")
-    with there.desk(place / "session.json", size=(1440, 900)) as made:
+    with desk(browser, folder, size=(1440, 900), begin=begin) as made:
         made.page.get_by_role("tab", name="Track").click()
         yield made.page
 

@@ -34,7 +34,7 @@ from tests.tracker.tracking.space.space_cases import (
 FRAMES = 61
 
 
-def from_afar(shown: Scene) -> Scene:
+def reach_far(shown: Scene) -> Scene:
     """Filmed from three times as far with three times the focal length: a body that is a little
     nearer or farther is seen nearly as large, so that the picture does not contradict it."""
     camera = shown.camera.model_copy(update={"fx": 3 * shown.camera.fx, "fy": 3 * shown.camera.fy})
@@ -45,7 +45,7 @@ def from_afar(shown: Scene) -> Scene:
 
 @pytest.fixture(scope="module")
 def person() -> Scene:
-    return from_afar(standing(FRAMES))
+    return reach_far(standing(FRAMES))
 
 
 def bow(size_m: float, frames: int = FRAMES) -> Floats:
@@ -328,7 +328,7 @@ def test_a_pin_that_contradicts_exact_keyframes_says_how_far(person: Scene) -> N
 
 
 def test_a_thing_that_is_no_person_stands_on_its_corner() -> None:
-    box = from_afar(scene("tumbling_box").cut(0, 20))
+    box = reach_far(scene("tumbling_box").cut(0, 20))
     R, p = box.truth.writable()
     corner = (0.32, 0.20, 0.24)
     at = R[:, 0] @ np.array(corner)
