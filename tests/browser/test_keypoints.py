@@ -19,7 +19,7 @@ from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.sidecars import save_keypoints
-from tests.app.serving import ROOT, Keypose
+from tests.app.serving import ROOT
 from tests.browser.interaction import (
     Spot,
     answered,
@@ -31,7 +31,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import admit, desk, opened
+from tests.browser.shared import desk
 
 UNSURE = JOINTS.index("right_elbow")
 PROJECTED = """
