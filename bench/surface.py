@@ -25,7 +25,7 @@ from keypose.tracker.body.pose import Pose, joint_positions, part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.cameras.hulls import ply_bytes
 from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.fit.fitter import fit_solids_to_surface
 from keypose.tracker.surface.fit.model import SurfaceModel

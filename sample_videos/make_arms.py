@@ -20,7 +20,7 @@ from keypose.tracker.session.references import Surface
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import session_json
-from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.cameras.hulls import ply_bytes
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.placing import METRES, Placement
 from tests.rendering.arm_bodies import Kind

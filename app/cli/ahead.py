@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from keypose.app.cli.interrupts import set_when_interrupted
 from keypose.app.cli.json_output import print_json
+from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
-from keypose.app.cli.warm_up import warm_tracker
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.annotations import Direction
 

@@ -24,8 +24,7 @@ from keypose.app.cli.arguments import (
     whole_number,
 )
 from keypose.app.cli.batch_progress import BatchReporter, batch_reporter
-from keypose.app.cli.interrupts import set_when_interrupted
-from keypose.app.cli.warm_up import warm_tracker
+from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from keypose.app.cli.arguments import (
     taken_of,
     whole_number,
 )
-from keypose.app.cli.interrupts import set_when_interrupted
 from keypose.app.cli.json_output import print_json
+from keypose.app.cli.long_work import set_when_interrupted
 from keypose.tracker.errors import KeypointError, SessionError
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.new import new_session
     from keypose.app.editor.camera_edits import as_taken
     from keypose.app.editor.drafted import require_draftable
-    from keypose.app.jobs.drafts import DraftLeft
+    from keypose.app.jobs.fits import DraftLeft
     from keypose.tracker.body.body import preset
     from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
     from keypose.tracker.video import Video
@@ -159,7 +159,7 @@ def _drafted(
     frames: tuple[int, int],
     as_json: bool,
 ) -> tuple[ClipDraft, str]:
-    from keypose.app.jobs.drafts import DraftReporter, drafted
+    from keypose.app.jobs.fits import DraftReporter, drafted
 
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:

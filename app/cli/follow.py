@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from keypose.app.cli.interrupts import set_when_interrupted
 from keypose.app.cli.json_output import print_json, verdict_fields
+from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.jobs import JobFinished, PassFinished, Report, SegmentFinished
 from keypose.app.jobs.rerun import all_segments, rerun
 from keypose.tracker.errors import KeyposeError

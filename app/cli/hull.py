@@ -19,9 +19,8 @@ from keypose.app.cli.arguments import (
     file_name,
     note,
 )
-from keypose.app.cli.interrupts import set_when_interrupted
 from keypose.app.cli.json_output import print_json
-from keypose.app.cli.warm_up import warm_hull_kernels
+from keypose.app.cli.long_work import set_when_interrupted, warm_hull_kernels
 from keypose.tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def _make(
 ) -> tuple[list[Path], dict[int, str]]:
     """The files written, and why others are not."""
     from keypose.tracker.storage.atomic import write_file
-    from keypose.tracker.surface.files.ply import ply_bytes
+    from keypose.tracker.surface.cameras.hulls import ply_bytes
 
     written: list[Path] = []
     refused: dict[int, str] = {}

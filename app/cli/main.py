@@ -42,7 +42,7 @@ from keypose.app.cli import (
     shot,
     track,
 )
-from keypose.app.cli.interrupts import sigterm_as_ctrl_c
+from keypose.app.cli.long_work import sigterm_as_ctrl_c
 from keypose.tracker.errors import ChoiceError, KeyposeError
 
 BAD_INPUT = 2

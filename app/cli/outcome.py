@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from keypose.app.cli.json_output import print_json, verdict_fields
-from keypose.app.cli.warm_up import warm_tracker
+from keypose.app.cli.long_work import warm_tracker
 from keypose.tracker.errors import SessionError
 
 if TYPE_CHECKING:

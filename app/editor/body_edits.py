@@ -11,13 +11,15 @@ from keypose.app.editor.documents import ActionRefused, Posed, require_before_ca
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
 from keypose.tracker.body.body import PRESETS, Body, Part, preset
-from keypose.tracker.body.clavicles import (
+from keypose.tracker.body.modify import (
     can_have_clavicles,
     has_clavicles,
     with_clavicles,
+    with_new_part,
+    with_renamed_part,
     without_clavicles,
+    without_part,
 )
-from keypose.tracker.body.modify import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session.annotations import Reviewed

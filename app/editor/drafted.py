@@ -11,7 +11,7 @@ from keypose.app.editor.ahead import without_followed
 from keypose.app.editor.documents import ActionRefused, keyframe_of, require_sound, with_drafts
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
-from keypose.tracker.body.clavicles import without_clavicles
+from keypose.tracker.body.modify import without_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed

@@ -29,7 +29,6 @@ from keypose.app.posing.holding import Held, ends_to_hold, keep_pinned, placed_e
 from keypose.app.posing.labels import axis_labels, part_label, short_label
 from keypose.app.posing.limits import is_twisted
 from keypose.app.posing.mirroring import mirror_pose, swap_left_right, with_other_side
-from keypose.app.posing.picking import outline, parts_at
 from keypose.app.posing.placing import (
     CAMERA_UP,
     Way,
@@ -40,7 +39,7 @@ from keypose.app.posing.placing import (
     up_from_vertical,
     view_rotations,
 )
-from keypose.app.posing.pointer_view import PointerView
+from keypose.app.posing.pointer_view import PointerView, outline, parts_at
 from keypose.app.posing.resizing import (
     Size,
     part_sizes,

@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 
 from keypose.app.posing import view_rotations
-from keypose.app.render.floor import floor_picture
 from keypose.app.render.lettering import plate, written_width
 from keypose.app.render.painting import Form, Style, cut_out, form_of, paint_over
 from keypose.app.render.palette import GAP, CutOut, Picture
@@ -27,7 +26,7 @@ from keypose.app.render.pictures import (
 )
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers, draw_surface
 from keypose.app.render.tints import Tint
-from keypose.app.render.viewpoints import Ground
+from keypose.app.render.viewpoints import Ground, floor_picture
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError

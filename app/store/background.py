@@ -17,10 +17,9 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import Learned, LearnOrder
-from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
 from keypose.app.store.sections.json_value import unchanged
-from keypose.app.store.state import KnownKeypoints
+from keypose.app.store.state import KnownKeypoints, StateOwner
 from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons

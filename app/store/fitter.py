@@ -37,11 +37,10 @@ from keypose.app.jobs import (
     SizesFitted,
     SizesOrder,
 )
-from keypose.app.store.owner import StateOwner
 from keypose.app.store.previews import SizesPreview, goal_of, reducible_as_asked
 from keypose.app.store.runner import Runner
 from keypose.app.store.sections.json_value import unchanged
-from keypose.app.store.state import FitOutcome
+from keypose.app.store.state import FitOutcome, StateOwner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeypointError, KeyposeError
 from keypose.tracker.keypoints.keypoints import Keypoints

@@ -12,10 +12,9 @@ from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.video_frames import Frames
 from keypose.app.store.background import Examiner
-from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
-from keypose.app.store.state import OpenedFile
+from keypose.app.store.state import OpenedFile, StateOwner
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 
 

@@ -10,11 +10,10 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import ReduceOrder
 from keypose.app.store.fitter import Fitter
-from keypose.app.store.owner import StateOwner
 from keypose.app.store.previews import REDUCTION_WAITING as REDUCTION_WAITING
 from keypose.app.store.previews import WAITING, ReductionPreview, SizesPreview
 from keypose.app.store.saving import WriteLock
-from keypose.app.store.state import FitOutcome
+from keypose.app.store.state import FitOutcome, StateOwner
 
 
 class Shown(TypedDict, total=False):

@@ -1,11 +1,12 @@
-"""The state of the program, as far as the page shows it."""
+"""The state of the program, as far as the page shows it, and its owner's interface."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.ahead import followed_so_far
@@ -17,6 +18,11 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import Kind
 from keypose.tracker.video import VideoInfo
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor import actions
+    from keypose.tracker.reduction.result import Reduction
 
 
 @dataclass(frozen=True)
@@ -180,3 +186,47 @@ class AppState:
         if self.fit is None or not self.fit.looking_back:
             return self
         return replace(self, edit=edit.with_doc(self.fit.before))
+
+
+class StateOwner(Protocol):
+    """Owns the state, and changes it for jobs, files and tabs."""
+
+    @property
+    def app_state(self) -> AppState: ...
+
+    @property
+    def opened(self) -> OpenSession | None: ...
+
+    def do(self, action: actions.Action) -> None: ...
+
+    async def open(self, path: Path) -> None: ...
+
+    async def close_session(self) -> None: ...
+
+    async def saved_path(self) -> Path: ...
+
+    async def read_poses(self) -> None: ...
+
+    def session_opened(self, opened: OpenSession, file: OpenedFile, edit: EditorState) -> None: ...
+
+    def session_closed(self) -> None: ...
+
+    def end_gesture(self) -> None: ...
+
+    def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None: ...
+
+    def broadcast(self, message: dict[str, Any]) -> None: ...
+
+    def show_learned(self, edit: EditorState) -> None: ...
+
+    def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
+
+    def show_draft(self, edit: EditorState) -> None: ...
+
+    def show_ahead(self, edit: EditorState) -> None: ...
+
+    def show_preview(self, preview: SizesPreview) -> None: ...
+
+    def show_reduction(self, reduction: Reduction | None) -> None: ...
+
+    def show_damage(self, info: VideoInfo) -> None: ...

@@ -25,8 +25,7 @@ from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
-from keypose.app.jobs.drafts import learned
-from keypose.app.jobs.fits import FitJob
+from keypose.app.jobs.fits import FitJob, learned
 from keypose.app.jobs.messages import (
     Drafted,
     JobFailed,

@@ -21,10 +21,9 @@ from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.bundle import refine
-from keypose.tracker.tracking.cues.increment_scale import increment_scale
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
-from keypose.tracker.tracking.cues.smoothed_keypoints import smoothed_keypoints
+from keypose.tracker.tracking.cues.reweighting import increment_scale, smoothed_keypoints
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     even_increments,

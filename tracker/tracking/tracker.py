@@ -22,7 +22,7 @@ from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
 from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
-from keypose.tracker.tracking.diagnostics.segment_result import segment_result
+from keypose.tracker.tracking.diagnostics.judge import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from keypose.tracker.tracking.initial.choose import starts
 from keypose.tracker.tracking.method import Keypose, expected_steps, method_of

@@ -22,11 +22,10 @@ from keypose.tracker.video.container import (
     tags_of,
 )
 from keypose.tracker.video.damage import Examined, examine
-from keypose.tracker.video.fields import Deinterlacer
 from keypose.tracker.video.fingerprint import fingerprint_of_file
 from keypose.tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from keypose.tracker.video.info import VideoInfo, clock, lens_in, timecode_in
-from keypose.tracker.video.picture import Picture, PictureMaker, orientation_of
+from keypose.tracker.video.picture import Deinterlacer, Picture, PictureMaker, orientation_of
 
 T = TypeVar("T")
 

@@ -21,8 +21,7 @@ from keypose.app.posing import lanes as lane_groups
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
-from keypose.tracker.body.clavicles import can_have_clavicles, has_clavicles, without_clavicles
-from keypose.tracker.body.modify import height
+from keypose.tracker.body.modify import can_have_clavicles, has_clavicles, height, without_clavicles
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.shapes import KINDS
 from keypose.tracker.keypoints.on_body import is_persons

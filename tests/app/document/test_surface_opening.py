@@ -26,7 +26,7 @@ from keypose.tracker.storage.files import journal_path, load_session, open_video
 from keypose.tracker.storage.fingerprints import setup_hash
 from keypose.tracker.storage.journal import Journal
 from keypose.tracker.storage.results import segment_keys
-from keypose.tracker.surface.files.ply import ply_bytes
+from keypose.tracker.surface.cameras.hulls import ply_bytes
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.new_session import Reading
 from keypose.tracker.surface.picture import SurfaceVideo

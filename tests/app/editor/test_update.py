@@ -17,7 +17,7 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body, preset
-from keypose.tracker.body.clavicles import has_clavicles, without_clavicles
+from keypose.tracker.body.modify import has_clavicles, without_clavicles
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError

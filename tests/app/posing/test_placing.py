@@ -8,7 +8,7 @@ import pytest
 from keypose.app.posing import handle_named, handles, lanes, opening_pose, up_from_vertical
 from keypose.app.posing.handles import handle_at_far_end
 from keypose.tracker.body.body import PEOPLE, Body, preset
-from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError

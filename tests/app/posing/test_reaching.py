@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from keypose.app.posing import BodyHandle, angles_deg, drag, handle_named, handles
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from keypose.app.posing import drag, part_sizes, with_height, with_joint, with_size
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.clavicles import with_clavicles
-from keypose.tracker.body.modify import height
+from keypose.tracker.body.modify import height, with_clavicles
 from keypose.tracker.errors import BodyError
 from tests.app.posing.posing_cases import (
     ARMS,

@@ -7,7 +7,7 @@ import pytest
 
 from keypose.app.posing import Held, Posed, angles_deg, handle_named, handles
 from keypose.app.posing.limits import box_of
-from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from tests.app.posing.posing_cases import (

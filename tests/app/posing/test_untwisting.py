@@ -18,8 +18,8 @@ from keypose.app.posing import (
     untwisted_limb,
 )
 from keypose.app.posing.angles import with_angles, with_rotation
-from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import exp_rotation

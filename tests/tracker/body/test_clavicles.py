@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import PEOPLE, Body, Part, preset
-from keypose.tracker.body.clavicles import (
+from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.modify import (
     can_have_clavicles,
     has_clavicles,
+    height,
+    resized,
     with_clavicles,
+    with_height,
     without_clavicles,
 )
-from keypose.tracker.body.joint_limits import Limits
-from keypose.tracker.body.modify import height, resized, with_height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import PEOPLE, preset
-from keypose.tracker.body.clavicles import with_clavicles
 from keypose.tracker.body.joint_angles import (
     JOINTS,
     JointAngles,
@@ -14,6 +13,7 @@ from keypose.tracker.body.joint_angles import (
     joint_angles,
     joints_of,
 )
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from keypose.app.export.import_motion import fit_to_session
 from keypose.tracker.body.body import PEOPLE, Body, preset
-from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_names import matched

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from keypose.tracker.body.body import PEOPLE, preset
-from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError

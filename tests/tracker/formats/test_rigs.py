@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import PEOPLE, Part, preset
-from keypose.tracker.body.clavicles import with_clavicles
+from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError

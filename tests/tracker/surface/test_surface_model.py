@@ -15,6 +15,7 @@ from keypose.tracker.kernels.cells import grid_of
 from keypose.tracker.session.settings import UpAxis
 from keypose.tracker.surface.fit.model import (
     SurfaceModel,
+    SurfaceSamples,
     distances_to_parts,
     shares_of,
     with_all_rotations,
@@ -27,7 +28,6 @@ from keypose.tracker.surface.fit.pairing import (
     photo_weights,
     raise_to_floor,
 )
-from keypose.tracker.surface.fit.points import SurfaceSamples
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.placing import METRES, Placement
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars

@@ -16,8 +16,7 @@ from typing import Literal
 import numpy as np
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.clavicles import has_clavicles, with_clavicles, without_clavicles
-from keypose.tracker.body.modify import height
+from keypose.tracker.body.modify import has_clavicles, height, with_clavicles, without_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory

@@ -1,4 +1,4 @@
-"""The hulls of a rig's silhouettes, step by step, rated by its images where there are any."""
+"""Make the hulls of a rig's silhouettes step by step, rated by its images; write them as PLY."""
 
 from __future__ import annotations
 
@@ -13,6 +13,30 @@ from keypose.tracker.surface.cameras.footage import Footage, consistency
 from keypose.tracker.surface.cameras.hull import hull_field, hull_mesh
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.mesh import SurfaceMesh
+
+
+def ply_bytes(mesh: SurfaceMesh) -> bytes:
+    """The file of a mesh, in the mesh's own units; `zncc` is there where it is known."""
+    columns = [*mesh.vertices.T]
+    names = ["x", "y", "z"]
+    if mesh.consistency is not None:
+        columns, names = [*columns, mesh.consistency], [*names, "zncc"]
+    small = len(mesh.vertices) <= 0xFFFF
+    corner = np.dtype("<u2" if small else "<i4")
+    faces = np.zeros(len(mesh.faces), [("count", "u1"), ("corners", corner, 3)])
+    faces["count"], faces["corners"] = 3, mesh.faces
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {len(mesh.vertices)}",
+        *(f"property float {name}" for name in names),
+        f"element face {len(mesh.faces)}",
+        f"property list uchar {'ushort' if small else 'int'} vertex_indices",
+        "end_header\n",
+    ]
+    vertices = np.stack(columns, axis=1).astype("<f4")
+    return "\n".join(header).encode() + vertices.tobytes() + faces.tobytes()
+
 
 _NOWHERE = np.zeros(3)
 """Hulls are made about the origin of the rig's own world."""

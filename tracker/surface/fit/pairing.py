@@ -15,9 +15,8 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.cells import grid_of, nearest
 from keypose.tracker.kernels.surface import distance_to_others
-from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel
+from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel, SurfaceSamples
 from keypose.tracker.surface.fit.options import Options
-from keypose.tracker.surface.fit.points import SurfaceSamples
 from keypose.tracker.surface.mesh import SurfaceMesh
 
 PHOTO_SLOPE, PHOTO_MIDDLE = 12.0, 0.4

@@ -1,4 +1,4 @@
-"""The verdict on every segment: good, check these frames, or lost: add a keyframe there.
+"""Judge every segment: good, check these frames, or lost: add a keyframe there; make its result.
 
 The evidence is what tracking saw, never the truth: how far the chains from the two keyframes lie
 apart, how much drift had to be corrected, which parts the picture did not decide, whether a pass
@@ -9,7 +9,7 @@ correct segments from wrong ones.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +21,11 @@ from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
 from keypose.tracker.tracking.cycle import NOWHERE_PX, Outcome
-from keypose.tracker.tracking.diagnostics.observability import Observation
+from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
+from keypose.tracker.tracking.diagnostics.observability import Observation, observe, unobserved
+from keypose.tracker.tracking.drift import closing_error
+from keypose.tracker.tracking.method import Method, Paper
+from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, extent_px
 
@@ -262,3 +266,35 @@ def _longest_unseen(
     _, name, first, last = max(found)
     start = segment.first_frame + 1
     return name, start + first, start + last
+
+
+def segment_result(
+    scene: Scene, segment: Segment, outcome: Outcome, method: Method, enlarged: float
+) -> SegmentResult:
+    """The result of an outcome, judged where the method asks for it.
+
+    enlarged: pixels of the video to one of the pictures worked on.
+    """
+    judged = isinstance(method, Paper) or method.judged
+    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
+    error = None
+    if outcome.joints is not None:
+        by_part = outcome.joints.expected_error(scene.skeleton.part_count)
+        error = by_part * outcome.joints.height_px * enlarged
+    diagnostics = replace(
+        seen.diagnostics,
+        expected_gain=expected_gain(scene, outcome, seen),
+        expected_error=error,
+    )
+    return SegmentResult(
+        trajectory=outcome.trajectory,
+        scores=tuple(step.score_or_nan for step in outcome.passes),
+        steps=tuple(step.what for step in outcome.passes),
+        best_pass=outcome.best,
+        closing_error=max(
+            outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
+        ),
+        verdict=judge(scene, segment, outcome, seen),
+        diagnostics=diagnostics,
+        notes=outcome.notes,
+    )

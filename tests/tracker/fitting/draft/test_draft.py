@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import Body, Part
-from keypose.tracker.body.clavicles import has_clavicles, with_clavicles
-from keypose.tracker.body.modify import height, joint_moved, resized, with_height
+from keypose.tracker.body.modify import (
+    has_clavicles,
+    height,
+    joint_moved,
+    resized,
+    with_clavicles,
+    with_height,
+)
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.shapes.box import Box as BoxShape
 from keypose.tracker.body.skeleton import Skeleton

@@ -9,7 +9,7 @@ import pytest
 
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.fitting.draft import draft_from_keypoints, refit_drafts
-from keypose.tracker.fitting.draft.offsets import learned_depth, learned_place
+from keypose.tracker.fitting.draft.refit import learned_depth, learned_place
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, joints_of, walk

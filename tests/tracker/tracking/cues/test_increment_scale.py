@@ -11,7 +11,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.smoothness import Increments, increments
-from keypose.tracker.tracking.cues.increment_scale import MOST, USUAL, increment_scale
+from keypose.tracker.tracking.cues.reweighting import MOST, USUAL, increment_scale
 from keypose.tracker.tracking.cues.soft_correction import (
     Correction,
     measured_increments,

@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.tracking.cues.anchors import Anchors
-from keypose.tracker.tracking.cues.smoothed_keypoints import smoothed_keypoints
+from keypose.tracker.tracking.cues.reweighting import smoothed_keypoints
 from tests.tracker.tracking.cues.people import Filmed, Floats, moving
 
 FILM = Filmed(moving(count=61))

@@ -1,14 +1,33 @@
-"""Ctrl+C or SIGTERM while something long is at work: once to let it come to rest, twice to break it
-off."""
+"""Prepare long work by compiling the loops, and let Ctrl+C or SIGTERM bring it to rest."""
 
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import TypeAlias
+
+
+def warm_tracker() -> None:
+    """The first run on a computer takes its time, and says so."""
+    from keypose.tracker.warm import is_warm, preparing_words, warm
+
+    if not is_warm():
+        print(preparing_words(), file=sys.stderr)
+        warm()
+
+
+def warm_hull_kernels() -> None:
+    """The same for surfaces from silhouettes."""
+    from keypose.tracker.warm import are_hulls_warm, warm_hulls
+
+    if not are_hulls_warm():
+        print("Preparing hulls for this computer, once: some ten seconds.", file=sys.stderr)
+        warm_hulls()
+
 
 Handler: TypeAlias = Callable[[int, FrameType | None], None]
 
