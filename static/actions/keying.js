@@ -1,11 +1,13 @@
-// Adding and deleting a keyframe. K only ever adds one; what is deleted can be had back at once.
+// Adding and deleting keyframes, and notes at frames. K only ever adds one; what is deleted can be had
+// back at once.
 
+import { toast } from '../controls/toasts.js';
 import { lastFrame } from '../store/clip.js';
 import { isNewest } from '../store/edits.js';
 import { send } from '../store/link.js';
-import { toast } from '../controls/toasts.js';
+import { server, setUi, ui } from '../store/state.js';
 import { partKeyAt } from './parts.js';
-import { draftFrames, frame, goTo, isKey, keyBeside, keyFrames } from './playhead.js';
+import { draftFrames, frame, goTo, isKey, keyBeside, keyFrames, stopPlaying } from './playhead.js';
 
 /** K: the pose here is this frame's keyframe. Where it is one already, nothing is lost. */
 export function addKey() {
@@ -60,3 +62,57 @@ export function placeForCopy(at) {
   const after = keyFrames().find((key) => key > at) ?? lastFrame();
   return Math.round((at + after) / 2);
 }
+
+/** @typedef {import('../store/shapes.js').Note} Note */
+
+export const LONGEST = 500;
+const IN_A_LINE = 48;
+
+/** @returns {Note[]} */
+export const allNotes = () => server.notes ?? [];
+
+export const noteAt = (at = frame()) => allNotes().find((note) => note.frame === at);
+
+export const whyNoNote = (at = frame()) => (noteAt(at) ? '' : `Frame ${at} has no note`);
+
+/** The note before (−1) or after (+1) the playhead. */
+export function noteBeside(way) {
+  const here = frame();
+  return way < 0
+    ? allNotes().findLast((note) => note.frame < here)
+    : allNotes().find((note) => note.frame > here);
+}
+
+export function noNote(way) {
+  if (noteBeside(way)) return '';
+  return allNotes().length ? `There is no note ${way < 0 ? 'before' : 'after'} frame ${frame()}` : 'There are no notes';
+}
+
+export function toNote(way) {
+  const note = noteBeside(way);
+  stopPlaying();
+  if (note) goTo(note.frame);
+}
+
+/** Open the card that a note is written on. */
+export function writeNote(at = frame()) {
+  stopPlaying();
+  goTo(at);
+  setUi('note', at);
+}
+
+/** What to send when the card closes with these words, or null where nothing has changed. */
+export function noteMessage(at, text) {
+  const before = noteAt(at);
+  const words = text.trim();
+  return before?.text === words ? null : { do: 'set_note', frame: at, text: words };
+}
+
+/** A note in one line; a mere flag by its name. */
+export function noteLine({ text }, most = IN_A_LINE) {
+  const line = text.replace(/\s+/g, ' ').trim();
+  if (!line) return 'Flag';
+  return line.length > most ? `${line.slice(0, most - 1).trimEnd()}…` : line;
+}
+
+export const isWriting = () => ui.note !== null && ui.note !== undefined;

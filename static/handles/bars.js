@@ -7,7 +7,7 @@ import { actionButton } from '../actions/buttons.js';
 import {
   boxFrameFor, draftedWords, nobodyWords, personWords, placesWords, smallWords,
 } from '../actions/drafting.js';
-import { noteAt, noteLine } from '../actions/notes.js';
+import { noteAt, noteLine } from '../actions/keying.js';
 import { partKeyAt } from '../actions/parts.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { beyondKeys, noMotionYet, segmentsHere } from '../actions/tracking.js';

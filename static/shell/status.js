@@ -1,18 +1,59 @@
-// The status bar: the keys of the tool in hand, the tabs open, the connection.
+// The status bar: keys of the tool in hand, tabs, connection; and whether the work is saved.
 
+import { pinHints } from '../timeline/edit/mark_drags.js';
+import { rangeHints } from '../timeline/edit/range_drags.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { keyOf } from '../actions/actions.js';
 import { isEnd } from '../actions/pins.js';
-import { icon } from '../controls/icons.js';
-import { backlog } from '../store/edits.js';
-import { server, ui, watch } from '../store/state.js';
-import { selectedPart } from '../store/parts.js';
-import { pinHints } from '../timeline/edit/mark_drags.js';
 import { reviewHints } from '../actions/review.js';
-import { rangeHints } from '../timeline/edit/range_drags.js';
+import { icon } from '../controls/icons.js';
+import { count, shortAgo } from '../controls/words.js';
 import { guideHints } from '../guide/guide.js';
 import * as tools from '../handles/tools.js';
-import { count } from '../controls/words.js';
+import { backlog } from '../store/edits.js';
+import { send } from '../store/link.js';
+import { selectedPart } from '../store/parts.js';
+import { server, ui, watch } from '../store/state.js';
+import { isNarrow } from './more.js';
+
+/** The saved state of the top bar. */
+export function savedState() {
+  const saved = server.saved;
+  if (!saved) return nothing;
+  /** @type {Record<string, (saved: import('../store/shapes.js').Saved) => unknown>} */
+  const shown = { saved: isSaved, saving: isSaving, failed: hasFailed, readonly: isReadOnly };
+  return html`<span class="savedbox" role="status">${shown[saved.state]?.(saved) ?? nothing}</span>`;
+}
+
+/** Whether the words change with the clock. */
+export const savedTicks = () => server.saved?.state === 'saved' && Boolean(server.saved.at);
+
+function isSaved({ at }) {
+  if (!ui.connected) return nothing; // the status bar says that edits wait
+  const words = `Saved${at ? ` ${shortAgo(at)}` : ''}`;
+  return html`<span class="row saved" title=${words}>${icon('check')}<span class="say">${words}</span></span>`;
+}
+
+function isSaving() {
+  return html`<span class="row saved saving" title="Saving…">${icon('run')}<span class="say">Saving…</span></span>`;
+}
+
+function hasFailed({ words }) {
+  const text = words ? `Not saved: ${words}` : 'Not saved';
+  // Where the bar has no room for it a banner says it.
+  if (isNarrow()) return html`<span class="row saved failed" title=${text}>${icon('lost')}</span>`;
+  return html`<span class="chip lost notsaved" title=${text}>
+    ${icon('lost')}<button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
+    <span class="cut">${text}</span>
+  </span>`;
+}
+
+function isReadOnly({ words }) {
+  const text = words || 'Read only';
+  return html`<span class="row saved readonly" title=${text}>
+    ${icon('lock')}<span class="cut say">${text}</span>
+  </span>`;
+}
 
 export function mountStatus() {
   const element = document.getElementById('status');

@@ -13,7 +13,7 @@ import { server, ui, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
 import { jobState, noticeJob } from './job.js';
 import { isNarrow, isTiny, moreButton, onWidth } from './more.js';
-import { savedState, savedTicks } from './saved.js';
+import { savedState, savedTicks } from './status.js';
 import { liveSwitch, trackButton } from './track.js';
 
 const RECENT = 5;

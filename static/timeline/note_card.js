@@ -3,7 +3,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform } from '../actions/actions.js';
-import { isWriting, LONGEST, noteAt, noteMessage } from '../actions/notes.js';
+import { isWriting, LONGEST, noteAt, noteMessage } from '../actions/keying.js';
 import { lastFrame } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { server, setUi, ui, watch } from '../store/state.js';

@@ -4,7 +4,7 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
-import { noteBeside, noteLine, noteMessage } from '../../static/actions/notes.js';
+import { noteBeside, noteLine, noteMessage } from '../../static/actions/keying.js';
 import { server } from '../../static/store/state.js';
 import { noteMarkAt } from '../../static/timeline/draw/rulermarks.js';
 import * as scale from '../../static/timeline/draw/scale.js';

@@ -2,8 +2,7 @@
 
 import { toggleSearch } from '../../controls/dialogs.js';
 import { server } from '../../store/state.js';
-import { addKey, duplicateKey } from '../keying.js';
-import { noNote, noteAt, toNote, whyNoNote, writeNote } from '../notes.js';
+import { addKey, duplicateKey, noNote, noteAt, toNote, whyNoNote, writeNote } from '../keying.js';
 import { keyLimb, unkeyMessage, whyNotKeyLimb } from '../parts.js';
 import {
   acceptMessage, allPins, beginPin, contradicted, dismissMessage, endPin, framesOf, isSoft,

@@ -8,7 +8,7 @@ import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { BAR, GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
-import { noteAt, noteLine } from '../../actions/notes.js';
+import { noteAt, noteLine } from '../../actions/keying.js';
 import { noteMark } from './rulermarks.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { partKeyAt } from '../../actions/parts.js';

@@ -1,7 +1,7 @@
 // Marks along the ruler: notes, places to review, a reduction's keyframes, in and out points.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
-import { allNotes } from '../../actions/notes.js';
+import { allNotes } from '../../actions/keying.js';
 import { isKey } from '../../actions/playhead.js';
 import { hasSpan } from '../../actions/playing.js';
 import { isReviewing, place, places } from '../../actions/review.js';

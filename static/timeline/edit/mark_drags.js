@@ -1,7 +1,7 @@
 // Notes, pins, and the in and the out point, dragged along the timeline.
 
 import { menuItem } from '../../actions/buttons.js';
-import { noteAt } from '../../actions/notes.js';
+import { noteAt } from '../../actions/keying.js';
 import { acceptMessage, allPins, showPin, unpin } from '../../actions/pins.js';
 import { draftFrames, goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
 import { clearEnd, keepSpan, withEndDragged } from '../../actions/playing.js';

@@ -3,8 +3,7 @@
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
 import { contextEntries } from '../../actions/context_menus.js';
-import { noteAt, noteLine } from '../../actions/notes.js';
-import { placeForCopy } from '../../actions/keying.js';
+import { noteAt, noteLine, placeForCopy } from '../../actions/keying.js';
 import { partKeyAt } from '../../actions/parts.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { selectedKeys } from '../../actions/selection.js';
