@@ -85,7 +85,7 @@ def observed(
 
 def made_by(*rendering: str) -> list[Path]:
     """The files whose text decides what a scene looks like; rendering: those of this folder."""
-    surface = ("hull", "nets", "photo")
+    surface = ("hull", "footage")
     kernels = ("carving", "patches", "raster")
     return [
         *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
