@@ -26,7 +26,6 @@ from keypose.app.jobs.messages import (
     Learned,
     LearnOrder,
     PoseFitted,
-    PoseFitting,
     PoseOrder,
     Reduced,
     ReduceOrder,
@@ -207,7 +206,6 @@ class FitJob:
         found = fit_pose_to_picture(
             video, session.camera, skeleton, order.frame, order.pose, others, order.tracked,
             masks=session.ignore_masks, cancelled=self._cancelled.is_set, source=source,
-            report=lambda pose: self._send(PoseFitting(order.job, order.frame, pose)),
         )  # fmt: skip
         return PoseFitted(order.job, found.pose, found.way != "nothing", found.message)
 

@@ -262,15 +262,6 @@ class PoseFitted:
 
 
 @dataclass(frozen=True, eq=False)
-class PoseFitting:
-    """The pose of a frame as far as it is fitted."""
-
-    job: int
-    frame: int
-    pose: Pose
-
-
-@dataclass(frozen=True, eq=False)
 class SizesFitted:
     """What fits the keyframes' pictures better, to be chosen from.
 
@@ -367,7 +358,6 @@ Report: TypeAlias = (
     | SegmentFinished
     | SpaceSolved
     | Drafting
-    | PoseFitting
     | FollowingAhead
     | Reducing
     | JobFinished

@@ -27,7 +27,6 @@ from keypose.app.jobs import (
     LearnOrder,
     PassFinished,
     PoseFitted,
-    PoseFitting,
     Progress,
     Ready,
     Reduced,
@@ -97,7 +96,6 @@ class Runner:
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
-        self.fitting: PoseFitting | None = None
         self.following: FollowingAhead | None = None
         self.job = Job()
 
@@ -112,7 +110,7 @@ class Runner:
         self._tracking.cancel()
         self._past = self._newest
         self._number, self._fit_done, self._waiting = 0, None, frozenset()
-        self.running, self.results, self.job, self.fitting = {}, None, Job(), None
+        self.running, self.results, self.job = {}, None, Job()
         self.following = None
 
     def stop(self) -> None:
@@ -159,14 +157,14 @@ class Runner:
     def drop_fit(self) -> None:
         """Drop the fit at work."""
         self._tracking.cancel()
-        self._number, self.fitting, self.following = 0, None, None
+        self._number, self.following = 0, None
 
     def resume(self, opened: OpenSession, edit: EditorState) -> None:
         """The fit is over: track what waited for it, and again what it made outdated of the same
         order."""
         again = self._interrupted & self._outdated(edit)
         waiting, self._waiting, self._fit_done = self._waiting | again, frozenset(), None
-        self.fitting = self.following = None
+        self.following = None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
@@ -285,8 +283,6 @@ class Runner:
                 self._on_segment(report.result)
             case Drafting():
                 self._on_drafting(report)
-            case PoseFitting():
-                self.fitting = report
             case FollowingAhead():
                 self._on_following(report)
             case Learned():
@@ -322,7 +318,7 @@ class Runner:
         self.job = replace(self.job, words=words, percent=percent)
 
     def _on_fit_end(self, report: Fitted | JobFailed | JobFinished) -> None:
-        self._number, self.fitting, self.following = 0, None, None
+        self._number, self.following = 0, None
         if self._fit_done is not None:
             self._fit_done(report)
 

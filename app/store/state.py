@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.ahead import followed_so_far
-from keypose.app.editor.documents import posed
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import FollowingAhead, PoseFitting
+from keypose.app.jobs import FollowingAhead
 from keypose.app.store.previews import ReductionPreview, SizesPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
@@ -141,7 +140,7 @@ class AppState:
     server: differs for every start of the program.  revision: differs after every edit.
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
-    fitting: how far a pose is fitted.  following: how far the body is tracked ahead.
+    following: how far the body is tracked ahead.
     preview: new sizes that wait to be applied.  reduction: keyframes that do.
     poses: those that were kept.
     """
@@ -158,7 +157,6 @@ class AppState:
     fit: FitOutcome | None = None
     draft: Session | None = None
     keypoints: KnownKeypoints = KnownKeypoints()
-    fitting: PoseFitting | None = None
     following: FollowingAhead | None = None
     preview: SizesPreview | None = None
     reduction: ReductionPreview | None = None
@@ -168,18 +166,14 @@ class AppState:
 
     @cached_property
     def displayed(self) -> AppState:
-        """Return the document with what is only shown: a pose as far as it is fitted, the motion as
-        far as it is tracked ahead, new sizes that are not applied yet, or what stood before the
-        last fit while somebody looks back at it.
+        """Return the state with what is only shown: the motion as far as it is tracked ahead, sizes
+        that are not applied yet, or what stood before the last fit while somebody looks back at it.
         """
-        edit, preview, fitting = self.edit, self.preview, self.fitting
+        edit, preview = self.edit, self.preview
         if edit is None:
             return self
         if preview is not None:
             return self if preview.looking_back else replace(self, edit=preview.shown_in(edit))
-        if fitting is not None and fitting.frame == edit.frame and edit.stroke is None:
-            doc = posed(edit.doc, edit.skeleton, fitting.pose, fitting.frame, edit.times_s)
-            return replace(self, edit=edit.with_doc(doc))
         if self.following is not None and edit.stroke is None:
             doc = followed_so_far(edit, self.following.frame, self.following.motion)
             return replace(self, edit=edit.with_doc(doc))

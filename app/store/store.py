@@ -280,7 +280,7 @@ class Store:
         if edit is not None and runner.results is not None:
             edit = replace(edit, results=runner.results)
         self._set(edit=edit, job=runner.job, running=dict(runner.running))
-        self._set(fitting=runner.fitting, following=runner.following)
+        self._set(following=runner.following)
 
     def _run_action(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
@@ -437,7 +437,6 @@ class Store:
             draft=None,
             preview=None,
             reduction=None,
-            fitting=None,
             following=None,
             keypoints=KnownKeypoints(),
         )

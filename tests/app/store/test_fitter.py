@@ -17,7 +17,6 @@ from keypose.app.jobs import (
     FitOrder,
     JobFailed,
     PoseFitted,
-    PoseFitting,
     PoseOrder,
     Report,
     SizesFitted,
@@ -447,22 +446,6 @@ async def test_a_pose_that_is_kept_as_a_keyframe_meanwhile_is_fitted_all_the_sam
     keyframe = next(k for k in desk.edit.doc.keyframes if k.frame == 10)
     assert keyframe.root_m[0] == pytest.approx(0.52)
     assert await desk.words() == []
-
-
-async def test_a_pose_is_shown_as_far_as_it_is_fitted_and_counts_only_at_the_end(
-    desk: Desk,
-) -> None:
-    before, here = desk.edit.doc, desk.section("pose")["root"]
-    desk.do(FIT)
-    order = desk.worker.fits[-1]
-    assert isinstance(order, PoseOrder)
-    nearer = Pose(order.pose.Rs_parent_part, order.pose.p_camera_root + np.array([0.05, 0, 0]))
-    desk.worker.report(PoseFitting(order.job, 24, nearer))
-    desk.store._take_progress()
-    assert desk.section("pose")["root"][0] == pytest.approx(here[0] + 0.05)
-    assert desk.edit.doc is before
-    desk.do({"do": "cancel"})
-    assert desk.section("pose")["root"] == here
 
 
 async def test_a_keyframe_that_is_edited_meanwhile_makes_fitted_sizes_void(desk: Desk) -> None:

@@ -152,13 +152,12 @@ def fit_pose_to_picture(
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
     source: FrameSource | None = None,
-    report: Callable[[Pose], None] = lambda pose: None,
 ) -> PictureFit:
     """The pose of `frame` fitted to what the picture shows.
 
     keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none; source: of
-    keypoints, where the body is a person's; report: receives poses on the way. The pose is
-    unchanged, and the message says why, where nothing decides it or where it is cancelled.
+    keypoints, where the body is a person's. The pose is unchanged, and the message says why, where
+    nothing decides it or where it is cancelled.
     """
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:
@@ -174,7 +173,6 @@ def fit_pose_to_picture(
             return unchanged(CANCELLED)
         if by_joints is None:
             return unchanged(NOTHING_BETTER)
-        report(by_joints.pose)
         return _as_fitted(inputs, by_joints, "joints")
     found = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
