@@ -187,7 +187,7 @@ FASTEST_FPS = 1_000_000
 
 
 def add_taken(command: argparse.ArgumentParser) -> None:
-    """How a film was taken, where its file does not say so."""
+    """Add how a film was taken, where its file does not say so."""
     command.add_argument(
         "--recorded-fps",
         metavar="N",

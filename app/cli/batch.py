@@ -161,7 +161,7 @@ def _code(batch: _Batch, whole: bool) -> int:
 
 
 def _require_place(out: Path) -> None:
-    """Whether the report can be written is asked before the work, not after."""
+    """Require before the work, not after, that the report can be written."""
     from keypose.app.jobs.batch.report import NAME, is_report
     from keypose.tracker.storage.atomic import make_folder, require_folder
 

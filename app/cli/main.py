@@ -147,7 +147,9 @@ def _fault() -> int:
 
 
 def _drop_output() -> None:
-    """What is still buffered would raise once more when the interpreter closes stdout."""
+    """Drop what is still buffered, which would raise once more when the interpreter
+    closes stdout.
+    """
     with suppress(OSError, ValueError):  # where stdout is no file of the system, nothing does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -50,14 +50,14 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
 
 
 def _say_what_was_found(session: Session) -> None:
-    """What nobody chose is said, with how to choose otherwise."""
+    """Say what nobody chose, with how to choose otherwise."""
     if session.settings.static_camera is None and session.has_static_camera:
         words = "The camera stands still: found by itself. --static-camera no tracks without that."
         print(words, file=sys.stderr, flush=True)
 
 
 def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> None:
-    """What was asked for in this run and cannot be had."""
+    """Say what was asked for in this run and cannot be had."""
     if "silhouette" in (getattr(arguments, "cues", None) or ()) and not session.has_static_camera:
         words = (
             "The camera does not stand still: the silhouette is left out. --static-camera yes "
@@ -67,7 +67,7 @@ def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> No
 
 
 def require_place(arguments: argparse.Namespace) -> None:
-    """Whether the results can be written is asked before the work, not after."""
+    """Require before the work, not after, that the results can be written."""
     from keypose.tracker.storage.atomic import require_absent, require_folder
 
     folder = arguments.session.parent if arguments.out is None else arguments.out
@@ -185,7 +185,7 @@ def _interruption_message(summary: dict[str, Any]) -> str:
 
 
 def _hint(session: str) -> None:
-    """What to do next, for a person at a terminal."""
+    """Hint at what to do next, for a person at a terminal."""
     if sys.stdout.isatty():
         place = shlex.quote(session)
         print(f"Next: keypose shot {place} --frame N --view all --out FILE.png")

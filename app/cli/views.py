@@ -40,7 +40,7 @@ def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) ->
 
 
 def add_look(command: argparse.ArgumentParser) -> None:
-    """How the body is drawn over the video, and what colours an observed surface."""
+    """Add how the body is drawn over the video, and what colours an observed surface."""
     styles = ("wire", "solid", "both")
     command.add_argument(
         "--style",

@@ -95,8 +95,9 @@ def locked(session_path: Path, advice: str) -> Iterator[None]:
 
 
 def _write_holder(descriptor: int) -> None:
-    """Who holds it, for the words alone. A file that holds anything else, or has another name
-    elsewhere, is not written to: it locks as well as any."""
+    """Write who holds it, for the words alone. A file that holds anything else, or has another name
+    elsewhere, is not written to: it locks as well as any.
+    """
     with suppress(OSError):  # the disk may be full
         there = _content(descriptor)
         is_lock = not there or (

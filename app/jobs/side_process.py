@@ -94,7 +94,7 @@ class SideProcess:
 
 
 def _end_with_parent() -> None:
-    """What is made for somebody who is gone would fill the disk."""
+    """End with the parent: what is made for somebody who is gone would fill the disk."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()

@@ -167,7 +167,7 @@ class Imports:
             return json_answer({"words": str(error)}, 400)
 
     async def _take(self, process: SideProcess, target: ImportTarget) -> None:
-        """What was made of it goes into the session, unless somebody has cancelled."""
+        """Take what was made of it into the session, unless somebody has cancelled."""
         state = await asyncio.to_thread(process.wait)
         if state.state != "done" or process is not self._process:
             return

@@ -83,7 +83,7 @@ class Links:
         guard.entered = self._entered
 
     def print_first(self) -> None:
-        """Where the server is."""
+        """Print where the server is."""
         self._print("Keypose is at")
 
     def file(self, workspace: Path) -> Path:

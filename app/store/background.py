@@ -63,7 +63,8 @@ class Examiner:
                 return  # closed or gone meanwhile: whoever reads frames gets the error
 
     def _examine(self) -> None:
-        """What is not examined yet: at first everything, then nothing or what has become of it.
+        """Examine what is not examined yet: at first everything, then nothing or what has become of
+        it.
 
         Until all of that is, what was found before still counts.
         """

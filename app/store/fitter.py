@@ -296,7 +296,9 @@ class Fitter:
             self._resume_tracking()
 
     def _take_ahead(self, found: FoundAhead, edit: EditorState) -> None:
-        """What led nowhere changes nothing; what led on is shown where the next keyframe is."""
+        """Take over what was found. What led nowhere changes nothing; what led on is shown where
+        the next keyframe is.
+        """
         if found.to_frame != found.frame:
             self._host.show_ahead(with_followed(edit, found))
         else:

@@ -179,7 +179,7 @@ class Runner:
         return {(first, last) for first, last, _ in known}
 
     def solve_space(self, edit: EditorState) -> None:
-        """Where nothing is at work: solve for the motion in space wherever it is not known."""
+        """Solve for the motion in space wherever it is not known, where nothing is at work."""
         if self.results is None or self.job.state == "running" or edit.stroke is not None:
             return
         unsolved = self.results.unsolved(edit.doc)
@@ -195,8 +195,9 @@ class Runner:
         self._notify(self, False)
 
     def learn(self, order: LearnOrder, on_end: Callable[[Learned | None], None]) -> None:
-        """Where nothing is at work: solve for drafts anew. `on_end` receives the outcome, None
-        where there is none, unless other work is asked for before."""
+        """Solve for drafts anew, where nothing is at work. `on_end` receives the outcome, None
+        where there is none, unless other work is asked for before.
+        """
         if self.job.state == "running":
             return
         self._ended, self._learned = self.job, on_end

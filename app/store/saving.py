@@ -161,7 +161,7 @@ class Saver:
         return None if self._failed is None else self._failed[1]
 
     def give_up(self) -> None:
-        """What could not be written is not to be tried again."""
+        """Give up what could not be written: it is not tried again."""
         self._failed = None
         self._stop_waiting()
 
@@ -260,7 +260,7 @@ class SessionWriter:
             self.save()
 
     def give_up(self) -> None:
-        """What could not be written is acknowledged: a person has given it up."""
+        """Acknowledge what could not be written: a person has given it up."""
         if self._edit_log is not None:
             self._edit_log.give_up()
 

@@ -235,7 +235,7 @@ class Store:
             self._set(surface=seen)
 
     def surfaces_unusable(self, words: str) -> None:
-        """Which of the observed surfaces cannot be used: a sentence."""
+        """Set which of the observed surfaces cannot be used: a sentence."""
         self._set(unusable=words)
 
     def _on_saved(self, saved: Saved) -> None:

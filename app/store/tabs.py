@@ -56,11 +56,11 @@ class Clients:
         return True
 
     def end(self) -> None:
-        """What comes now comes of itself."""
+        """End: what comes now comes of itself."""
         self._client = ""
 
     def resume_gesture(self) -> None:
-        """What comes now comes of the one whose gesture is under way."""
+        """Resume the gesture under way: what comes now comes of its client."""
         self._client = self._gesture.client if self._gesture is not None else ""
 
     def received(self, gesture: str | None) -> Received:
@@ -127,7 +127,7 @@ class Tab:
         self._news.set()
 
     def acknowledge(self, number: int, client: str = "") -> None:
-        """What they changed is on the disk, too."""
+        """Acknowledge what they changed: it is on the disk, too."""
         if client:
             self._acks[client] = max(self._acks.get(client, 0), number)
         self._ack = max(self._ack, number)

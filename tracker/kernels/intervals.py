@@ -124,7 +124,7 @@ def interval_misses(motion, body, limits, lens, a, b, work, out):
 
 @compiled
 def _is_off(motion, body, limits, lens, a, b, work):
-    """Whether the witness's part is off by more than the limit at the witness's frame.
+    """Set whether the witness's part is off by more than the limit at the witness's frame.
 
     Whoever was off between frames near a and b is as a rule off between these: no more than one
     limb has to be placed to leave such an interval.

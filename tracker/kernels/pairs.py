@@ -288,7 +288,7 @@ def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap):
 def observe_pairs(
     body, lens, visibility, pictures, slots, R, t, A, residual, shown, sigma
 ):  # fmt: skip
-    """What every frame pair of a trajectory shows of its motion.
+    """Observe what every frame pair of a trajectory shows of its motion.
 
     A (n, D, D) ← AᵀWA at the trajectory itself, of all seen points; residual (n, P) ← root mean
     square difference of brightness of each part's own points, grey levels, with outliers beyond

@@ -24,7 +24,7 @@ GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 
 @compiled
 def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps):
-    """Where points first … last of one part fall in the picture, for `make_rows`.
+    """Gather where points first … last of one part fall in the picture, for `make_rows`.
 
     How many do, and how many leave the picture. Ignored pixels are neither.
     """

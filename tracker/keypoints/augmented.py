@@ -110,7 +110,7 @@ def augmented_fingerprint(model: Model) -> str:
 
 
 def _marked(fingerprint: str) -> str:
-    """With the variations, which decide what is seen as well."""
+    """Extend a fingerprint by the variations, which decide what is seen as well."""
     digest = hashlib.sha256(repr(VARIATIONS).encode()).hexdigest()[:8]
     return f"{fingerprint}-{len(VARIATIONS) + 1}-{digest}"
 
@@ -120,7 +120,7 @@ def _is_finite(seen: Seen) -> bool:
 
 
 def _with_sides_of(plain: Seen, seen: Seen) -> Seen:
-    """With left and right as the plain look has them."""
+    """Set left and right as the plain pass has them."""
     return min(seen, seen.exchanged(), key=lambda each: _apart(plain, each))
 
 

@@ -85,7 +85,7 @@ def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
 
 
 def _distance(one: Array, other: Array) -> float:
-    """Of two trunks, of keypoints (33, 2), in sides of the region."""
+    """Return the distance of two trunks, of keypoints (33, 2), in sides of the region."""
     side = np.sqrt(_region(one).side * _region(other).side)
     return float(np.linalg.norm(one[_TRUNK].mean(axis=0) - other[_TRUNK].mean(axis=0)) / side)
 

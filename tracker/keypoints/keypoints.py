@@ -52,7 +52,7 @@ class Keypoints:
         return self.first_frame + len(self) - 1
 
     def over(self, first_frame: int, last_frame: int) -> Keypoints:
-        """Those of exactly these frames, unseen where there are none."""
+        """Return the keypoints of exactly these frames, unseen where there are none."""
         count = last_frame - first_frame + 1
         low, high = max(first_frame, self.first_frame), min(last_frame, self.last_frame) + 1
 
@@ -69,8 +69,9 @@ class Keypoints:
         return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand)
 
     def overlaid(self, other: Keypoints) -> Keypoints:
-        """With others, of the same names, in place of those there are of their frames; unseen in
-        frames of neither. By nobody's hand."""
+        """Put others, of the same names, in place of those there are of their frames; unseen in
+        frames of neither. By nobody's hand.
+        """
         first = min(self.first_frame, other.first_frame)
         last = max(self.last_frame, other.last_frame)
         below, above = self.over(first, last), other.over(first, last)
@@ -85,7 +86,7 @@ class Keypoints:
         return Keypoints(first, self.names, uv, visibility, depth)
 
     def exchanged(self) -> Keypoints:
-        """With left and right exchanged, but for what a person set."""
+        """Exchange left and right, but for what a person set."""
         order = [self.names.index(other_side(name, self.names)) for name in self.names]
         stays = np.zeros(self.visibility.shape, np.bool_) if self.by_hand is None else self.by_hand
 
@@ -97,8 +98,9 @@ class Keypoints:
         return replace(self, uv=other(self.uv), visibility=other(self.visibility), p_hips=depth)
 
     def corrected(self, corrections: Sequence[KeypointCorrection]) -> Keypoints:
-        """With what a person said of some of them: seen there for sure, or not at all. Depth is
-        not known then: what was found there may have been something else."""
+        """Apply what a person said of some of them: seen there for sure, or not at all. Depth is
+        not known then: what was found there may have been something else.
+        """
         uv, visibility = self.uv.copy(), self.visibility.copy()
         depth = None if self.p_hips is None else self.p_hips.copy()
         by_hand = np.zeros(visibility.shape, np.bool_)

@@ -16,7 +16,7 @@ _TOES: Final = ("big_toe", "small_toe", "heel")
 
 
 def _pairs(*joints: str) -> tuple[str, ...]:
-    """Of every joint the left one, then the right one."""
+    """Return of every joint the left one, then the right one."""
     return tuple(f"{side}_{joint}" for joint in joints for side in ("left", "right"))
 
 

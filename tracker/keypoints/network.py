@@ -75,7 +75,7 @@ class Seen:
     next: Region
 
     def exchanged(self) -> Seen:
-        """With left and right exchanged."""
+        """Exchange left and right."""
         return replace(
             self,
             uv=self.uv[_EXCHANGED],
@@ -127,7 +127,7 @@ class Network:
 
     @property
     def fingerprint(self) -> str:
-        """Of all that decides what it sees: the network and what runs it."""
+        """Digest all that decides what it sees: the network and what runs it."""
         return f"{self.model.sha256[:16]}-{self._runtime.name}"
 
     def look(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:

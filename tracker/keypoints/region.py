@@ -111,8 +111,9 @@ class Region:
         return np.column_stack([A, np.array([self.x, self.y]) - A @ np.full(2, (pixels - 1) / 2)])
 
     def rounded(self, parts: int) -> Region:
-        """To whole parts of its size, so many of them: what is looked at from nearly the same place
-        is seen as before. Of a power of two; rounded to fewer parts, it stays with more."""
+        """Round to whole parts of its size, so many of them: what is looked at from nearly the same
+        place is seen as before. Of a power of two; rounded to fewer parts, it stays with more.
+        """
         side = float(2 ** (np.round(np.log2(self.side) * parts) / parts))
         step = side / parts
         x, y = (float(np.round(value / step) * step) for value in (self.x, self.y))
@@ -139,7 +140,9 @@ def _turn(angle_rad: float) -> NDArray[np.float64]:
 
 
 def _upward(names: tuple[str, ...], uv: Array) -> Array | None:
-    """From the hips to the shoulders; None for a body without them, or seen along its trunk."""
+    """Return the direction from the hips to the shoulders; None for a body without them, or seen
+    along its trunk.
+    """
     if not set(_HIPS + _SHOULDERS) <= set(names):
         return None
     hips, shoulders = (uv[[names.index(n) for n in pair]].mean(0) for pair in (_HIPS, _SHOULDERS))

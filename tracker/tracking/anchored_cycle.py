@@ -190,7 +190,7 @@ def _ended(
     correction: Correction, motion: Trajectory, measured: Increments, drift: Array, score: float,
     index: int,
 ) -> Candidate:  # fmt: skip
-    """With its cost: what anchors, limits and steps say, and how well the pictures are explained.
+    """Rate a motion: what anchors, limits and steps say, and how well the pictures are explained.
 
     Differences of brightness have a width that nobody knows, so they count by the logarithm of
     their mean square, as often in each frame as the body has degrees of freedom to explain them.
@@ -202,8 +202,9 @@ def _ended(
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
-    """With keypoints that shake no more, their standard deviations divided by the weight. At an
-    open end nothing tells what lasts from what shakes."""
+    """Smooth keypoints, their standard deviations divided by the weight. At an open end nothing
+    tells what lasts from what shakes.
+    """
     if correction.open_end:
         return correction
     anchors = smoothed_keypoints(correction.anchors, correction.scene, present)

@@ -41,7 +41,7 @@ class Column(NamedTuple):
 
     @classmethod
     def of(cls, declared: Field[Any]) -> Column:
-        """As a field of `Diagnostics` declares it."""
+        """Return the column as a field of `Diagnostics` declares it."""
         layout = dict(declared.metadata)
         return cls(declared.name, layout.pop("stored_as") or declared.name, **layout)
 
@@ -50,7 +50,7 @@ class Column(NamedTuple):
         return -1 if self.dtype == "<i8" else np.nan
 
     def shape(self, frames: int, parts: int, dofs: int) -> tuple[int, ...]:
-        """Of the whole array."""
+        """Return the shape of the whole array."""
         width = {"": (), "part": (parts,), "dof": (dofs,)}[self.width]
         return (frames - (self.rows == "step"), *width)
 
@@ -142,7 +142,9 @@ class Diagnostics:
         return getattr(self, column.name)  # type: ignore[no-any-return]
 
     def between(self, first: int, last: int) -> Diagnostics:
-        """Of the frames first to last, counted from this one's first; unknown beyond its ends."""
+        """Cut to the frames first to last, counted from this one's first; unknown beyond
+        its ends.
+        """
         parts, dofs = self.observability.shape[1], self.singular_values.shape[1]
         return Diagnostics.side_by_side([(-first, self)], last - first + 1, parts, dofs)
 

@@ -56,7 +56,7 @@ class Scene:
         density: float = 1.0,
         sample: Callable[[Skeleton, float], SurfacePoints] = sample_points,
     ) -> Scene:
-        """For pictures of an undistorted `camera`, the body about where it is keyed.
+        """Prepare pictures of an undistorted `camera`, the body about where it is keyed.
 
         density: number of surface points as a share of the usual one. sample: makes the points; it
         may cache them, since there are few different spacings.

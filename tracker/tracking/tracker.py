@@ -60,7 +60,7 @@ class _Prepared:
 
     @property
     def frame_count(self) -> int:
-        """Of the video."""
+        """Return the number of frames of the video."""
         return self._video.info.frame_count
 
     @property
@@ -170,7 +170,7 @@ class Tracker:
 
     @property
     def frame_count(self) -> int:
-        """Of the video."""
+        """Return the number of frames of the video."""
         return self._prepared.frame_count
 
     @property
@@ -268,7 +268,7 @@ class Tracker:
         return Evidence(scene, free, camera, keypoints, brightness=brightness)
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
-        """With keypoints where there are any; without, as if there never were."""
+        """Track with keypoints where there are any; without, as if there never were."""
         method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame

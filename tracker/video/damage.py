@@ -85,7 +85,7 @@ class _Section:
     faults: dict[int, int | None] = field(default_factory=dict)  # frame, where known, by packet
 
     def damaged(self, stop: int) -> frozenset[int]:
-        """Those of the frames first … before stop that are damaged."""
+        """Return the damaged frames of first … before stop."""
         absent = [n for n in range(self.first, stop) if n not in self.came]
         faults = [*self.faults, *(self.given[n] for n in absent if n in self.given)]
         earliest = min(faults, default=None)

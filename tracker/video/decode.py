@@ -87,7 +87,7 @@ class FileSource:
         return self._facts
 
     def deinterlace(self, wanted: bool) -> None:
-        """From now on make interlaced frames progressive, or leave their fields woven."""
+        """Make interlaced frames progressive from now on, or leave their fields woven."""
         self._deinterlace = wanted
         self._facts = replace(self._facts, deinterlaced=wanted and self._facts.interlaced)
 

@@ -117,7 +117,7 @@ class Timecode:
         return cls(rate, first, of_files=True)
 
     def at(self, frame: int) -> str:
-        """Of a frame of the film; a day has 24 hours."""
+        """Return the timecode of a frame of the film; a day has 24 hours."""
         dropped = _dropped(self.rate, self.mark)
         minute, tens = 60 * self.rate - dropped, 600 * self.rate - 9 * dropped
         number = (self.number + frame) % (_MINUTES // 10 * tens)

@@ -143,7 +143,7 @@ def _small(grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _corner_shifts(pictures: list[NDArray[np.uint8]], away: list[NDArray[np.bool_]]) -> list[Array]:
-    """For every picture but the first, the median way of the corners of each cell, pixels.
+    """Return for every picture but the first the median way of the corners of each cell, pixels.
 
     Corners at pixels that move in either picture do not count.
     """

@@ -158,7 +158,9 @@ class Video:
         return self._walk(start, stop, step)
 
     def sound_frames(self, start: int, stop: int) -> Iterator[tuple[int, Picture | None]]:
-        """As `frames`, with None for damaged ones too; what is not examined yet is examined."""
+        """Return the same as `frames`, with None for damaged ones too; what is not examined yet is
+        examined.
+        """
         for number, picture in self.frames(start, stop):
             if number not in self._examined:
                 deque(self.examine(number, stop - 1), maxlen=0)

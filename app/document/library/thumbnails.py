@@ -103,8 +103,9 @@ class ThumbCache:
         return content
 
     def of_file(self, path: Path) -> bytes | None:
-        """That of a session, a video or a folder of images, as it is now. OSError where there is
-        nothing."""
+        """Return the picture of a session, a video or a folder of images, as it is now. OSError
+        where there is nothing.
+        """
         facts = path.stat()
         identity = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
         make = of_session if path.suffix.lower() == ".json" else _of_film

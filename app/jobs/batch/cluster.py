@@ -126,7 +126,7 @@ def _client(address: str) -> Client:
 
 
 async def _look_at(address: str) -> None:
-    """Whether a scheduler answers there: a client that never reached one is slow to end."""
+    """Check that a scheduler answers there: a client that never reached one is slow to end."""
     from distributed.core import rpc
 
     async with rpc(address, timeout=CONNECT_S) as scheduler:

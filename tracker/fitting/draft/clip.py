@@ -180,8 +180,9 @@ class _DraftRun:
         return Piece(found.seen, motion, depth)
 
     def _turned(self, found: _Solved) -> _Solved:
-        """With bones turned in depth where the whole stretch says so, unless all terms together
-        agree with that clearly worse: then limb by limb, so that none holds another back."""
+        """Turn bones in depth where the whole stretch says so, unless all terms together agree with
+        that clearly worse: then limb by limb, so that none holds another back.
+        """
         joints = Joints.of(with_free_joints(self.skeleton))
         p_hips = found.seen.bridged(joints.rest)
         way = pointing(joints, self.camera, p_hips, found.motion)
@@ -210,7 +211,7 @@ class _DraftRun:
         return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
     def _with_ends(self, found: _Solved) -> Trajectory:
-        """With head and feet turned; where limbs are, their keypoints do not say."""
+        """Turn head and feet; where limbs are, their keypoints do not say."""
         skeleton = turning_ends(Joints.of(self.skeleton))
         joints = Joints.of(skeleton)
         if not len(joints.ends[0]):
@@ -233,7 +234,9 @@ class _DraftRun:
         return filled(seen.first_frame, poses)
 
     def _report(self, more: int) -> None:
-        """That so many more frames are done; a stretch solved a second time does not go back."""
+        """Report that so many more frames are done; a stretch solved a second time does not go
+        back.
+        """
         self.reported = max(self.reported, min(self.done + more, self.expected))
         self.report(DraftProgress("poses", self.reported, self.expected))
 
@@ -260,7 +263,7 @@ def middle(motion: Trajectory) -> Pose:
 
 
 def filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:
-    """With the pose before it at a frame without one. The first has one."""
+    """Fill a frame without a pose with the pose before it. The first has one."""
     every: list[Pose] = []
     for pose in poses:
         every.append(pose if pose is not None else every[-1])

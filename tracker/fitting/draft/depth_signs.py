@@ -99,7 +99,7 @@ class Pointing:
         return np.flatnonzero(limbs.any(axis=(0, 2))).tolist()
 
     def of_limbs(self, limbs: Sequence[int]) -> Pointing:
-        """With nothing said for sure of the bones of other limbs."""
+        """Return the same with nothing said for sure of the bones of other limbs."""
         own = np.isin(np.arange(self.surer.shape[1]) // 2, limbs)
         return replace(self, surer=np.where(own, self.surer, 0.0))
 
@@ -219,8 +219,9 @@ def _up_to(own: Array, change: Array) -> Array:
 
 
 def turned(joints: Joints, seen: Observed, p_hips: Array, found: Pointing) -> Observed | None:
-    """With bones turned to the other side where they were drafted against their signs; None where
-    none was.  p_hips: (N, 12, 3) of the joints, finite."""
+    """Turn bones to the other side where they were drafted against their signs; None where none
+    was. p_hips: (N, 12, 3) of the joints, finite.
+    """
     against = found.against
     if not against.any():
         return None
@@ -256,7 +257,7 @@ _STATES = np.array(list(product(WAYS, repeat=2)))
 
 
 def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Observed | None:
-    """With arms and legs exchanged where they jump from side to side; None where they do not.
+    """Exchange arms and legs where they jump from side to side; None where they do not.
 
     height_px, height_m: of the body.
     """
@@ -332,7 +333,7 @@ def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
 
 
 def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
-    """With arms and legs in the ways that states (N, 2) say."""
+    """Exchange arms and legs as states (N, 2) say."""
     places = np.tile(np.arange(len(POINTS)), (len(seen), 1))
     labels = places.copy()
     for group, ways in zip((_ARMS, _LEGS), states.T, strict=True):

@@ -78,8 +78,9 @@ def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
 
 
 def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
-    """By part, and of trunk and shoulders, its length in the landmarks over the body's; None where
-    too few frames show it."""
+    """Return by part, and of trunk and shoulders, its length in the landmarks over the body's; None
+    where too few frames show it.
+    """
     names = joints.skeleton.body.names
     ratios = {}
     for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
@@ -94,7 +95,7 @@ def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
 
 
 def _trunk_lengths(joints: Joints, observed: Observed) -> float | None:
-    """From the middle of the hips to that of the shoulders."""
+    """Measure from the middle of the hips to that of the shoulders."""
     hips, shoulders = ([place_of(side, name) for side in SIDES] for name in ("hip", "shoulder"))
     sure = observed.usable & (observed.visibility[:, hips + shoulders].min(axis=1) >= SURE)
     p = observed.p_hips[sure]
@@ -154,7 +155,9 @@ def _with_lengths_of(joints: Joints, p_hips: Array) -> Array:
 
 
 def _trunk(joints: Joints, p: Array) -> Array:
-    """From the middle of the hips to that of the shoulders, as long as on the body."""
+    """Return the vector from the middle of the hips to that of the shoulders, as long as on the
+    body.
+    """
     ours = joints.rest[_SHOULDERS].mean(0) - joints.rest[_HIPS].mean(0)
     theirs = p[_SHOULDERS].mean(0) - p[_HIPS].mean(0)
     return float(np.linalg.norm(ours)) * _unit(theirs)
@@ -218,8 +221,7 @@ def _posed(joints: Joints, p: Array) -> Pose:
 
 
 def _with_hinges(joints: Joints, p: Array, pose: Pose) -> Pose:
-    """With upper arms and thighs turned about themselves so that elbows and knees bend as hinges
-    do."""
+    """Turn upper arms and thighs about themselves so that elbows and knees bend as hinges do."""
     H = pose_transforms(joints.skeleton, pose)[:, :3, :3]
     Rs = pose.Rs_parent_part.copy()
     for limb in joints.limbs:

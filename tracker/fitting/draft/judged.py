@@ -126,7 +126,7 @@ class Piece(NamedTuple):
 
 
 def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> JudgedDrafts:
-    """Of stretches of frames with their motions; camera without distortion."""
+    """Judge stretches of frames with their motions; camera without distortion."""
     joints = Joints.of(skeleton)
     names = tuple(skeleton.body.names[limb.upper.part] for limb in joints.limbs)
     found = [_piece(joints, camera, piece) for piece in pieces]

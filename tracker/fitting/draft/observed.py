@@ -92,7 +92,7 @@ class Joints:
         return cls(skeleton, parts, points, seen, rest, limbs, _ends(skeleton))
 
     def length_m(self, bone: Bone) -> float:
-        """Of a bone on this body."""
+        """Return the length of a bone on this body."""
         return float(np.linalg.norm(self.rest[bone.far] - self.rest[bone.near]))
 
     def seen_length_m(self, bone: Bone) -> float:
@@ -231,7 +231,9 @@ class Observed:
         )  # fmt: skip
 
     def without_jumps(self, height_px: float) -> Observed:
-        """With those unknown that are for a few frames elsewhere. height_px: of the body."""
+        """Mark as unknown the keypoints that are outliers for a few frames. height_px: of
+        the body.
+        """
         away = excursions(self.uv, self.known, height_px, POINTS, self.p_hips)
         known = self.known & ~away
         return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
@@ -258,8 +260,9 @@ class Observed:
 
 
 def _column(keypoints: Keypoints, p_hips: Array, name: str) -> tuple[Array, Array, Array]:
-    """Of one keypoint in all frames uv (N, 2), visibility (N,) and p_hips (N, 3); NaN and 0 where
-    there is none of that name."""
+    """Return one keypoint in all frames uv (N, 2), visibility (N,) and p_hips (N, 3); NaN and 0
+    where there is none of that name.
+    """
     if name in keypoints.names:
         k = keypoints.names.index(name)
         return keypoints.uv[:, k], keypoints.visibility[:, k], p_hips[:, k]

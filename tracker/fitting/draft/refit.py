@@ -98,8 +98,7 @@ def refit_drafts(
 
 
 def _free(skeleton: Skeleton) -> Skeleton:
-    """With the joints free that keypoints determine; clavicles stay as they are, as in
-    every draft."""
+    """Free the joints that keypoints determine; clavicles stay as they are, as in every draft."""
     body = with_free_joints(skeleton).body
     some = (
         part.model_copy(update={"tracked": ()}) if part.name.endswith("_clavicle") else part
@@ -198,7 +197,9 @@ class _PosedRun:
         self, seen: Observed, columns: NDArray[np.int64], points: BodyPoints, first: Trajectory,
         posed_rows: list[int],
     ) -> Observed:  # fmt: skip
-        """With these keypoints where they would be without what was learned that they are off."""
+        """Move these keypoints to where they would be without what was learned that they
+        are off.
+        """
         Ts = first.transforms(self.skeleton)
         p, uv = points.at(Ts), seen.uv.copy()
         at = image_points(self.camera, p)

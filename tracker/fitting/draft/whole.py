@@ -191,7 +191,7 @@ def _sigmas(
 
 
 def _padded(motion: Trajectory) -> Trajectory:
-    """With its first pose twice: the first one of a problem stays."""
+    """Repeat the first pose: the first one of a problem stays."""
     R, t = motion.Rs_parent_part, motion.ps_camera_root
     return Trajectory(
         motion.first_frame - 1, np.concatenate([R[:1], R]), np.concatenate([t[:1], t])

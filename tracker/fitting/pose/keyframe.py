@@ -91,7 +91,7 @@ class Joints:
         return cls(keyframe, term, solution.state)
 
     def gain(self, pose: Pose) -> float:
-        """By how much likelier a pose is than the one as set, nats."""
+        """Return by how much likelier a pose is than the one as set, nats."""
         before, after = (
             Posed.of(self.keyframe.scene.skeleton, some) for some in (self.keyframe.pose, pose)
         )
@@ -295,7 +295,7 @@ def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
 
 
 def _cost(inputs: FitInputs, match: TextureMatch | None, pose: Pose) -> float:
-    """By which one of several refined poses is chosen; lower is better."""
+    """Return the cost by which one of several refined poses is chosen; lower is better."""
     away = inputs.keyframe.away(pose) ** 2 @ inputs.keyframe.precision
     if match is None:
         return float(away)

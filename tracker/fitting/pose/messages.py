@@ -56,7 +56,7 @@ def _moved(moves: Moves) -> str:
 
 
 def _staying(moves: Moves, which: NDArray[np.intp], why: str) -> str:
-    """That some parts stay, and why."""
+    """Say that some parts stay, and why."""
     names = [readable(moves.names[i]) for i in which[:MOST]]
     more = len(which) - len(names)
     if more:

@@ -184,7 +184,8 @@ def separation(outline: Outline, pose: Pose) -> float:
 
 
 def gain(outline: Outline, before: Pose, after: Pose) -> float:
-    """By how much likelier (nats, mean) `after` makes the pixels that the two explain otherwise.
+    """Return by how much likelier (nats, mean) `after` makes the pixels that the two explain
+    otherwise.
 
     Colours are learnt from both alike, so that neither is scored by its own.
     """

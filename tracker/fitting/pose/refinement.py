@@ -63,7 +63,7 @@ class EdgeDistances:
 
     @classmethod
     def of(cls, outline: Outline, posed: Posed, edges: Edges) -> EdgeDistances:
-        """Of edges that were found at a pose.
+        """Make the term of edges that were found at a pose.
 
         Parts that are not tracked, such as hands and feet, get no weight: they stay as posed,
         so their edges would pull at their parents.
@@ -81,7 +81,7 @@ class EdgeDistances:
         return cls(outline.camera, edges.part, p_part, edges.normal, target, weights, thickness)
 
     def cost(self, posed: Posed) -> float:
-        """At the best thicknesses."""
+        """Return the cost at the best thicknesses."""
         r = self._offsets_px(posed.points(self.part, self.p_part))
         precision, pull = self._thickness(r, posed.skeleton.part_count)
         return self._cost(r, precision, pull)

@@ -129,7 +129,7 @@ class PlacedTextures:
     def sums(
         self, posed: Posed, loss: int, widths: Sequence[float] | Array, gain: bool
     ) -> list[Sums]:
-        """Those of every texture at a pose."""
+        """Return the sums of every texture at a pose."""
         HR, Ho = self.part_frames(posed)
         both = zip(self.textures, widths, strict=True)
         return [self._sum(texture, HR, Ho, loss, float(width), gain) for texture, width in both]
@@ -193,12 +193,12 @@ class TextureDifferences:
         return TUKEY if self.fine else HUBER
 
     def cost(self, posed: Posed) -> float:
-        """At the best gains and biases, where they are free."""
+        """Return the cost at the best gains and biases, where they are free."""
         every = zip(self.placed.textures, self.width, self._scales(), strict=True)
         return sum(self._cost(posed, texture, width) * scale for texture, width, scale in every)
 
     def _cost(self, posed: Posed, texture: Texture, width: float) -> float:
-        """That of one texture, grey levels²."""
+        """Return the cost of one texture, grey levels²."""
         part, r, own = self.placed.residuals(posed, texture)
         kernel = Tukey(width) if self.fine else Huber(width)
         total = float(kernel.loss(np.abs(r)).sum())

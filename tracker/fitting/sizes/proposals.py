@@ -118,7 +118,7 @@ class KeyframePictures:
         return None
 
     def _as_set(self, pose: Pose, start: Pose) -> Pose:
-        """With the trunk's turns to the last digit as they were set."""
+        """Put back the trunk's turns to the last digit as they were set."""
         is_trunk = self.fit.proportions.is_trunk[:, None, None]
         return Pose(
             np.where(is_trunk, start.Rs_parent_part, pose.Rs_parent_part), pose.p_camera_root
@@ -162,7 +162,7 @@ class KeyframePictures:
 
 
 def _floating(body: Body, poses: Sequence[Pose], up: Sequence[float]) -> float:
-    """By how much the height of the body's lowest point varies along up (3,), metres."""
+    """Return by how much the height of the body's lowest point varies along up (3,), metres."""
     skeleton = Skeleton.of(body)
     mesh, up_camera = BodyMesh.of(skeleton), np.asarray(up) / np.linalg.norm(up)
     lowest = [(mesh.posed(pose_transforms(skeleton, pose)) @ up_camera).min() for pose in poses]

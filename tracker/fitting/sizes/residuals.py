@@ -66,7 +66,7 @@ class Pictures:
         return cls(rgb, usable, [colour_cells(picture) for picture in rgb], plates)
 
     def colour_models(self, seen: Sequence[Contour], fit: SharedFit) -> ColourModels:
-        """Those of parts that show where the contours say."""
+        """Learn the colours of parts that show where the contours say."""
         shown = [contour.shown for contour in seen]
         groups = fit.proportions.group_of
         return learn_colours(self.rgb, self.usable, self.cells, shown, groups, self.plates)

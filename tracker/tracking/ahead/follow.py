@@ -64,7 +64,7 @@ class DirectedFrames:
         return _Steps(0, clip.levels, damaged, slots)
 
     def keypoints(self, found: Keypoints, steps: int) -> Keypoints:
-        """Those of so many steps, by step."""
+        """Return the keypoints of so many steps, by step."""
         over = found.over(*self.span(steps))
         rows = slice(None, None, self.sign)
         depth = None if over.p_hips is None else over.p_hips[rows]
@@ -233,7 +233,7 @@ class _AheadRun:
         return halt
 
     def _pictures(self, count: int, steps: int) -> Clip:
-        """Of the first `count` steps; of one size throughout."""
+        """Return the pictures of the first `count` steps; of one size throughout."""
         line = self.line
         return line.clip(self.tracker.loader(line.span(steps)).load(*line.span(count)), count)
 
@@ -263,7 +263,7 @@ class _AheadRun:
         return [by_joints] if followed is None else [by_joints, followed], scene
 
     def _keep_if_cancelled(self, followed: ForwardPass, scene: Scene, count: int) -> None:
-        """What brightness alone has found of a block is kept where that is cancelled."""
+        """Keep what brightness alone has found of a block where that is cancelled."""
         halt = self._judged(followed, scene, count, is_last=True)
         motion = _cut(followed.motion, count if halt is None else halt.step)
         if len(motion) > len(self._so_far()):

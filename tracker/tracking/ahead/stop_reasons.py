@@ -91,7 +91,7 @@ def _damaged(clip: Clip) -> int | None:
 
 
 def _cut(clip: Clip) -> int | None:
-    """By the coarsest pictures."""
+    """Find a cut in the coarsest pictures."""
     grey = clip.levels[-1][clip.slots(0, len(clip) - 1), ..., 0]
     change = np.abs(np.diff(grey, axis=0)).mean(axis=(1, 2))
     if not len(change):

@@ -106,11 +106,11 @@ class Anchors:
         return np.where((self.by_hand > 0)[..., None], joints, points)
 
     def weighted(self, weight: float) -> Anchors:
-        """With the detector's standard deviations divided by this."""
+        """Divide the detector's standard deviations by this."""
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
     def of_rows(self, rows: slice) -> Anchors:
-        """Those of some frames alone."""
+        """Return the anchors of some frames alone."""
         return replace(
             self, uv=self.uv[rows], scale=self.scale[rows], depth=self.depth[rows],
             depth_scale=self.depth_scale[rows], visibility=self.visibility[rows],
@@ -118,7 +118,7 @@ class Anchors:
         )  # fmt: skip
 
     def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
-        """With those of others in some frames (N,)."""
+        """Put in those of others in some frames (N,)."""
         if not rows.any():
             return self
         return replace(
@@ -225,7 +225,7 @@ def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
 
 
 def _undistorted(keypoints: Keypoints, scene: Scene, camera: Camera) -> Keypoints:
-    """With pixels of the undistorted pictures worked on."""
+    """Convert to pixels of the undistorted pictures worked on."""
     uv = scene.camera.project(camera.back_project(keypoints.uv, 1.0))
     return replace(
         keypoints, uv=uv, visibility=np.where(np.isfinite(uv[..., 0]), keypoints.visibility, 0.0)

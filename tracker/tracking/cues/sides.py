@@ -30,7 +30,7 @@ KEYED = 3.0
 def exchanged_sides(
     seen: Keypoints, used: NDArray[np.int64], keyed: Mapping[int, Array], height_px: float
 ) -> Keypoints | None:
-    """With left and right set right; None where they are as detected in every frame.
+    """Set left and right right; None where they are as detected in every frame.
 
     used (K,): keypoints that the body has.  keyed: by row, their pixels (K, 2) on the posed body.
     """

@@ -46,7 +46,9 @@ class FrameSource(Protocol):
     """What finds the keypoints of single frames."""
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        """Those of a frame in which the body is posed; None where nobody is found."""
+        """Return the keypoints of a frame in which the body is posed; None where nobody is
+        found.
+        """
 
 
 class KeypointSource(FrameSource, Protocol):
@@ -55,7 +57,7 @@ class KeypointSource(FrameSource, Protocol):
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
-        """Those of a segment's frames; None where nobody is found.
+        """Return the keypoints of a segment's frames; None where nobody is found.
 
         report: called again and again; what it raises ends the search within a frame.
         """
@@ -63,8 +65,8 @@ class KeypointSource(FrameSource, Protocol):
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
-        """Those from a frame in which the body is posed up to another, before or after it, in the
-        order of frames; None where nobody is found.
+        """Return the keypoints from a frame in which the body is posed up to another, before or
+        after it, in the order of frames; None where nobody is found.
 
         report: as above.
         """

@@ -96,13 +96,13 @@ def _is_noise(segment: Segment) -> bool:
 
 
 def _correlation(a: Array, b: Array) -> float:
-    """Of pictures about their mean; 0 where one is of one brightness."""
+    """Correlate pictures about their mean; 0 where one is of one brightness."""
     scale = float(np.sqrt((a * a).sum() * (b * b).sum()))
     return float((a * b).sum()) / scale if scale > 0 else 0.0
 
 
 def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
-    """By all but the silhouette."""
+    """Judge by all but the silhouette."""
     if outcome.joints is not None:
         return _judge_joints(scene, segment, outcome.joints)
     evidence = _evidence(scene, outcome)
@@ -130,7 +130,7 @@ def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observat
 
 
 def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verdict:
-    """By how likely each joint is wrong in each frame."""
+    """Judge by how likely each joint is wrong in each frame."""
     wrong = joints.wrong
     first, last = segment.first_frame, segment.last_frame
     worst = first + int(wrong.sum(axis=1).argmax())
@@ -153,7 +153,7 @@ def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verd
 
 
 def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict:
-    """By how far the body is from covering what moves, and nothing else."""
+    """Judge by how far the body is from covering what moves, and nothing else."""
     beside = median_filter(mismatch.excess, BESIDE_FRAMES, mode="nearest")
     beside[[0, -1]] = 0.0
     found = [run for run in runs(beside > BESIDE_BODY) if run[1] - run[0] + 1 >= SHORTEST_RUN]

@@ -86,7 +86,7 @@ def follow_both(scene: Scene, segment: Segment, method: Keypose) -> Chains | Non
 
 
 def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
-    """From the forward chain to the backward one, each part's rotation along one axis.
+    """Blend from the forward chain to the backward one, each part's rotation along one axis.
 
     Both start exactly at their keyframes, so the blend meets both. A chain's variance grows with
     every step, the more the less observable the step is: the blend moves to the other chain where

@@ -175,7 +175,7 @@ def _angles(keyed: FirstKeyframe, carried: Trajectory, limb: TwoLinks) -> tuple[
 
 
 def _links(keyed: FirstKeyframe, motion: Trajectory, limb: TwoLinks) -> tuple[Array, Array, Array]:
-    """In the picture, (N, 2): where a limb begins, and its upper and lower link."""
+    """Return in the picture, (N, 2), where a limb begins, and its upper and lower link."""
     origin = np.zeros(3)
     hip = keyed.scene.point_pixels(motion, limb.upper, origin)
     knee = keyed.scene.point_pixels(motion, limb.lower, origin)

@@ -64,8 +64,9 @@ class KeptOutcomes:
         self._lock = Lock()
 
     def get(self, kind: Kind) -> Outcome | None:
-        """That of this kind; of a preview also a better one of the same segment, so that nothing
-        but a limb is seen to change while it is corrected."""
+        """Return the outcome of this kind; of a preview also a better one of the same segment, so
+        that nothing but a limb is seen to change while it is corrected.
+        """
         key, quality, _ = kind
         with self._lock:
             better = [k for k in self._kept if k[0] == key and k[1] != "preview"]

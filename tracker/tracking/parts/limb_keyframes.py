@@ -54,7 +54,7 @@ class KeyedParts:
         cls, skeleton: Skeleton, frame: int, parts: Sequence[str], pose: Pose,
         telephoto: bool = False,
     ) -> KeyedParts:  # fmt: skip
-        """By the names of parts."""
+        """Key parts by their names."""
         named = [skeleton.body.index(name) for name in parts]
         below = np.flatnonzero(skeleton.below[:, named].any(axis=1))
         return cls(frame, below, pose, telephoto)
@@ -68,7 +68,7 @@ class KeyedParts:
         return np.asarray(p * (1 + farther / p[:, 2:]))
 
     def hanging(self, skeleton: Skeleton) -> NDArray[np.int64]:
-        """Those of the parts that hang on another one of them: their joints are exact as well."""
+        """Add the parts that hang on another one of them: their joints are exact as well."""
         return self.parts[np.isin(skeleton.parents[self.parts], self.parts)]
 
 
@@ -135,8 +135,9 @@ def _reached(
     skeleton: Skeleton, keyed: KeyedParts, pose: Pose, there: Array, tops: Sequence[int],
     *, ends_alone: bool = False,
 ) -> Pose:  # fmt: skip
-    """With the last joints of moved limbs where they were, and their last parts turned as they
-    were. ends_alone: those between are where the pose has them, else about where they were."""
+    """Put the last joints of moved limbs where they were, and turn their last parts as they were.
+    ends_alone: those between are where the pose has them, else about where they were.
+    """
     below = np.asarray(skeleton.below[:, list(tops)].any(axis=1))
     limb = np.array([i for i in keyed.parts if below[i]], dtype=np.int64)
     joints = np.array([i for i in limb if i not in tops], dtype=np.int64)

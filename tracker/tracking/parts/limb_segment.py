@@ -170,9 +170,10 @@ def _alike(rows: Sequence[int] | NDArray[np.int64], others: Sequence[int]) -> Ar
 
 
 def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Scene) -> Anchors:
-    """Of anchors that take left and right differently those that the rest of the body contradicts
-    least; in frames where the limb of the other side contradicts them, the others: what is seen
-    where that one was tracked is not this one."""
+    """Choose of anchors that take left and right differently those that the rest of the body
+    contradicts least; in frames where the limb of the other side contradicts them, the others: what
+    is seen where that one was tracked is not this one.
+    """
     against = np.stack([_contradiction(each, segment, scene) for each in candidates])  # (A, N, K)
     parts = candidates[0].parts
     rest = against[..., ~np.isin(parts, segment.parts)].sum(axis=(1, 2))

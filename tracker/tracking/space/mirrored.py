@@ -56,7 +56,8 @@ class Mirrored:
 def mirrored_limbs(
     skeleton: Skeleton, camera: Camera, poses: Mapping[int, Pose], frames_per_second: float
 ) -> tuple[Mirrored, ...]:
-    """Of keyframes, poses by frame; of one limb at one keyframe the likelier part.
+    """Find limbs that keyframes may have mirrored in depth; poses by frame; of one limb at one
+    keyframe the likelier part.
 
     camera: without distortion.
     """

@@ -234,7 +234,7 @@ def _solution(
     pins: list[BodyPoints],
     frames: list[slice],
 ) -> SpaceSolution:
-    """With exact keyframes and limbs put in: what they moved by is rounding."""
+    """Put exact keyframes and limbs in: what they moved by is rounding."""
     R, t = found.motion.writable()
     for frame in set(problem.keyframes) - set(problem.soft):
         row = frame - problem.motion.first_frame
@@ -254,7 +254,7 @@ def _solution(
 
 
 def _free(problem: SpaceProblem) -> Skeleton:
-    """With those parts free to turn that pins or keypoints can turn, and those whose jerk is known.
+    """Free the parts that pins or keypoints can turn, and those whose jerk is known.
 
     Hands, feet and neck, which nothing tracks as a rule, are interpolated between keyframes, with a
     corner at each of them.

@@ -128,7 +128,7 @@ class FirstKeyframe:
 
     @classmethod
     def of(cls, scene: Scene, segment: Segment) -> FirstKeyframe:
-        """Of one segment."""
+        """Prepare what the first keyframe of one segment shows."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         shown = [GreyPicture.of(segment.clip.levels[0][slot]) for slot in slots]
         Ts = pose_transforms(scene.skeleton, segment.start)

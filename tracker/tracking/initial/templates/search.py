@@ -27,7 +27,7 @@ class GreyPicture:
 
     @classmethod
     def of(cls, picture: Picture) -> GreyPicture:
-        """From one (h, w, 4) picture of a clip."""
+        """Prepare one (h, w, 4) picture of a clip."""
         grey = np.where(picture[..., 3] != IGNORED, np.rint(picture[..., 0]), UNUSABLE)
         return cls(grey.astype(np.int16))
 

@@ -307,7 +307,7 @@ class _View:
 
     @classmethod
     def of(cls, scene: Scene, segment: Segment, chains: Chains) -> _View:
-        """Of one segment."""
+        """Prepare one segment."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         pictures = [segment.clip.levels[0][slot] for slot in slots]
         base = blend_chains(scene, *chains)
