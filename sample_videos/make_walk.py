@@ -23,11 +23,11 @@ from keypose.app.cli.main import main as keypose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.space.contacts import up_from_places
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import load_session, save_session, session_json
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.tracks import load_trajectory
-from keypose.tracker.tracking.space.contacts import up_from_places
 
 FOLDER = Path(__file__).parent / "walk"
 WIDTH, HEIGHT, FPS = 1280, 720, 30

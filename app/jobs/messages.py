@@ -14,9 +14,9 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.settings import Quality
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.tracking.space.result import SpaceResult
 
 if TYPE_CHECKING:
     from keypose.app.editor.reduced import Reducible

@@ -4,7 +4,7 @@ Points are those of the recording's markers (`keypose.tracker.formats.marker_set
 as in TRC and MOT: x ahead, y up, z right. Millimetres, as POINT:UNITS says. Points are single
 precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
 residual −1, "invalid" in C3D. The events are heel strikes and toe offs of a person who walks
-(`keypose.tracker.tracking.space.gait`). There are no analog channels. Frames are evenly spaced, as
+(`keypose.tracker.space.gait`). There are no analog channels. Frames are evenly spaced, as
 C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
 motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
 

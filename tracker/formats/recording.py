@@ -21,9 +21,9 @@ from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.gait import Gait, gait_of
 from keypose.tracker.storage.tracks import Tracks
-from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.gait import Gait, gait_of
 
 if TYPE_CHECKING:
     from keypose.tracker.video.info import Timecode

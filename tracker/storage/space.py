@@ -1,4 +1,4 @@
-"""The last solve of a session's motion, see `keypose.tracker.tracking.space.solve`."""
+"""The last solve of a session's motion, see `keypose.tracker.space.solve`."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
-from keypose.tracker.storage.tracking import keyed_parts
-from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
-from keypose.tracker.tracking.space.result import SpaceResult
-from keypose.tracker.tracking.space.solve import (
+from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.result import SpaceResult
+from keypose.tracker.space.solve import (
     PinnedPoint,
     SpaceProblem,
     SpaceSolution,
     solve_space,
 )
+from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
+from keypose.tracker.storage.tracking import keyed_parts
 
 UP = (0.0, -1.0, 0.0)
 CONTRADICTS_M = 0.01

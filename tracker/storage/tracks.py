@@ -49,8 +49,8 @@ LARGEST_TRACKS_BYTES = 2**30
 
 if TYPE_CHECKING:
     from keypose.tracker.body.skeleton import Skeleton
+    from keypose.tracker.space.result import SpaceResult
     from keypose.tracker.tracking.result import SegmentResult, TrackResult
-    from keypose.tracker.tracking.space.result import SpaceResult
 
 _POSES = ("Rs_parent_part", "ps_camera_root")
 _BEFORE = "before_space_"

@@ -17,7 +17,7 @@ from keypose.app.posing.labels import number_text
 from keypose.tracker.body.joint_angles import Angle, Joint, JointAngles
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.tracking.space.gait import Gait, Stride
+from keypose.tracker.space.gait import Gait, Stride
 
 LEAST_MOTION_DEG = 1.0
 """A joint none of whose angles changes more gets no row."""

@@ -14,9 +14,9 @@ from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.stretches import stretches
-from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.editor.desk import after, desk
 from tests.app.editor.test_pins import stepping
 

@@ -10,9 +10,9 @@ from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.stretches import SegmentRun
-from keypose.tracker.tracking.space.result import SpaceResult
 from tests.app.results_cases import both, session
 from tests.tracker import session_cases as cases
 

@@ -9,10 +9,10 @@ from typing import Literal, TypeAlias
 
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.fingerprints import Span, segment_keys
 from keypose.tracker.storage.stretches import SegmentRun, stretches
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.tracking.space.result import SpaceResult
 
 CARE = {"preview": 0, "full": 1}
 """Of two results with one key, the one found with more care stays."""

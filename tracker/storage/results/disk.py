@@ -18,13 +18,13 @@ from keypose.tracker.files import read_regular
 from keypose.tracker.session import Results as FileResults
 from keypose.tracker.session import SegmentSummary, Session
 from keypose.tracker.session.results import SpaceSummary
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.files import LARGEST_SESSION_BYTES
 from keypose.tracker.storage.fingerprints import Span, present_keys, setup_hash
 from keypose.tracker.storage.outdated import KEYFRAME_TOLERANCE
 from keypose.tracker.storage.results.collection import CARE, Results
 from keypose.tracker.storage.tracks import Tracks, load_tracks, save_result
 from keypose.tracker.tracking.result import SegmentResult, TrackResult
-from keypose.tracker.tracking.space.result import SpaceResult
 
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")

@@ -12,11 +12,11 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
-from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.findings import MotionInSpace, space_findings
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
-from tests.tracker.tracking.space.space_cases import UP, fps_of, places, standing
+from tests.tracker.space.space_cases import UP, fps_of, places, standing
 
 FRAMES = 61
 FEET = ("left_foot", "right_foot")

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.tracking.space.contacts import proposed_pins
+from keypose.tracker.space.contacts import proposed_pins
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
-from tests.tracker.tracking.space.space_cases import UP, fps_of, places, standing
+from tests.tracker.space.space_cases import UP, fps_of, places, standing
 
 Bools = NDArray[np.bool_]
 

@@ -11,11 +11,11 @@ from scipy.signal import savgol_filter
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
+from keypose.tracker.space.solve import PinnedPoint, SpaceSolution, solve_space
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
-from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
-from tests.tracker.tracking.space.space_cases import (
+from tests.tracker.space.space_cases import (
     UP,
     Floats,
     acceleration,

@@ -13,13 +13,13 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.gait import FootPath, Gait, gait_of, gait_of_paths
 from keypose.tracker.storage.files import load_session
-from keypose.tracker.tracking.space.contacts import proposed_pins
-from keypose.tracker.tracking.space.gait import FootPath, Gait, gait_of, gait_of_paths
 from tests.rendering import motions
 from tests.rendering.mocap import needs_mocap, walk
 from tests.tracker.formats.recordings import SAMPLES, recorded
-from tests.tracker.tracking.space.space_cases import UP
+from tests.tracker.space.space_cases import UP
 
 FPS, STRIDE, STANCE = 50.0, 60, 36
 """Of the constructed walk: frames of a stride, and of those that a foot is on the ground."""

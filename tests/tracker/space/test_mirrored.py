@@ -8,8 +8,8 @@ import pytest
 from keypose.tracker.body.pose import Pose, joint_positions, pose_transforms
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.solver.depth_turn import turned_in_depth
-from keypose.tracker.tracking.space.findings import MotionInSpace, space_findings
-from keypose.tracker.tracking.space.mirrored import Mirrored, mirrored_limbs
+from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.mirrored import Mirrored, mirrored_limbs
 from tests.rendering.scenes import Scene, scene
 
 RATE = 30.0

@@ -1,5 +1,4 @@
-"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth
-or with limbs the other way round or twisted, a body out of balance, shaking."""
+"""Find what of a motion is implausible in space: sliding feet, depth, balance, shaking."""
 
 from __future__ import annotations
 
@@ -16,7 +15,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.tracking.space.mirrored import mirrored_limbs
+from keypose.tracker.space.mirrored import mirrored_limbs
 
 SLIDES_M = 0.05
 FLOOR_M = 0.04

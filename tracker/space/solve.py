@@ -44,6 +44,7 @@ from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, incr
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.stretch_poses import MotionWindow, SharedTerm, StretchPoses
 from keypose.tracker.solver.terms import Term
+from keypose.tracker.space.contacts import speed_m_s
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.cues.soft_correction import (
     BEND_SHIFT_PX,
@@ -60,7 +61,6 @@ from keypose.tracker.tracking.parts.limb_keyframes import (
     with_exact_ends,
 )
 from keypose.tracker.tracking.segment import NEAREST_M
-from keypose.tracker.tracking.space.contacts import speed_m_s
 
 SIGMAS: Final = {
     "waist": 225.0,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, image_points
-from keypose.tracker.tracking.space.solve import PinnedPoint, SpaceProblem
+from keypose.tracker.space.solve import PinnedPoint, SpaceProblem
 from tests.rendering.scenes import Scene, scene
 
 Floats = NDArray[np.float64]
