@@ -168,7 +168,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "mot": Format(
         "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal; x ahead, y "
         "up, z right, on the floor",
-        _mot, ("motion.mot",), "text/plain",
+        _mot, ("motion.mot",), "text/plain", gaps=False,
     ),
     "c3d": Format(
         "joints as markers for motion laboratories, millimetres; x ahead, y up, z right, on the "

@@ -7,7 +7,7 @@ A corner that was dragged stays there while others are. The first carries the bo
 picture, a second turns it there and brings it nearer or farther, a third tilts it, and from the
 fourth on the pose is the one that agrees best with all of them: of those poses that do so equally
 well the one that is nearest to the pose before. Sizes stay, unless six corners are in their places,
-these sizes cannot reach them, and nothing else was posed with these sizes (`box_sizes.py`).
+these sizes cannot reach them, and nothing else was posed with these sizes.
 """
 
 from __future__ import annotations

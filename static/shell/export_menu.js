@@ -81,7 +81,7 @@ function varying() {
   return note(
     ui.filterMotion
       ? `The film’s rate varies: filtered motion has ${rate}.`
-      : `The film’s rate varies: CSV and NPZ keep every frame’s time, all others have ${rate}.`,
+      : `The film’s rate varies: CSV, NPZ and the camera’s files keep every frame’s time, all others have ${rate}.`,
   );
 }
 

@@ -1,7 +1,7 @@
 """Recorded motion in: joint positions over time, whatever program wrote them.
 
-One module per format reads its own files into a `JointMotion`: `reading_bvh`, `reading_trc`,
-`reading_c3d`, `reading_csv`, `reading_smpl`. Whatever is wrong with a file is reported in one
+One module per format reads its own files into a `JointMotion`: `reading_bvh`,
+`reading_markers`, `reading_csv`, `reading_smpl`. Whatever is wrong with a file is reported in one
 sentence.
 """
 

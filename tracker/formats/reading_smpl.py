@@ -10,7 +10,7 @@ GVHMR, GEM: a PyTorch file, or an archive made of one, with `global_orient`, `bo
 frames that they are of in `frame_ids`.
 Camera frames are as ours, x right, y down, z away, and come before the world's: a session's motion
 is in its camera's frame. The person's own lengths only a licensed model could give: the poses are
-played on a body of ours, as in `reading_amass`. The models put their own origin, and not the
+played on a body of ours, as those of AMASS are. The models put their own origin, and not the
 pelvis, at `transl`, some 20 to 35 cm from it by whichever model it was: the keyframes mend that.
 """
 

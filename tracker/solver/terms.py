@@ -2,12 +2,13 @@
 
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
 give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
-`diagonal` and let `DiagonalTerm` do it. `BodyPoints` (`body_points.py`) says where points of the
-body are and how they move. Put it among the cases of the one test that compares every term with
-finite differences. Terms of points of the body are in `point_terms.py`, those of a pose's turns in
-`pose_terms.py`. Residuals are in standard deviations, so that terms of different kinds can be
-summed, and are half squared. Terms here work on one pose or on many at once: batch axes come first,
-equations are those of every pose by itself, and a cost is that of all of them.
+`diagonal` and let `DiagonalTerm` do it. `BodyPoints` (`posed.py`) says where points of the body are
+and how they move. Put it among the cases of the one test that compares terms with finite
+differences. Terms of points and turns are in `pose_terms.py`, links between frames in
+`smoothness.py`, terms that many frames share in `space_terms.py`. Residuals are in standard
+deviations, so that terms of different kinds can be summed, and are half squared. Terms here work on
+one pose or on many at once: batch axes come first, equations are those of every pose by itself, and
+a cost is that of all of them.
 
 What is found at one pose and kept (edges in a picture, pairs of points, noise) belongs to the term:
 terms of pictures and surfaces are made again at every pose, for one pose at a time.

@@ -11,7 +11,9 @@ import pytest
 from pydantic import ValidationError
 
 from keypose import static
+from keypose.app.editor import actions as do
 from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.edits import EDITS
 
 ANGLES = {"do": "angles", "part": "head"}
 MASK = {"do": "add_mask", "polygon": [[0, 0], [1, 0], [0, 1]], "first": 0, "last": 1}
@@ -123,3 +125,7 @@ def test_the_page_sends_every_action_by_its_word_and_no_other() -> None:
     known = set(ACTIONS.json_schema()["discriminator"]["mapping"])
     assert set(re.findall(r"\bdo: ?'(\w+)'", page)) <= known
     assert known <= set(re.findall(r"'(\w+)'", page))
+
+
+def test_every_edit_but_a_drag_is_in_the_table_of_how_edits_are_made() -> None:
+    assert set(do.Edit.__subclasses__()) - {do.Drag} == set(EDITS)

@@ -48,3 +48,10 @@ def test_every_cause_is_explained_in_the_schema() -> None:
 def test_in_files_a_verdict_begins_with_its_kind() -> None:
     part = Verdict.check("not_seen", (31, 36), "right_hand")
     assert verdict_words(part) == "check frames 31–36: right hand not seen"
+
+
+@pytest.mark.parametrize("cause", [one for one in get_args(Cause) if one != "other"])
+def test_every_cause_has_words_for_files_and_the_command_line(cause: Cause) -> None:
+    given = {"kind": "good" if cause == "good" else "check", "cause": cause, "part": "left_hand"}
+    verdict = Verdict.model_construct(**given, frames=(3, 4), go=3)
+    assert verdict_words(verdict).startswith(given["kind"])
