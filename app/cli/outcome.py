@@ -72,7 +72,7 @@ def require_place(arguments: argparse.Namespace) -> None:
 
     folder = arguments.session.parent if arguments.out is None else arguments.out
     if arguments.out is not None and not arguments.overwrite:
-        require_absent([_place(arguments)], error=SessionError)
+        require_absent([_session_path_to_write(arguments)], error=SessionError)
     require_folder(folder, error=SessionError)
 
 
@@ -82,12 +82,12 @@ def locked_place(arguments: argparse.Namespace) -> Iterator[Path]:
     from keypose.app.document.folder_lock import locked
 
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
-    place = _place(arguments)
+    place = _session_path_to_write(arguments)
     with locked(place, f"close it there, or {copy}"):
         yield place
 
 
-def _place(arguments: argparse.Namespace) -> Path:
+def _session_path_to_write(arguments: argparse.Namespace) -> Path:
     """The session file to write."""
     out: Path | None = arguments.out
     session_path: Path = arguments.session
@@ -109,8 +109,8 @@ def _save_found(
     spans = {track.span for track in found.found}
     mine = [s for s in results.segments if (s.first_frame, s.last_frame) in spans]
     summary |= {
-        "session": str(_place(arguments)),
-        "tracks": str(_place(arguments).with_name(results.tracks)),
+        "session": str(_session_path_to_write(arguments)),
+        "tracks": str(_session_path_to_write(arguments).with_name(results.tracks)),
         "segments": [
             {**segment.model_dump(), **verdict_fields(segment.verdict)} for segment in mine
         ],
@@ -136,7 +136,7 @@ def _write(
     def refer(results: Results | None) -> None:
         write_copy(session.model_copy(update={"results": results}), arguments)
 
-    return save_tracks_beside(asked, _place(arguments), found.found, refer)
+    return save_tracks_beside(asked, _session_path_to_write(arguments), found.found, refer)
 
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:
@@ -150,7 +150,7 @@ def write_copy(session: Session, arguments: argparse.Namespace) -> None:
     carry_beside(session, arguments.session.parent, arguments.out)
     there = with_paths_from(session, arguments.session, arguments.out)
     write_file(
-        _place(arguments),
+        _session_path_to_write(arguments),
         session_json(there),
         overwrite=arguments.overwrite,
         keep_previous=True,

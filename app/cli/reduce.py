@@ -121,12 +121,12 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.reduction.reduce import reduce_motion
     from keypose.tracker.storage.results import load_results
-    from keypose.tracker.storage.sidecars import kept_beside
+    from keypose.tracker.storage.sidecars import load_first_motion_of
 
     found = reducible(
         session,
         load_results(session, arguments.session).fitting(session),
-        kept_beside(session, arguments.session.parent),
+        load_first_motion_of(session, arguments.session.parent),
         frames=arguments.frames,
         source=arguments.source,
         limbs=arguments.limb,

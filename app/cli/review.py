@@ -62,13 +62,13 @@ def _facts(found: Review, goal: int) -> dict[str, Any]:
         "right_px": found.right_px,
         "expected_px": found.px,
         "expected_cm": found.cm,
-        "places": [_place(place) for place in found.above(goal)],
+        "places": [_place_as_json(place) for place in found.above(goal)],
         "answered": [one.model_dump(mode="json") for one in found.answered],
         "untracked": found.untracked,
     }
 
 
-def _place(place: Place) -> dict[str, Any]:
+def _place_as_json(place: Place) -> dict[str, Any]:
     from keypose.app.words.review import reason_of_place
 
     return {

@@ -73,7 +73,7 @@ def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     except SessionError:
         if _exists(video_path(session, session_path)):  # another one, or damaged
             raise
-    note(f"the {session.evidence.words.noun_is} missing; {otherwise}.")
+    note(f"the {session.evidence.words.noun_with_is} missing; {otherwise}.")
     return nullcontext()
 
 

@@ -48,12 +48,14 @@ def _with(
 ) -> Session:
     _require_counting(state.doc, action.joint)
     place = (action.frame, action.joint)
-    others = [each for each in state.doc.keypoint_corrections if _place(each) != place]
+    others = [each for each in state.doc.keypoint_corrections if _frame_and_joint(each) != place]
     every = others if correction is None else [*others, correction]
-    return state.doc.model_copy(update={"keypoint_corrections": tuple(sorted(every, key=_place))})
+    return state.doc.model_copy(
+        update={"keypoint_corrections": tuple(sorted(every, key=_frame_and_joint))}
+    )
 
 
-def _place(each: KeypointCorrection) -> tuple[int, str]:
+def _frame_and_joint(each: KeypointCorrection) -> tuple[int, str]:
     return each.frame, each.joint
 
 

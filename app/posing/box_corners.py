@@ -189,7 +189,7 @@ def drag_box_corner(
     others = () if gesture.carry else _of_others(placed, handle)
     now = (*others, PlacedCorner(handle.part, handle.index, (u, v)))
     free_sizes = free_sizes and all(one.parent != handle.part for one in body.parts)
-    fit = _Fit.of(context, view, part, corners, now)
+    fit = _BoxCornerFit.of(context, view, part, corners, now)
     pose = fit.solved()
     missed = fit.missed_px(pose)
     sized = fit.sized(pose) if free_sizes and len(now) >= SIZING and missed > POOR_PX else None
@@ -238,7 +238,7 @@ def _prior(skeleton: Skeleton, pose: Pose, is_decided: bool) -> PosePrior:
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
+class _BoxCornerFit:
     """A box, where some of its corners are seen, and the pose before."""
 
     context: GestureContext
@@ -254,7 +254,7 @@ class _Fit:
         part: int,
         corners: Array,
         placed: tuple[PlacedCorner, ...],
-    ) -> _Fit:
+    ) -> _BoxCornerFit:
         assert view.camera is not None
         whole = turning(context.skeleton, (context.skeleton.body.names[part],), shifts=part == 0)
         points = BodyPoints.single(

@@ -97,7 +97,7 @@ def overlay(
             f"the picture is {image_rgb.shape[1]}×{image_rgb.shape[0]} but the camera takes "
             f"{camera.width}×{camera.height}"
         )
-    return _over(image_rgb, ViewCamera.of(camera), skeleton, pose, style, opacity)
+    return _body_over_image(image_rgb, ViewCamera.of(camera), skeleton, pose, style, opacity)
 
 
 def orthographic(
@@ -122,7 +122,9 @@ def orthographic(
     frame = Framing(centre_m, metres_across, Rs_view_camera)
     view_camera = parallel_view(skeleton, pose, view, size, frame)
     step_m = round_length(size[0] / view_camera.focal[0])
-    picture = _over(_grid(view_camera, step_m), view_camera, skeleton, pose, "solid", 1.0)
+    picture = _body_over_image(
+        _grid(view_camera, step_m), view_camera, skeleton, pose, "solid", 1.0
+    )
     if surface is not None:
         picture = draw_surface(
             picture, view_camera, surface, form_of(skeleton), _posed(skeleton, pose)
@@ -156,7 +158,7 @@ def four_views(
     width = layout.main[0]
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
-    main = _over(
+    main = _body_over_image(
         frame, ViewCamera.of(camera).resized(width, height), skeleton, pose, style, opacity
     )
     letter_px = _letter_px(height // 3)
@@ -200,7 +202,7 @@ def framing_of(
     return Framing(centre, across, Rs)
 
 
-def _over(
+def _body_over_image(
     image: Picture,
     view: ViewCamera,
     skeleton: Skeleton,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from keypose.app.render.painting import FINE, Form, box_of
 from keypose.app.render.palette import INK, Canvas, Picture
-from keypose.app.render.tints import Colours, Tint, clay, tinted
+from keypose.app.render.tints import Colours, Tint, clay, colours_for_tint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.raster import raster
 from keypose.tracker.body.skeleton import Skeleton
@@ -169,12 +169,12 @@ def colours_of(
     if tint == "photo" and mesh.consistency is not None:
         from keypose.tracker.surface.fit.pairing import photo_weights
 
-        return tinted(tint, photo_weights(mesh.consistency))
+        return colours_for_tint(tint, photo_weights(mesh.consistency))
     if tint in ("contact", "distance") and model is not None and pose is not None:
         # loads when surfaces are looked at
         from keypose.tracker.surface.fit.pairing import vertex_scalars
 
-        return tinted(tint, vertex_scalars(model, mesh, pose, tint))
+        return colours_for_tint(tint, vertex_scalars(model, mesh, pose, tint))
     return clay(len(mesh.vertices))
 
 

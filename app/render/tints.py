@@ -64,7 +64,7 @@ def clay(count: int) -> Colours:
     return np.tile(np.rint(_STOPS[0]).astype(np.uint8), (count, 1))
 
 
-def tinted(kind: Tint, values: Array) -> Colours:
+def colours_for_tint(kind: Tint, values: Array) -> Colours:
     """The colours of values (V,): weights 0 to 1, or distances in metres; clay where NaN."""
     share = values / FAR_M if kind == "distance" else 1.0 - values
     return ramp(np.nan_to_num(share))

@@ -17,7 +17,7 @@ from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.sidecars import kept_beside, save_own_motion
+from keypose.tracker.storage.sidecars import load_first_motion_of, save_own_motion
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.sizes import Proposal
@@ -141,7 +141,7 @@ def reducible_as_asked(edit: EditorState, asked: do.Reduce, folder: Path) -> Red
     return reducible(
         edit.doc,
         edit.fitting,
-        kept_beside(edit.doc, folder),
+        load_first_motion_of(edit.doc, folder),
         frames=frames,
         limbs=asked.limbs,
         replacing=asked.replacing,

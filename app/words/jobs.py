@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from keypose.tracker.session.verdict import KINDS
+from keypose.tracker.session.verdict import VERDICT_KINDS
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -53,6 +53,6 @@ def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:
         return "finished frames are kept; Fit continues from there"
     if state == "cancelled":
         return "finished segments are kept" if any(kinds) else "no segment finished"
-    counts = ((kind, kinds.count(kind)) for kind in KINDS)
+    counts = ((kind, kinds.count(kind)) for kind in VERDICT_KINDS)
     names = {"check": "to check"}
     return ", ".join(f"{count} {names.get(kind, kind)}" for kind, count in counts if count)

@@ -19,7 +19,7 @@ from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
-from keypose.tracker.session.evidence import KINDS, ByEvidence, FilmEvidence
+from keypose.tracker.session.evidence import EVIDENCE_KINDS, ByEvidence, FilmEvidence
 from keypose.tracker.storage import evidence as storage
 from keypose.tracker.storage.edit_history import is_same_film, mark_of
 from keypose.tracker.storage.evidence.files import FilmFiles
@@ -59,7 +59,9 @@ class TwoFilms(FilmEvidence):
 @pytest.fixture(autouse=True)
 def _known(monkeypatch: pytest.MonkeyPatch) -> None:
     """The one place where a kind of evidence is made known."""
-    monkeypatch.setattr("keypose.tracker.session.evidence.KINDS", (TwoFilms, *KINDS))
+    monkeypatch.setattr(
+        "keypose.tracker.session.evidence.EVIDENCE_KINDS", (TwoFilms, *EVIDENCE_KINDS)
+    )
 
 
 def with_second(session: Session) -> Session:

@@ -53,7 +53,7 @@ class Words:
     command: str
 
     @property
-    def noun_is(self) -> str:
+    def noun_with_is(self) -> str:
         """Such as "video is"."""
         return f"{self.noun} {'are' if self.is_plural else 'is'}"
 
@@ -292,13 +292,13 @@ class SurfaceEvidence(Evidence):
         return {**fields, "surface": self.surface.model_copy(update={"cameras": moved(cameras)})}
 
 
-KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
+EVIDENCE_KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
 """The first kind that fits a session is its evidence."""
 
 
 def evidence_of(session: Session) -> Evidence:
     """Return what the session's body is compared with."""
-    found = (kind.of(session) for kind in KINDS)
+    found = (kind.of(session) for kind in EVIDENCE_KINDS)
     return next(evidence for evidence in found if evidence is not None)
 
 

@@ -11,8 +11,8 @@ from pydantic import Field, model_validator
 from keypose.tracker.session.settings import FrameIndex, Plain
 
 Kind: TypeAlias = Literal["good", "check", "lost"]
-KINDS: Final[tuple[Kind, ...]] = ("good", "check", "lost")
-WORST_FIRST: Final = KINDS[::-1]
+VERDICT_KINDS: Final[tuple[Kind, ...]] = ("good", "check", "lost")
+WORST_FIRST: Final = VERDICT_KINDS[::-1]
 Cause: TypeAlias = Literal[
     "good",
     "uncertain",

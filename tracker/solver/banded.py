@@ -52,7 +52,7 @@ def banded_diagonals(diagonals: Sequence[Array], unknown: slice) -> Array:
     return banded
 
 
-def with_blocks(banded: Array, off: int, blocks: Array) -> Array:
+def add_coupling_blocks(banded: Array, off: int, blocks: Array) -> Array:
     """A banded matrix with blocks (n, D, D) put in that couple frame j with frame j + off."""
     n, dofs = blocks.shape[:2]
     both = banded.copy()
@@ -74,4 +74,4 @@ def added(one: Array, other: Array) -> Array:
 
 def with_frames(banded: Array, A: Array) -> Array:
     """A banded matrix with the equations A (n, D, D) of every frame by itself put in."""
-    return with_blocks(banded, 0, A)
+    return add_coupling_blocks(banded, 0, A)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.banded import with_blocks
+from keypose.tracker.solver.banded import add_coupling_blocks
 from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import Kernel
 from keypose.tracker.solver.smoothness import INNER
@@ -139,7 +139,7 @@ class Jerk:
         banded = np.zeros((len(THIRD) * dofs, (stop - start) * dofs))
         for off in range(min(len(THIRD), stop - start)):
             blocks = _products(J, off, weights)
-            banded = with_blocks(banded, off, blocks[start : stop - off])
+            banded = add_coupling_blocks(banded, off, blocks[start : stop - off])
         return banded, gradient[unknown]
 
     @property

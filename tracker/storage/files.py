@@ -306,7 +306,7 @@ def _require_same(session: Session, path: Path, video: Video) -> None:
         )
     elif found.frame_count != wanted.frame_count:
         difference = f"it has {found.frame_count} frames instead of {wanted.frame_count}"
-    elif not _is_known(session, video):
+    elif not _fingerprint_matches(session, video):
         difference = "fingerprint differs"
     else:
         return
@@ -316,7 +316,7 @@ def _require_same(session: Session, path: Path, video: Video) -> None:
     )
 
 
-def _is_known(session: Session, video: Video) -> bool:
+def _fingerprint_matches(session: Session, video: Video) -> bool:
     if not session.evidence.is_known_by_fingerprint:
         return True
     return session.video.fingerprint in ("", video.fingerprint())

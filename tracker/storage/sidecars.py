@@ -144,7 +144,7 @@ def first_motion_of_session(session: Session, folder: Path) -> Trajectory | None
     return _of_body(names, motion, session.body, reference.file)
 
 
-def kept_beside(session: Session, folder: Path) -> Trajectory | None:
+def load_first_motion_of(session: Session, folder: Path) -> Trajectory | None:
     """The first motion of a session, wherever tracking starts from; None where it has none.
     SessionError as `first_motion_of_session`."""
     reference = session.first_motion

@@ -20,7 +20,7 @@ from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
 
-VERSION = 1
+STRETCH_KEY_VERSION = 1
 """Of the solve: another one finds another motion."""
 LONGEST = 900
 """Frames in one solve; a longer stretch is divided at keyframes, if possible between pins."""
@@ -111,7 +111,7 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
     keyframes = keyframes_within(session, *span)
     soft = [keyframe.frame for keyframe in keyframes if keyframe.soft]
     content = [
-        VERSION,
+        STRETCH_KEY_VERSION,
         [(one.key, one.quality) for one in run],
         [pin.model_dump(mode="json") for pin in pins],
         [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],

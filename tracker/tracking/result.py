@@ -154,12 +154,12 @@ class Diagnostics:
             **{
                 column.name: rows
                 for column, rows in self.arrays()
-                if not column.optional or _is_known(rows)
+                if not column.optional or _every_row_has_a_value(rows)
             }
         )
 
 
-def _is_known(rows: NDArray[Any]) -> bool:
+def _every_row_has_a_value(rows: NDArray[Any]) -> bool:
     """Return whether something is known of every row."""
     return bool(np.isfinite(rows).reshape(len(rows), -1).any(axis=1).all())
 

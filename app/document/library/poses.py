@@ -71,13 +71,13 @@ class PoseShelf:
     def rename(self, id: str, name: str) -> None:
         """Another name for one."""
         known = self.poses()
-        _place(known, id)
+        _index_of_pose(known, id)
         self._write(p.model_copy(update={"name": name}) if p.id == id else p for p in known)
 
     def delete(self, id: str) -> tuple[int, KeptPose]:
         """Without one: where it stood, and itself, with which `put_back` undoes it."""
         known = self.poses()
-        place = _place(known, id)
+        place = _index_of_pose(known, id)
         self._write((*known[:place], *known[place + 1 :]))
         return place, known[place]
 
@@ -92,7 +92,7 @@ class PoseShelf:
         write_file(self._file, book.model_dump_json().encode(), overwrite=True)
 
 
-def _place(poses: Sequence[KeptPose], id: str) -> int:
+def _index_of_pose(poses: Sequence[KeptPose], id: str) -> int:
     for place, pose in enumerate(poses):
         if pose.id == id:
             return place

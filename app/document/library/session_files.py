@@ -54,14 +54,14 @@ def session_for(video: Path, workspace: Path) -> Path:
     Nothing is made: the path may not exist yet.
     """
     video = video.absolute()
-    beside, ours = _place(video.parent, video), _place(workspace, video)
+    beside, ours = _free_session_path(video.parent, video), _free_session_path(workspace, video)
     for place in (beside, ours):
         if place.exists():
             return place
     return beside if _is_writable(video.parent) else ours
 
 
-def _place(folder: Path, video: Path) -> Path:
+def _free_session_path(folder: Path, video: Path) -> Path:
     """Return the folder of this video, or the first that is free."""
     stem = video.name if video.is_dir() else video.stem
     for name in numbered(stem + SESSION_FOLDER):

@@ -20,7 +20,7 @@ from keypose.app.jobs.batch.task import Summary
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_head
 from keypose.tracker.session import Session
-from keypose.tracker.session.verdict import KINDS, WORST_FIRST
+from keypose.tracker.session.verdict import VERDICT_KINDS, WORST_FIRST
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
@@ -76,7 +76,7 @@ def _head(entries: Sequence[Entry], seconds: float) -> Html:
     done = sum(summary.is_done for summary in summaries)
     tiles = [
         _tile(str(count), element("span", kind.capitalize(), class_=f"verdict {kind}"))
-        for kind in KINDS
+        for kind in VERDICT_KINDS
         if (count := sum(summary.count(kind) for summary in summaries))
     ]
     tiles.append(_tile(f"{seconds:.0f}", "seconds"))
@@ -109,7 +109,7 @@ def _outcomes(entries: Sequence[Entry]) -> Html:
 
 def _outcome(number: int, entry: Entry) -> Html:
     summary = entry.summary
-    counts = (str(summary.count(kind)) for kind in KINDS)
+    counts = (str(summary.count(kind)) for kind in VERDICT_KINDS)
     figures = (element("td", f, class_="num") for f in (*counts, f"{summary.seconds:.1f}"))
     link = element("a", entry.name, href=f"#session-{number}", style="color: inherit")
     return element(

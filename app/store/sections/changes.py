@@ -108,7 +108,7 @@ SECTIONS: dict[str, _Section] = {
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         evidence_values.surface,
     ),
-    "views": _Section(_doc("up_camera"), scene_values.views),
+    "views": _Section(_doc("up_camera"), scene_values.small_view_rotations),
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), body_values.pose),

@@ -116,7 +116,7 @@ def image_version(app_state: AppState) -> str:
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
 
 
-def views(app_state: AppState) -> Json:
+def small_view_rotations(app_state: AppState) -> Json:
     """R_view_camera of the three small views."""
     doc = doc_of(app_state)
     if doc is None:

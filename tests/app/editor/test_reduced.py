@@ -23,7 +23,11 @@ from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Reduction, Tolerance
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.fingerprints import segment_keys
-from keypose.tracker.storage.sidecars import first_motion_of_session, kept_beside, save_own_motion
+from keypose.tracker.storage.sidecars import (
+    first_motion_of_session,
+    load_first_motion_of,
+    save_own_motion,
+)
 from tests.app import surface_cases
 from tests.app.editor.desk import SAMPLE, after, desk
 
@@ -183,7 +187,7 @@ def test_what_was_kept_of_other_frames_stays_with_gaps_between(tmp_path: Path) -
     runs = doc.first_motion.own
     assert [(run.first_frame, run.last_frame) for run in runs] == [(2, 9), (40, 60)]
     assert runs[1].digest in early
-    kept = kept_beside(doc, tmp_path)
+    kept = load_first_motion_of(doc, tmp_path)
     assert kept is not None
     assert np.isnan(kept.ps_camera_root[9 - 2 + 1 : 40 - 2]).all()
     assert reducible(doc, {}, kept, frames=(41, 59)).source == "imported"

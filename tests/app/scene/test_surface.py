@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import viser._messages as messages
 
-from keypose.app.render.tints import FAR_M, LEGENDS, clay, ramp, tinted
+from keypose.app.render.tints import FAR_M, LEGENDS, clay, colours_for_tint, ramp
 from keypose.app.scene.nodes import ROOT
 from keypose.app.scene.observed import MOST_FACES, decimate, skin
 from keypose.app.scene.scene import Stage
@@ -99,7 +99,10 @@ def test_the_ramp_goes_from_clay_to_plum_and_darkens_all_the_way() -> None:
 
 def test_what_counts_in_full_and_what_is_near_is_clay() -> None:
     values = np.array([1.0, 0.0, np.nan])
-    weights, metres = tinted("contact", values), tinted("distance", FAR_M * (1 - values))
+    weights, metres = (
+        colours_for_tint("contact", values),
+        colours_for_tint("distance", FAR_M * (1 - values)),
+    )
     np.testing.assert_array_equal(weights, metres)
     np.testing.assert_array_equal(weights[0], clay(1)[0])
     assert weights[1].sum() < weights[0].sum() / 2

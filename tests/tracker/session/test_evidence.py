@@ -100,7 +100,7 @@ def test_paths_that_are_moved_are_the_video_s_and_the_cameras() -> None:
 
 def test_words_say_what_it_is_what_is_done_and_how_to_do_it_again() -> None:
     film, surfaces = FILM.evidence.words, SURFACES.evidence.words
-    assert (film.noun_is, surfaces.noun_is) == ("video is", "meshes are")
+    assert (film.noun_with_is, surfaces.noun_with_is) == ("video is", "meshes are")
     assert (film.noun_was, surfaces.noun_was) == ("video was", "meshes were")
     assert film.command_line(HERE) == "keypose track 'my takes/session.json'"
     assert surfaces.command_line(HERE) == "keypose fit --session 'my takes/session.json'"
@@ -124,7 +124,7 @@ def test_what_a_room_has_for_evidence_also_serves_what_is_derived_from_it(
         """A film that somebody has mended."""
 
     known = ByEvidence({FilmEvidence: "pictures"})
-    monkeypatch.setattr("keypose.tracker.session.evidence.KINDS", (Restored,))
+    monkeypatch.setattr("keypose.tracker.session.evidence.EVIDENCE_KINDS", (Restored,))
     assert known.of(FILM) == "pictures"
 
 

@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.solver.banded import (
+    add_coupling_blocks,
     added,
     banded_diagonals,
     banded_step,
     bordered_step,
-    with_blocks,
     with_frames,
 )
 
@@ -59,7 +59,7 @@ def test_blocks_between_frames_are_put_where_they_belong(off: int) -> None:
         if off:
             expected[other, one] += block.T
     kept = before.copy()
-    np.testing.assert_allclose(dense(with_blocks(before, off, blocks)), expected)
+    np.testing.assert_allclose(dense(add_coupling_blocks(before, off, blocks)), expected)
     np.testing.assert_array_equal(before, kept)
 
 

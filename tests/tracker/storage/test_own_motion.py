@@ -14,7 +14,11 @@ from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of
-from keypose.tracker.storage.sidecars import first_motion_of_session, kept_beside, save_own_motion
+from keypose.tracker.storage.sidecars import (
+    first_motion_of_session,
+    load_first_motion_of,
+    save_own_motion,
+)
 from keypose.tracker.storage.tracking import require_first_motion, track_session
 from keypose.tracker.tracking.pool import PassFinished
 
@@ -75,7 +79,7 @@ def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
     session = session.model_copy(update={"first_motion": own})
     (tmp_path / own.file).write_bytes(b"nothing")
     with pytest.raises(SessionError, match="is damaged"):
-        kept_beside(session, tmp_path)
+        load_first_motion_of(session, tmp_path)
     (tmp_path / own.file).unlink()
     with pytest.raises(SessionError, match="cannot be read"):
         first_motion_of_session(session, tmp_path)

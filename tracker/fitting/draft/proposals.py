@@ -54,7 +54,7 @@ def proposed(
     """
     chosen = {one.last: Proposal(one.last, "end") for one in stretches}
     chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}
-    candidates = _candidates(frames, doubts, parts)
+    candidates = _frames_over_doubt_limit(frames, doubts, parts)
     most = len(chosen) + max(1, len(frames) // EVERY) + 1
     for candidate in candidates:
         if len(chosen) >= most:
@@ -64,7 +64,7 @@ def proposed(
     return tuple(chosen[frame] for frame in sorted(chosen))
 
 
-def _candidates(
+def _frames_over_doubt_limit(
     frames: list[int], doubts: Mapping[Reason, Array], parts: tuple[str, ...]
 ) -> list[Proposal]:
     """Everything above its limit, the worst first."""

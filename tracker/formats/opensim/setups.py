@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 from keypose.tracker.formats.opensim.model import Scaled
 from keypose.tracker.geometry.rotations import Array
 
-VERSION = "40000"
+OPENSIM_DOCUMENT_VERSION = "40000"
 MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"
 MOTION_FILE = "motion.mot"
 
@@ -90,7 +90,7 @@ def ik_xml(
 
 
 def _document() -> Element:
-    return Element("OpenSimDocument", Version=VERSION)
+    return Element("OpenSimDocument", Version=OPENSIM_DOCUMENT_VERSION)
 
 
 def _set_of(kind: str, name: str) -> tuple[Element, Element]:

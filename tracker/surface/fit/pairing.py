@@ -116,8 +116,8 @@ def pairs_of(
     back = own[to_model] * observed.weights * (to_model >= 0)
     if options.mutual:
         near = (SPURIOUS_SHARE * model.size_m) ** 2
-        there = there * _mutual(far_there, far_back[to_seen], near)
-        back = back * _mutual(far_back, far_there[to_model], near)
+        there = there * _mutual_pair_weight(far_there, far_back[to_seen], near)
+        back = back * _mutual_pair_weight(far_back, far_there[to_model], near)
     return Pairs(
         np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
         np.concatenate([seen.p[to_seen], seen.p]),
@@ -158,7 +158,7 @@ def _nearest(
     return found, square
 
 
-def _mutual(square: Array, partner: Array, near: float) -> Array:
+def _mutual_pair_weight(square: Array, partner: Array, near: float) -> Array:
     """Return how much a pair counts when its partner has a better one of its own.
 
     A hand whose surface is missing is near the hip's, but that has the hip to lie on; so has the

@@ -227,7 +227,7 @@ class _Step(Problem[tuple[Pose, Array], _Iterate]):
     options: Options
 
     def at(self, state: tuple[Pose, Array], count: int) -> _Iterate:
-        return _evaluate(self.model, self.observed, *state, self.stiffness, self.options)
+        return _linearized(self.model, self.observed, *state, self.stiffness, self.options)
 
     def moved(self, state: tuple[Pose, Array], step: Array) -> tuple[Pose, Array]:
         return moved(self.model.skeleton, state[0], step), state[1] + step
@@ -249,7 +249,7 @@ def _unseen_stiffness(model: SurfaceModel) -> Array:
     return stiffness
 
 
-def _evaluate(
+def _linearized(
     model: SurfaceModel,
     observed: TargetSurface,
     pose: Pose,
