@@ -109,7 +109,7 @@ export function noteMessage(at, text) {
 }
 
 /** A note in one line; a mere flag by its name. */
-export function noteLine({ text }, most = IN_A_LINE) {
+export function noteAsOneLine({ text }, most = IN_A_LINE) {
   const line = text.replace(/\s+/g, ' ').trim();
   if (!line) return 'Flag';
   return line.length > most ? `${line.slice(0, most - 1).trimEnd()}…` : line;

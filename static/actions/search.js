@@ -8,7 +8,7 @@ import { server, setUi, ui } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
 import { entryOf, iconOf, isOn, keyOf, labelOf, perform, spell, titleOf, whyNot } from './actions.js';
 import { menusWith } from './context_menus.js';
-import { allNotes, noteLine } from './keying.js';
+import { allNotes, noteAsOneLine } from './keying.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
 import { isReviewing } from './review.js';
 import { GROUPS } from './table.js';
@@ -98,7 +98,7 @@ const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent'
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
 /** Its keys are handled in the review alone, and it is done in it alone. */
-const isOfReview = (handledBy) => handledBy === 'review' && !isReviewing();
+const isReviewKeyOutsideReview = (handledBy) => handledBy === 'review' && !isReviewing();
 
 const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };
 /** The joint at which a part hangs, by which it is looked for as well. @type {Record<string, string>} */
@@ -183,7 +183,7 @@ function actionEntries() {
 /** @param {ActionId} id */
 function actionEntry(id, group) {
   const { handledBy, keys = [], always } = entryOf(id);
-  const held = HELD[handledBy] ?? (isOfReview(handledBy) ? `Start the review first${reviewKey()}` : undefined);
+  const held = HELD[handledBy] ?? (isReviewKeyOutsideReview(handledBy) ? `Start the review first${reviewKey()}` : undefined);
   const needsFile = !server.file && !always && id !== 'openFile' ? 'Open a video first' : '';
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';
@@ -230,7 +230,7 @@ function settingEntries() {
 
 function noteEntries() {
   return allNotes().map((note) => made({
-    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteLine(note, NOTE_LETTERS), icon: 'note', off: '',
+    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteAsOneLine(note, NOTE_LETTERS), icon: 'note', off: '',
     more: `Frame ${note.frame}`, words: `note notes ${note.frame} ${note.text}`, run: () => toFrame(note.frame),
   }));
 }

@@ -19,7 +19,7 @@ import { REVIEW } from './film_steps.js';
 import { ending, isByHand, isDone, isKept, pathByHand, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
-const CLOSED_FOR_GOOD = 3;
+const CLOSES_BEFORE_NOT_OFFERED = 3;
 /** Of a wide card in its view, clear of the tools and the heading. */
 const LEFT = { x: 72, y: 60 };
 const PAUSE_MS = 900; // long enough to see the tick
@@ -62,7 +62,7 @@ function offerGuide() {
 /** Close the guide for this film, at its end and the third time for good; returns whether it was open. */
 export function closeGuide() {
   if (!isOpen()) return false;
-  const times = currentStep() ? timesClosed() + 1 : CLOSED_FOR_GOOD;
+  const times = currentStep() ? timesClosed() + 1 : CLOSES_BEFORE_NOT_OFFERED;
   if (currentStep()?.tool === 'box' && ui.tool === 'box') setUi('tool', 'select');
   setUi('guideStep', null);
   inBrowser.write(KEY, String(times));
@@ -82,7 +82,7 @@ export function mountGuide() {
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
   watch(['body'], followBody);
-  watch(['draft'], leaveToDraft);
+  watch(['draft'], skipToDraftReview);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
   watch([...SECTIONS, 'u:box', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
@@ -121,7 +121,7 @@ function notice() {
 }
 
 /** A drafted film has its first pose: what to confirm leads on. */
-function leaveToDraft() {
+function skipToDraftReview() {
   if (!server.draft?.latest || !isOpen()) return;
   if (isByHand()) setUi('guideStep', null);
   else show(REVIEW);
@@ -177,7 +177,7 @@ export function guideHints() {
 }
 
 /** On to the next step, or to the end, once the tick was seen. */
-function soonOn(step, go = advance) {
+function soonOn(step, go = showNextUndoneStep) {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (currentStep() !== step || ui.dragging || isHeld()) return;
@@ -187,9 +187,9 @@ function soonOn(step, go = advance) {
 }
 
 /** A press that was meant for the step before skips none. */
-const skip = () => void (performance.now() - wentOnAt > MEANT_MS && advance());
+const skip = () => void (performance.now() - wentOnAt > MEANT_MS && showNextUndoneStep());
 
-function advance() {
+function showNextUndoneStep() {
   let next = ui.guideStep + 1;
   while (next < steps().length && isDone(steps()[next])) next += 1;
   show(next);
@@ -200,7 +200,7 @@ const finish = () => show(steps().length);
 /** How often it was closed in this browser. Who closes it once may film something else next time. */
 const timesClosed = () => Number(inBrowser.read(KEY)) || 0;
 
-const wasClosed = () => timesClosed() >= CLOSED_FOR_GOOD;
+const wasClosed = () => timesClosed() >= CLOSES_BEFORE_NOT_OFFERED;
 
 function coach() {
   const step = currentStep();

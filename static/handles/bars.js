@@ -7,7 +7,7 @@ import { actionButton } from '../actions/buttons.js';
 import {
   boxFrameFor, draftedWords, nobodyWords, personWords, placesWords, smallWords,
 } from '../actions/drafting.js';
-import { noteAt, noteLine } from '../actions/keying.js';
+import { noteAt, noteAsOneLine } from '../actions/keying.js';
 import { partKeyAt } from '../actions/parts.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { beyondKeys, noMotionYet, segmentsHere } from '../actions/tracking.js';
@@ -183,7 +183,7 @@ export function notebar() {
   const note = noteAt(server.view.frame);
   if (!note || ui.layout === 'quad') return nothing;
   return html`<button class="glass" id="mnote" title=${titleOf('note')} @click=${() => perform('note')}>
-    ${icon('note')}<span class="words">${note.text || noteLine(note)}</span></button>`;
+    ${icon('note')}<span class="words">${note.text || noteAsOneLine(note)}</span></button>`;
 }
 
 /** @type {import('../store/shapes.js').Watched[]} */

@@ -21,7 +21,7 @@ const CARRY = hint('carry');
 const LET_GO = [keyOf('carry'), 'let go of the other corners'];
 const LIMB = ['Double-click', 'select the limb'];
 
-const RESTING = {
+const IDLE_TOOL_HINTS = {
   select: [['Click', 'select; click again for what is behind'], LIMB, ['Drag', 'rotate a part, move the waist'], CARRY],
   rotate: [['Drag', 'rotate about its joint'], FINE, DEGREES, FREE],
   move: [['Drag', 'move the whole body in the image plane'], FINE, DEPTH, BACK],
@@ -78,7 +78,7 @@ export function hintsFor(tool, dragging, layout) {
 }
 
 function restingHints(tool) {
-  if (tool !== 'select' || !server.body || ends().length) return RESTING[tool] ?? RESTING.select;
+  if (tool !== 'select' || !server.body || ends().length) return IDLE_TOOL_HINTS[tool] ?? IDLE_TOOL_HINTS.select;
   return boxCornersIn(viewNamed('main')).length ? RESTING_ON_BOX : RESTING_ON_THING;
 }
 

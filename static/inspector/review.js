@@ -60,7 +60,7 @@ export function reviewPanel() {
   return html`<section class="review" aria-label="Review">
     ${head(list, open.length)}
     <div class="rv-rows" role="list" @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) => drawRow(list, row))}</div>
-    ${open.length ? nothing : ending(list)}
+    ${open.length ? nothing : reviewFinishedCard(list)}
     ${list.done.length ? doneRow(list) : nothing}
     ${untracked()}
   </section>`;
@@ -149,7 +149,7 @@ function doneRow(list) {
     ${ui.reviewDone ? html`<ul class="rv-done">${listed}</ul>` : nothing}`;
 }
 
-function ending(list) {
+function reviewFinishedCard(list) {
   if (!list.done.length && !hasMotion()) return html`<div class="ended none"><p>Nothing to review. Track first.</p>${track('pri')}</div>`;
   if (!hasMotion()) {
     return html`<div class="ended" role="status">

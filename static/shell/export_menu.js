@@ -53,7 +53,7 @@ function items() {
     menuItem('saveAllMotion'),
     menuItem('exportMotion', undefined, { right: 'rig, frames, rate' }),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
-    varying(),
+    variableRateNote(),
     warning(),
     ...(places().length ? [menuItem('review', undefined, { label: `Review ${count(places().length, 'place')} above ${goal()} px first` })] : []),
     line,
@@ -75,7 +75,7 @@ function sizeAndKey() {
 }
 
 /** What a film whose rate varies becomes: tables keep its frames, animations need one rate. */
-function varying() {
+function variableRateNote() {
   if (!server.file?.times) return null;
   const rate = `${Number(server.file.fps.toFixed(3))} frames/s`;
   return note(

@@ -46,7 +46,7 @@ function content() {
   if (server.file === undefined) return html`<p class="dim waiting">Connecting…</p>`;
   const recents = recentSessions();
   return html`<div class="card ${recents === nothing ? 'alone' : ''}">
-    <div>${dropZone()}${samples()}${promise()}</div>
+    <div>${dropZone()}${samples()}${privacyNote()}</div>
     ${recents === nothing ? nothing : html`<div class="recents">${recents}</div>`}
     <div class="how">
       ${STEPS.map(([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`)}
@@ -94,7 +94,7 @@ function sample({ id, thumb, words }, title) {
   </button>`;
 }
 
-const promise = () => html`<div class="dim row promise">
+const privacyNote = () => html`<div class="dim row promise">
   ${icon('lock')}Runs on this computer only. No video leaves it.
 </div>`;
 

@@ -134,7 +134,7 @@ function set(name, size) {
     keep();
     return;
   }
-  if (rows !== undefined) return setRow(rows, size, least);
+  if (rows !== undefined) return resizeViewRow(rows, size, least);
   let largest = typeof most === 'function' ? most() : most;
   /** @type {HTMLElement} */
   const large = document.querySelector('.view.large');
@@ -143,7 +143,7 @@ function set(name, size) {
 }
 
 /** Two neighbouring rows share what they have. */
-function setRow(row, size, least) {
+function resizeViewRow(row, size, least) {
   const heights = rowHeights();
   const both = heights[row] + heights[row + 1];
   heights[row] = clamp(size, least, both - least);

@@ -4,7 +4,7 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
-import { noteBeside, noteLine, noteMessage } from '../../static/actions/keying.js';
+import { noteBeside, noteAsOneLine, noteMessage } from '../../static/actions/keying.js';
 import { server } from '../../static/store/state.js';
 import { noteMarkAt } from '../../static/timeline/draw/rulermarks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
@@ -40,9 +40,9 @@ test('the same words send nothing; none at all leave a flag', () => {
 });
 
 test('a note in one line is cut, and a flag has a name', () => {
-  assert.equal(noteLine({ text: 'a\n b' }), 'a b');
-  assert.equal(noteLine({ text: 'abcdefgh' }, 5), 'abcd…');
-  assert.equal(noteLine({ text: '' }), 'Flag');
+  assert.equal(noteAsOneLine({ text: 'a\n b' }), 'a b');
+  assert.equal(noteAsOneLine({ text: 'abcdefgh' }, 5), 'abcd…');
+  assert.equal(noteAsOneLine({ text: '' }), 'Flag');
 });
 
 test('a mark is grabbed at the foot of the ruler, and nowhere else', () => {

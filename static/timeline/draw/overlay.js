@@ -8,7 +8,7 @@ import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { BAR, GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
-import { noteAt, noteLine } from '../../actions/keying.js';
+import { noteAt, noteAsOneLine } from '../../actions/keying.js';
 import { noteMark } from './rulermarks.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { partKeyAt } from '../../actions/parts.js';
@@ -51,7 +51,7 @@ function spokenFrame() {
   const what = isKey(at) ? `, keyframe${isSelected(at) ? ', selected' : ''}` : draftFrames().includes(at) ? ', draft' : part;
   const segment = segmentAt(at);
   const note = noteAt(at);
-  const noted = note ? `, note: ${noteLine(note, HOVERED)}` : '';
+  const noted = note ? `, note: ${noteAsOneLine(note, HOVERED)}` : '';
   return `Frame ${at} of ${lastFrame()}${what}${noted}${segment?.words ? `. ${segment.words}` : ''}`;
 }
 
@@ -179,7 +179,7 @@ function drawNoteHover(at) {
   const note = noteAt(at);
   if (!note) return nothing;
   return svg`<path class="note hover" d=${noteMark(x(at), 5, 10)} />
-    ${label(`${at}  ${noteLine(note, HOVERED)}`, x(at), RULER + 12)}`;
+    ${label(`${at}  ${noteAsOneLine(note, HOVERED)}`, x(at), RULER + 12)}`;
 }
 
 function drawPlaceHover(at, rows) {

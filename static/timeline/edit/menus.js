@@ -3,7 +3,7 @@
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
 import { contextEntries } from '../../actions/context_menus.js';
-import { noteAt, noteLine, placeForCopy } from '../../actions/keying.js';
+import { noteAt, noteAsOneLine, placeForCopy } from '../../actions/keying.js';
 import { partKeyAt } from '../../actions/parts.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { selectedKeys } from '../../actions/selection.js';
@@ -90,7 +90,7 @@ export function openFramesMenu(at, page) {
 export function openNoteMenu(at, page) {
   const note = noteAt(at);
   if (!note) return;
-  openMenuAt(`Note at ${at}`, [heading(`Frame ${at} · ${noteLine(note)}`), ...contextEntries('note', { goTo: at, note: at, deleteNote: at })], page);
+  openMenuAt(`Note at ${at}`, [heading(`Frame ${at} · ${noteAsOneLine(note)}`), ...contextEntries('note', { goTo: at, note: at, deleteNote: at })], page);
 }
 
 /** A key acts at the playhead: for what lies elsewhere none is shown. */

@@ -12,14 +12,14 @@ const AIR_OPENED = 0.1;
 const LITTLE = 0.25; // of the film: the keyframes stand too close together to be worked with
 
 /** Whether the keyframes take up little of a long film. */
-function isKeyedLittle() {
+function keyframesCoverLittle() {
   const keys = keyFrames();
   return keys.length > 1 && keys.at(-1) - keys[0] < LITTLE * lastFrame();
 }
 
 /** A film just opened is shown whole, or where its keyframes are. */
 export function showOpened() {
-  if (!isKeyedLittle()) return showAll();
+  if (!keyframesCoverLittle()) return showAll();
   const [first, last] = [keyFrames()[0], keyFrames().at(-1)];
   const air = (last - first) * AIR_OPENED;
   return showFrames(first - air, last + air);
@@ -38,7 +38,7 @@ ui.zoomHint = inBrowser.read(HINT) === 'told' ? 'over' : null;
 export function noticeZoom() {
   if (ui.zoomHint === 'over' || !server.file) return;
   if (ui.zoomHint === 'shown' && isZoomed()) return over();
-  if (ui.zoomHint !== null || isZoomed() || !isKeyedLittle()) return;
+  if (ui.zoomHint !== null || isZoomed() || !keyframesCoverLittle()) return;
   setUi('zoomHint', 'shown');
   setTimeout(over, STAYS_MS);
 }
