@@ -77,6 +77,16 @@ def answered(page: Page) -> None:
     settled(page)
 
 
+def copied_to_clipboard(page: Page, copy: Callable[[], None]) -> None:
+    """Copy, and wait until it is known whether the browser's clipboard took it."""
+    page.evaluate(
+        "async () => (await window.keypose.module('store/state.js')).setUi('copiedHere', null)"
+    )
+    copy()
+    until(lambda: page.evaluate("() => window.keypose.ui.copiedHere !== null"), "the copy")
+    answered(page)
+
+
 def spot(page: Page, point: str, view: str = "main") -> Spot:
     """Where a joint or landmark is seen."""
     settled(page)

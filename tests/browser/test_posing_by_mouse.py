@@ -14,6 +14,7 @@ from keypose.tracker.geometry.rotations import Array
 from tests.browser.interaction import (
     Spot,
     between,
+    copied_to_clipboard,
     drag,
     section,
     settled,
@@ -442,8 +443,7 @@ def moved_to(desk: Desk, frame: int) -> None:
 
 def test_a_pose_is_copied_and_pasted(at: Desk) -> None:
     copied = at.served["pose"]
-    at.page.keyboard.press("Control+c")
-    until_state(at.page, "clipboard", bool)
+    copied_to_clipboard(at.page, lambda: at.page.keyboard.press("Control+c"))
     moved_to(at, 30)
     at.page.keyboard.press("Control+v")
     until(lambda: at.agreed("pose")["source"] == "draft")
@@ -454,8 +454,7 @@ def test_a_pose_is_copied_and_pasted(at: Desk) -> None:
 
 def test_a_pose_is_pasted_mirrored(at: Desk) -> None:
     copied = at.served["pose"]["angles"]
-    at.page.keyboard.press("Control+c")
-    until_state(at.page, "clipboard", bool)
+    copied_to_clipboard(at.page, lambda: at.page.keyboard.press("Control+c"))
     moved_to(at, 30)
     at.page.keyboard.press("Control+Shift+v")
     until(lambda: at.agreed("pose")["source"] == "draft")
