@@ -30,6 +30,11 @@ settings.register_profile(
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 BROWSER = "tests/browser/"
+LONGEST = tuple(
+    f"{BROWSER}test_{name}.py"
+    for name in ("surface", "restart", "tabs_and_reload", "steady", "whole_job", "fit_here")
+)
+"""The files that take longest begin first, or one worker would end alone."""
 MOST_WORKERS = 8
 
 # Whatever a person has chosen for themselves, tests begin with what is built in.
@@ -52,8 +57,8 @@ def anyio_backend() -> str:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One more than there are processors: who waits for a page, a server or a disk leaves one."""
-    return min((os.cpu_count() or 1) + 1, MOST_WORKERS)
+    """Two more than there are processors: who waits for a page, a server or a disk leaves one."""
+    return min((os.cpu_count() or 1) + 2, MOST_WORKERS)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -68,10 +73,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFil
     class BrowserApart(LoadFileScheduling):
         def _assign_work_unit(self, node: WorkerController) -> None:
             mine = node is self.nodes[0]
-            for file in self.workqueue:
-                if file.startswith(BROWSER) == mine:
-                    self.workqueue.move_to_end(file, last=False)
-                    break
+            files = [*(file for file in LONGEST if file in self.workqueue), *self.workqueue]
+            wanted = [file for file in files if file.startswith(BROWSER) == mine] or files
+            if wanted:
+                self.workqueue.move_to_end(wanted[0], last=False)
             super()._assign_work_unit(node)
 
     return BrowserApart(config, log)
