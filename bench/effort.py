@@ -34,13 +34,7 @@ from bench.human.counting import KINDS, LONG_FRAMES, SHARES, Effort, Kind
 from bench.human.desk import desk
 from bench.human.first import FIRSTS, first_keyframe
 from bench.human.hand import Hand
-from bench.human.strategies import (
-    STRATEGIES,
-    WATCHED,
-    Outcome,
-    Strategy,
-    outcome,
-)
+from bench.human.strategies import STRATEGIES, WATCHED, Outcome, Strategy, outcome
 from bench.keeping import Absent
 from bench.measures import Over
 from bench.table import Expected, Report, Table

@@ -9,13 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_output,
-    add_session,
-    note,
-)
+from keypose.app.cli.arguments import Subcommands, add_command, add_output, add_session, note
 from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.views import (
     add_look,

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_output,
-    add_session,
-)
+from keypose.app.cli.arguments import Subcommands, add_command, add_output, add_session
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 

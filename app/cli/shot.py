@@ -15,14 +15,7 @@ from keypose.app.cli.arguments import (
     whole_number,
 )
 from keypose.app.cli.json_output import print_written
-from keypose.app.cli.views import (
-    add_look,
-    scale,
-    session_to_draw,
-    size,
-    still_view,
-    video_if_there,
-)
+from keypose.app.cli.views import add_look, scale, session_to_draw, size, still_view, video_if_there
 from keypose.app.export.drawable import MOST_PIXELS, require_frame, require_tint
 from keypose.tracker.errors import FormatError, SessionError
 

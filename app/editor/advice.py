@@ -9,13 +9,7 @@ from itertools import pairwise
 from typing import Literal
 
 from keypose.app.editor.ahead import stands, tracked_to, why_stopped
-from keypose.app.words.problems import (
-    add_keyframe,
-    detail_of,
-    frame_range,
-    named_frames,
-    reason,
-)
+from keypose.app.words.problems import add_keyframe, detail_of, frame_range, named_frames, reason
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.review.problems import (
     SHORT_FRAMES,
@@ -263,7 +257,7 @@ def surface_suggestion(
         return Suggestion(None, "Nothing to fit", "There is only one surface", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
     known = known or JudgedSegments({track.span: track for track in done}, halves=False)
-    waiting = [track for track in done if _is_surface_open(known, track)]
+    waiting = [track for track in done if _is_open(known, track)]
     off = [track for track in waiting if _is_off(track)]
     lost = [track for track in waiting if track.kind == "lost"]
     if off or lost:
@@ -288,12 +282,6 @@ def _to_go_on(stopped: SegmentResult) -> Suggestion:
 
 def _is_off(track: SegmentResult) -> bool:
     return track.verdict is not None and track.verdict.cause == "body_off_surface"
-
-
-def _is_surface_open(known: JudgedSegments, track: SegmentResult) -> bool:
-    """Return whether something is wrong with a segment to which nobody has said anything yet."""
-    found = problem_of(known, track)
-    return found is not None and found.answer is None
 
 
 def _about_surfaces(known: JudgedSegments, track: SegmentResult, keys: Sequence[int]) -> Suggestion:

@@ -6,7 +6,7 @@ import numpy as np
 
 from keypose.app.editor import actions as do
 from keypose.app.editor import keyframe_edits
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, require_in_video
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.tracker.geometry.camera import Camera
@@ -80,7 +80,7 @@ def _in_video(camera: Camera, at: Pixel) -> Pixel:
 
 def set_note(state: EditorState, action: do.SetNote) -> Session:
     """One more note, or other words for the one at this frame."""
-    frame = _note_in_video(state, action.frame)
+    frame = require_in_video(state, action.frame)
     known = _at(state, frame)
     text = action.text.strip()
     note = Note(frame=frame) if known is None else known
@@ -89,7 +89,7 @@ def set_note(state: EditorState, action: do.SetNote) -> Session:
 
 def move_note(state: EditorState, action: do.MoveNote) -> Session:
     """A note at another frame."""
-    note, to = _require(state, action.frame), _note_in_video(state, action.to)
+    note, to = _require(state, action.frame), require_in_video(state, action.to)
     if to == action.frame:
         return state.doc
     if _at(state, to) is not None:
@@ -119,12 +119,6 @@ def _require(state: EditorState, frame: int) -> Note:
     if note is None:
         raise ActionRefused(f"Frame {frame} has no note.")
     return note
-
-
-def _note_in_video(state: EditorState, frame: int) -> int:
-    if frame >= state.frame_count:
-        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
-    return frame
 
 
 def accept_place(state: EditorState, action: do.AcceptPlace) -> Session:

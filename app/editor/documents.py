@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -13,6 +13,9 @@ from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage import changes
 
+if TYPE_CHECKING:
+    from keypose.app.editor.state import EditorState
+
 
 class ActionRefused(KeyposeError):
     """An action that is not possible now, in one sentence; the state stays as it is."""
@@ -21,6 +24,13 @@ class ActionRefused(KeyposeError):
 Posed = TypeVar("Posed", bound=Keyframe)
 NEAREST_M = 0.06
 """Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""
+
+
+def require_in_video(state: EditorState, frame: int) -> int:
+    """Return a frame that the video has; refused where it has not."""
+    if frame >= state.frame_count:
+        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
+    return frame
 
 
 def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:

@@ -18,7 +18,7 @@ from keypose.app.editor import (
     posing_edits,
     tracking_edits,
 )
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, require_in_video
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Surface
@@ -40,7 +40,7 @@ class EditKind:
 
 
 def _add_keyframe(state: EditorState, action: do.AddKey) -> Session:
-    return keyframe_edits.add_keyframe(state, _in_video(state, action.frame))
+    return keyframe_edits.add_keyframe(state, require_in_video(state, action.frame))
 
 
 def _delete_keyframe(state: EditorState, action: do.DeleteKey) -> Session:
@@ -52,24 +52,18 @@ def _delete_draft(state: EditorState, action: do.DeleteDraft) -> Session:
 
 
 def _move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
-    _in_video(state, action.to)
+    require_in_video(state, action.to)
     return keyframe_edits.move_keyframe(state, action)
 
 
 def _duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
-    _in_video(state, action.to)
+    require_in_video(state, action.to)
     return keyframe_edits.duplicate_keyframe(state, action)
 
 
 def _key_parts(state: EditorState, action: do.KeyParts) -> Session:
-    _in_video(state, action.frame)
+    require_in_video(state, action.frame)
     return part_edits.key_parts(state, action)
-
-
-def _in_video(state: EditorState, frame: int) -> int:
-    if frame >= state.frame_count:
-        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
-    return frame
 
 
 def _rename(state: EditorState, action: do.Rename) -> Session:

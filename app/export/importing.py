@@ -14,12 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import with_drafts
-from keypose.app.export.import_choices import (
-    EVERY,
-    Choices,
-    KeypointChoices,
-    MotionChoices,
-)
+from keypose.app.export.import_choices import EVERY, Choices, KeypointChoices, MotionChoices
 from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
 from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pose_draft
 from keypose.tracker.errors import FormatError

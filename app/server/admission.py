@@ -4,8 +4,8 @@ A browser holds two secrets: a cookie, and a key in the storage of the page's or
 ports, so every server on the same host is sent the cookie; the key stays with this one. The file
 holds digests of both, which let nobody in.
 
-Those of a workspace outlast the server that printed them, so that a link that was not used yet
-still works after a restart. The file holds digests, which let nobody in.
+Tokens of a workspace outlast the server that printed them, so that a link that was not used yet
+still works after a restart. Their file holds digests too.
 """
 
 from __future__ import annotations
@@ -154,14 +154,14 @@ class OneTimeTokens:
     def issue(self) -> str:
         """A new one."""
         token = secrets.token_urlsafe(_BYTES)
-        added = _Token(sha256=_token_digest(token), since_s=self._now())
+        added = _Token(sha256=_digest(token), since_s=self._now())
         self._valid = self._recent((added, *self._present()))
         self._write()
         return token
 
     def spend(self, given: str) -> bool:
         """Return whether it was valid; from then on it is not, at no server of the workspace."""
-        digest, present = _token_digest(given).encode(), self._recent(self._present())
+        digest, present = _digest(given).encode(), self._recent(self._present())
         left = [t for t in present if not hmac.compare_digest(digest, t.sha256.encode())]
         self._valid = tuple(left)
         if len(left) == len(present):
@@ -196,7 +196,3 @@ class OneTimeTokens:
         with suppress(KeyposeError):  # then they end with the process
             make_folder(self._file.parent)
             write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)
-
-
-def _token_digest(token: str) -> str:
-    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()

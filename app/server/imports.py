@@ -15,12 +15,7 @@ from starlette.routing import Route
 
 from keypose.app.document.library.names import clean_name
 from keypose.app.editor.actions.message import Message
-from keypose.app.export.import_choices import (
-    CameraChoices,
-    Choices,
-    KeypointChoices,
-    MotionChoices,
-)
+from keypose.app.export.import_choices import CameraChoices, Choices, KeypointChoices, MotionChoices
 from keypose.app.jobs.exchange import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.jobs.wire import failure_message

@@ -26,13 +26,7 @@ from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.jobs.fits import FitJob, learned
-from keypose.app.jobs.messages import (
-    Drafted,
-    JobFailed,
-    Order,
-    Report,
-    SegmentFinished,
-)
+from keypose.app.jobs.messages import Drafted, JobFailed, Order, Report, SegmentFinished
 from keypose.app.jobs.work import Job, WorkerCache
 from keypose.app.posing.gesture import GestureContext, Handle, Ring
 from keypose.app.posing.pointer_view import PointerView

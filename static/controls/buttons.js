@@ -1,4 +1,4 @@
-// Buttons, boxes to tick, choices and lines of text; a control that cannot be used says why. A control
+// Buttons, boxes to tick, choices and lines of text. A control
 // that cannot be used now says why in its tooltip and stays reachable, so that the reason can be read
 // (hence aria-disabled, not disabled).
 

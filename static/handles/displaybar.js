@@ -51,18 +51,13 @@ export function freebar() {
   const view = viewNamed('free');
   const { camera } = view.habits;
   return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
-    ${freeToggle('ghosts')}${freeToggle('trail')}
+    ${toggle('ghosts')}${toggle('trail')}
     <button class="ib s" data-toggle="film" aria-label="Film camera" aria-pressed=${camera}
       @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip" aria-hidden="true">Film camera</span></button>
     <span class="vsep"></span>
     ${menuHolder('orbit', () => menuButton('orbit', { kind: 'btn ghost sm', title: 'How the view turns', face: html`Orbit${icon('chev')}` }), () => orbitEntries(view), 'right')}
     <button class="btn ghost sm" title="Reset the view" @click=${() => perform('fitView')}>Reset<kbd>${keyOf('fitView')}</kbd></button>
   </div>`;
-}
-
-function freeToggle(id) {
-  return html`<button class="ib s" data-toggle=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
-    @click=${() => perform(id)}>${icon(iconOf(id))}${tipOf(id, keyOf(id))}</button>`;
 }
 
 /** How to turn the view, until somebody did for the first time. */

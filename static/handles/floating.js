@@ -23,7 +23,7 @@ export function isDragCoveredBy(element) {
   const view = viewNamed(drag.view);
   const grip = [...gripsIn(view), ...boxCornersIn(view)].find(({ key }) => key === drag.target?.key);
   const box = boxIn(view, element);
-  return [drag.seen, ...(grip ? [grip.at] : [])].some((at) => coversPoint(box, at, MARGIN));
+  return [drag.seen, ...(grip ? [grip.at] : [])].some((at) => holds(box, at, MARGIN));
 }
 
 /** Whether the resting pointer is near a handle that lies under this element. */
@@ -32,7 +32,7 @@ export function isHandleCoveredBy(element) {
   if (!pointer || !isReady(pointer.view)) return false;
   const box = boxIn(pointer.view, element);
   const near = [pointer.x, pointer.y];
-  return [...gripsIn(pointer.view), ...boxCornersIn(pointer.view)].some(({ at, radius }) => coversPoint(box, at, radius) && distance(at, near) < NEAR);
+  return [...gripsIn(pointer.view), ...boxCornersIn(pointer.view)].some(({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR);
 }
 
 /** An element's box in pixels of a view. */
@@ -47,12 +47,6 @@ function boxIn(view, element) {
  * @param {number[]} at
  * @param {number} margin
  */
-function coversPoint({ left, top, width, height }, [x, y], margin) {
-  return (
-    x > left - margin && x < left + width + margin && y > top - margin && y < top + height + margin
-  );
-}
-
 const FLOATING = '.bars > .glass, .toast, .banner, .coach';
 const WHOLE = '.coach.film, .coach.large';
 const HOLE = 13; // px about a handle

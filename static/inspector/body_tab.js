@@ -269,8 +269,8 @@ function leading(part) {
 function rows() {
   const { parts } = server.body;
   if (!server.view.link) return parts;
-  const placeFields = (part) => parts.findIndex((other) => other.name === part.name);
-  const firsts = parts.filter((part) => !part.mirror || placeFields(part) < placeFields(partNamed(part.mirror)));
+  const placeOf = (part) => parts.findIndex((other) => other.name === part.name);
+  const firsts = parts.filter((part) => !part.mirror || placeOf(part) < placeOf(partNamed(part.mirror)));
   return firsts.map((part) => (part.mirror ? rowOfPair(part, partNamed(part.mirror)) : part));
 }
 

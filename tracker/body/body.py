@@ -15,14 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    FiniteFloat,
-    ValidationError,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from keypose.tracker.body.shapes import Point as Point
 from keypose.tracker.body.shapes import Shape

@@ -1,10 +1,8 @@
 """Conventions of the files that are written: axes, floor, names, decimals, end sites, colours.
 
-It is the camera frame turned by half a turn about x, F = diag(1, −1, −1). A part's frame is turned
-likewise: a point of it becomes F p, a rotation F R F.
-
-Its origin lies on the floor below the camera, which looks along −z as nearly as the floor allows.
-Part frames are those of files whose y points up (`keypose.tracker.formats.conventions`).
+The frame whose y points up is the camera frame turned by half a turn about x, F = diag(1, −1, −1).
+A part's frame is turned likewise: a point of it becomes F p, a rotation F R F. The floor's world
+has its origin on the floor below the camera, which looks along −z as nearly as the floor allows.
 """
 
 from __future__ import annotations

@@ -15,9 +15,7 @@ import numpy as np
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.files import TooLarge, read_regular
-from keypose.tracker.formats.joint_motion import (
-    JointMotion,
-)
+from keypose.tracker.formats.joint_motion import JointMotion
 
 LARGEST_MOTION_BYTES: Final = 96 * 2**20
 

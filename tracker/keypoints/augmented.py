@@ -56,7 +56,7 @@ class Mirrors(Protocol):
 
     @property
     def fingerprint(self) -> str: ...
-    def look(
+    def infer(
         self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False
     ) -> Seen: ...
 
@@ -81,7 +81,7 @@ class AugmentedNetwork:
         threads = min(len(VARIATIONS), os.cpu_count() or 1)
         return cls([Network.open(model, fast=fast) for _ in range(threads)])
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         """The median of the keypoints of the person in a region of a picture (H, W, 3), RGB;
         whether somebody is there, and where to look next, are the plain look's."""
         plain = self._look(picture, region, Variation())
@@ -99,7 +99,7 @@ class AugmentedNetwork:
     def _look(self, picture: NDArray[np.uint8], region: Region, varied: Variation) -> Seen:
         network = self._idle.get()
         try:
-            return network.look(picture, varied.of(region), mirrored=varied.mirrored)
+            return network.infer(picture, varied.of(region), mirrored=varied.mirrored)
         finally:
             self._idle.put(network)
 

@@ -40,7 +40,7 @@ class Detector(Protocol):
 
     @property
     def fingerprint(self) -> str: ...
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen: ...
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ class Rows:
         if picture is not None:
             height, width = picture.shape[:2]
             if self.region.is_within(width, height):
-                seen = network.look(picture, self.region.rounded(LOOK_PARTS))
+                seen = network.infer(picture, self.region.rounded(LOOK_PARTS))
                 if not _is_somebody(seen, width, height):
                     seen = None
         if seen is None:

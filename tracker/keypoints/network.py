@@ -130,7 +130,7 @@ class Network:
         """Digest all that decides what it sees: the network and what runs it."""
         return f"{self.model.sha256[:16]}-{self._runtime.name}"
 
-    def look(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
         """The keypoints of the person in a region of a picture (H, W, 3), RGB.
 
         mirrored: shown to the network as in a mirror; what it sees is told as it is in the picture.

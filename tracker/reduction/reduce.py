@@ -1,15 +1,16 @@
 """Reduce a dense motion to keyframes, by their number or by a tolerance.
 
-A frame leads to a later one where interpolation between the two is within the tolerance everywhere
-between. What is wanted is the path from the first frame to the last over the fewest frames, and of
-those the one with the least sum of squared misses: dynamic programming over layers, the frames that
-are reached in one interval, in two, and so on. A frame's layer depends on the layer before alone,
-so each pair of frames is compared once at most, most of them by one part of one pose; sums are
-computed on the shortest paths only. No bound on the length of an interval is needed, and the answer
-is exact. Lengthening an interval may bring it back within the tolerance, so no bisection would be.
+By a tolerance: a frame leads to a later one where interpolation between the two is within the
+tolerance everywhere between. What is wanted is the path from the first frame to the last over the
+fewest frames, and of those the one with the least sum of squared misses: dynamic programming over
+layers, the frames that are reached in one interval, in two, and so on. A frame's layer depends on
+the layer before alone, so each pair of frames is compared once at most, most of them by one part of
+one pose; sums are computed on the shortest paths only. No bound on the length of an interval is
+needed, and the answer is exact. Lengthening an interval may bring it back within the tolerance, so
+no bisection would be.
 
-For a motion that is kept between its keyframes, so that these need not lead to it: they are where
-it is held when it is edited. Of all paths over so many intervals the one with the least sum of
+By their number, for a motion that is kept between its keyframes: they are where it is held when it
+is edited. Of all paths over so many intervals the one with the least sum of
 squared misses, by dynamic programming over the number of intervals. None is much longer than
 others, since a motion that repeats itself would be missed by as much over one of its rounds as over
 many.

@@ -14,10 +14,11 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.review.problems import Problem, problems_of
 from keypose.tracker.review.segment_errors import LEAST_PX, part_errors_px, right_error_px
-from keypose.tracker.review.segments import CachedById, JudgedSegments, far_end
+from keypose.tracker.review.segments import JudgedSegments, far_end
 from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.fingerprints import ById
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -89,11 +90,11 @@ class Review:
 
 def review_of(doc: Session, results: Results) -> Review:
     """All that there is to review; found once for as long as nothing changes."""
-    return _review(CachedById(doc), CachedById(results))
+    return _review(ById(doc), ById(results))
 
 
 @lru_cache(maxsize=4)
-def _review(doc: CachedById, results: CachedById) -> Review:
+def _review(doc: ById, results: ById) -> Review:
     session: Session = doc.it
     known = JudgedSegments.of(session, results.it)
     places = [*_drafts(known, session), *_worst_first(_tracked(known, session, results.it))]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from keypose.tracker.geometry.view import NEAR_M
 from keypose.tracker.review.segment_errors import gain
 from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.fingerprints import ById
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -52,7 +53,7 @@ class JudgedSegments:
     @classmethod
     def of(cls, doc: Session, results: Results) -> JudgedSegments:
         """Judge a session; computed once for as long as nothing changes."""
-        return _judged(CachedById(doc), CachedById(results))
+        return _judged(ById(doc), ById(results))
 
     @classmethod
     def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> JudgedSegments:
@@ -188,19 +189,6 @@ def far_end(body: Body, index: int) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=4)
-def _judged(doc: CachedById, results: CachedById) -> JudgedSegments:
+def _judged(doc: ById, results: ById) -> JudgedSegments:
     session: Session = doc.it
     return JudgedSegments.over(session, results.it.fitting(session))
-
-
-class CachedById:
-    """An immutable object as a cache key, by identity: quicker than by its contents."""
-
-    def __init__(self, it: Any) -> None:
-        self.it = it
-
-    def __hash__(self) -> int:
-        return id(self.it)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, CachedById) and self.it is other.it

@@ -40,11 +40,11 @@ AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 def segment_keys(session: Session) -> dict[Span, str]:
     """The keys of all segments of a session, in the order of their frames."""
-    return dict(_keys(_ById(session)))
+    return dict(_keys(ById(session)))
 
 
 @lru_cache(maxsize=8)
-def _keys(session: _ById) -> dict[Span, str]:
+def _keys(session: ById) -> dict[Span, str]:
     """Cached: called often for an unchanged session."""
     setup = _setup(session.it)
     at = {keyframe.frame: keyframe for keyframe in session.it.keyframes}
@@ -62,7 +62,7 @@ def present_keys(session: Session) -> dict[Span, str]:
 
 def segment_key(session: Session, first: int, last: int) -> str:
     """The key of one segment; KeyError where the session has no such segment."""
-    return _keys(_ById(session))[first, last]
+    return _keys(ById(session))[first, last]
 
 
 def without_part_keyframes(session: Session) -> Session:
@@ -85,8 +85,8 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
     """Digest what a body is followed ahead with from a keyframe: its pose, the body
     and the camera.
     """
-    pose = _pose(_ById(keyframe), session.body.names)
-    setup = [keyframe.frame, _body(_ById(session.body)), _camera(_ById(session.camera))]
+    pose = _pose(ById(keyframe), session.body.names)
+    setup = [keyframe.frame, _body(ById(session.body)), _camera(ById(session.camera))]
     setup += _woven(session)
     return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
 
@@ -100,11 +100,11 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     names = session.body.names
     ends = [at[frame] for frame in span if frame in at]  # an open end has no keyframe
     segment = [span, _INPUTS.of(session).segment(session, span, ends)]
-    poses = [_pose(_ById(end), names) for end in ends]
+    poses = [_pose(ById(end), names) for end in ends]
     for keyframe in session.part_keyframes:
         if span[0] < keyframe.frame < span[1]:
             exact = json.dumps([keyframe.frame, sorted(keyframe.parts)]).encode()
-            poses += [exact, _pose(_ById(keyframe), names)]
+            poses += [exact, _pose(ById(keyframe), names)]
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 
@@ -153,7 +153,7 @@ def _setup(session: Session) -> bytes:
 def _film_setup(session: Session) -> bytes:
     settings = session.settings.model_dump(mode="json", exclude=_BY_THEMSELVES)
     settings["static_camera"] = session.has_static_camera  # found or chosen is the same motion
-    setup = [_body(_ById(session.body)), _camera(_ById(session.camera)), settings, *_start(session)]
+    setup = [_body(ById(session.body)), _camera(ById(session.camera)), settings, *_start(session)]
     setup += [*_cues(session), *_woven(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
@@ -164,9 +164,9 @@ def _surface_setup(session: Session) -> bytes:
     """
     surface, model = surface_of(session), session.model_keyframe
     reading = surface.model_dump(mode="json", exclude={"fps", "model_frame", "cameras"})
-    setup: list[Any] = ["surface", _body(_ById(session.body)), reading, session.video.fingerprint]
+    setup: list[Any] = ["surface", _body(ById(session.body)), reading, session.video.fingerprint]
     if model is not None:
-        pose = hashlib.sha256(_pose(_ById(model), session.body.names)).hexdigest()
+        pose = hashlib.sha256(_pose(ById(model), session.body.names)).hexdigest()
         setup += [model.frame, pose]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
@@ -267,7 +267,7 @@ def _start(session: Session) -> list[Any]:
     return [*start, left_out] if left_out and initial == "auto" else start
 
 
-class _ById:
+class ById:
     """An immutable object as a cache key, by identity: quicker than by its contents."""
 
     def __init__(self, it: Any) -> None:
@@ -277,11 +277,11 @@ class _ById:
         return id(self.it)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _ById) and self.it is other.it
+        return isinstance(other, ById) and self.it is other.it
 
 
 @lru_cache(maxsize=8)
-def _body(body: _ById) -> str:
+def _body(body: ById) -> str:
     """Names of parts count, since the verdict has them; other captions do not."""
     parts = {"__all__": LIMITS}
     captions = {"name": True, "source": True, "mirror_pairs": True}
@@ -290,12 +290,12 @@ def _body(body: _ById) -> str:
 
 
 @lru_cache(maxsize=8)
-def _camera(camera: _ById) -> str:
+def _camera(camera: ById) -> str:
     return json.dumps(camera.it.model_dump(mode="json", exclude={"origin"}), sort_keys=True)
 
 
 @lru_cache(maxsize=4096)
-def _pose(keyframe: _ById, names: tuple[str, ...]) -> bytes:
+def _pose(keyframe: ById, names: tuple[str, ...]) -> bytes:
     """The pose as numbers, the same however its quaternions were signed or left out."""
     wxyz = np.array([keyframe.it.rotations_wxyz.get(name, AT_REST) for name in names])
     numbers = np.concatenate([rotation_from_quaternion(wxyz).ravel(), keyframe.it.root_m])

@@ -1,6 +1,6 @@
 """Store what lies beside a session: an imported motion and keypoints, each written once.
 
-The file is a plain NumPy archive, as a tracks file is:
+Both are plain NumPy archives, as a tracks file is. An imported motion:
 
     first_frame     ()             index of the first pose's video frame
     part_names      (P,)           text
@@ -10,15 +10,13 @@ The file is a plain NumPy archive, as a tracks file is:
 Of a session's own motion, reduced to keyframes, it holds the poses of the runs that the session
 names; frames between these have none, NaN.
 
-The file is a plain NumPy archive, as a tracks file is:
+Keypoints, whose numbers have four bytes, a fraction of a thousandth of a pixel:
 
     first_frame  ()         index of the first row's video frame
     names        (L,)       text
     uv           (N, L, 2)  pixels, NaN where nothing was found
     visibility   (N, L)     from 0 to 1, 0 where uv is NaN
     p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
-
-Its numbers have four bytes: a fraction of a thousandth of a pixel.
 """
 
 from __future__ import annotations

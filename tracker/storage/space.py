@@ -16,12 +16,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.space.solve import (
-    PinnedPoint,
-    SpaceProblem,
-    SpaceSolution,
-    solve_space,
-)
+from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
 

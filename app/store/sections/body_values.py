@@ -9,14 +9,7 @@ from keypose.app.editor.part_edits import keyed_limbs, keyed_words
 from keypose.app.editor.posing_edits import angle_curve, angles_at, corners_placed
 from keypose.app.editor.shown import counts, draft_at, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.posing import (
-    at_limit,
-    axis_labels,
-    handles,
-    part_label,
-    part_sizes,
-    short_label,
-)
+from keypose.app.posing import at_limit, axis_labels, handles, part_label, part_sizes, short_label
 from keypose.app.posing import lanes as lane_groups
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState

@@ -144,7 +144,6 @@ export function watchPointer() {
   for (const kind of ['pointerup', 'pointercancel']) addEventListener(kind, up, true);
 }
 
-const SPAN_SNAP_PX = 4;
 
 /** Grab the in point ("first") or the out point ("last"). It snaps to keyframes; Alt: it does not. */
 export function grabSpanEnd(end, start) {
@@ -153,7 +152,7 @@ export function grabSpanEnd(end, start) {
   return {
     move(place) {
       const at = place.x + offset;
-      const snapped = place.alt ? null : nearest(keyFrames(), at, SPAN_SNAP_PX);
+      const snapped = place.alt ? null : nearest(keyFrames(), at, SNAP_PX);
       setUi('span', withEndDragged(before, end, snapped ?? frameAt(at)));
       setGrabbed({ kind: 'span', end });
     },

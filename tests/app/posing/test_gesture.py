@@ -14,14 +14,7 @@ from pydantic import ValidationError
 from keypose.app.posing import Gesture, angles_deg, at_limit, drag, handles, parts_at
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
-from tests.app.posing.posing_cases import (
-    PERSON,
-    as_sent,
-    gesture,
-    points,
-    sights,
-    walking,
-)
+from tests.app.posing.posing_cases import PERSON, as_sent, gesture, points, sights, walking
 
 MOST_CALLS, MOST_CALLS_OF_TRUNK = 5000, 8000
 """Of one move of the pointer; the trunk is found in a few steps of least squares."""

@@ -26,12 +26,7 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import apply_transform, exp_rotation, transform
 from keypose.tracker.geometry.view import ViewCamera
-from tests.tracker.shape_cases import (
-    SHAPES,
-    every_shape,
-    pair_of,
-    solid_of,
-)
+from tests.tracker.shape_cases import SHAPES, every_shape, pair_of, solid_of
 
 Floats = NDArray[np.float64]
 

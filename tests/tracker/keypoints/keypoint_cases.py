@@ -56,7 +56,7 @@ class Walker:
     looked: list[int] = field(default_factory=list)
     fingerprint: str = "walker"
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         number = int(picture[0, 0, 0])
         self.looked.append(number)
         x = true_x(number)

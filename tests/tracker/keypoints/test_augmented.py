@@ -43,13 +43,13 @@ class Fake:
     looked: list[tuple[Region, bool]] = field(default_factory=list)
     fingerprint: str = "fake"
 
-    def look(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
         self.looked.append((region, mirrored))
         return self.changed.get(len(self.looked) - 1, truth())
 
 
 def looked_at(fake: Fake) -> Seen:
-    return AugmentedNetwork([fake]).look(PICTURE, REGION)
+    return AugmentedNetwork([fake]).infer(PICTURE, REGION)
 
 
 def is_truth(seen: Seen) -> bool:
@@ -89,7 +89,7 @@ def test_several_threads_find_the_same_as_one() -> None:
         picture = video.frame(0)
     region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
     one, three = (
-        AugmentedNetwork([Network.open(fast=False) for _ in range(threads)]).look(picture, region)
+        AugmentedNetwork([Network.open(fast=False) for _ in range(threads)]).infer(picture, region)
         for threads in (1, 3)
     )
     for name in ("uv", "visibility", "p_hips"):
@@ -147,13 +147,13 @@ def test_a_real_man_is_found_as_near_as_by_one_look() -> None:
     height, width = picture.shape[:2]
     region = Region.of_box(cases.BOX, width, height)
     for _ in range(3):
-        region = network.look(picture, region).next
+        region = network.infer(picture, region).next
     marked = cases.marks()[0]
 
     def apart(seen: Seen) -> float:
         off = [seen.uv[NAMES.index(j)] - marked[j] for j in JOINTS if j in marked]
         return float(np.mean(np.hypot(*np.transpose(off))))
 
-    assert apart(AugmentedNetwork([network]).look(picture, region)) < 1.1 * apart(
-        network.look(picture, region)
+    assert apart(AugmentedNetwork([network]).infer(picture, region)) < 1.1 * apart(
+        network.infer(picture, region)
     )

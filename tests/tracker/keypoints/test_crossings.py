@@ -33,7 +33,7 @@ class Street:
         self.people, self.taken = people, taken or {}
         self.looked: list[int] = []
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         frame = int(picture[0, 0, 0])
         self.looked.append(frame)
         there = [person(frame) for person in self.people]

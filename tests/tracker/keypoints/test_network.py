@@ -32,7 +32,7 @@ def looked_at(network: Network, picture: np.ndarray, region: Region | None = Non
     height, width = picture.shape[:2]
     region = region or Region.of_box(cases.BOX, width, height)
     for _ in range(3):
-        seen = network.look(picture, region)
+        seen = network.infer(picture, region)
         region = seen.next
     return seen
 
@@ -99,8 +99,8 @@ def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns
 
     where = there(np.array([seen.next.x, seen.next.y]))
     turn = seen.next.turn_rad + quarter_turns * np.pi / 2
-    again = network.look(turned, Region(*where, seen.next.side, turn))
-    straight = network.look(picture, seen.next)
+    again = network.infer(turned, Region(*where, seen.next.side, turn))
+    straight = network.infer(picture, seen.next)
     assert again.uv == pytest.approx(there(straight.uv), abs=0.5)
     up = np.linalg.matrix_power(A, quarter_turns)
     assert again.p_hips[:, :2] == pytest.approx(straight.p_hips[:, :2] @ up.T, abs=0.02)
@@ -110,8 +110,8 @@ def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns
 def test_in_a_mirror_the_same_is_seen_with_left_still_left(network: Network) -> None:
     picture = first_picture()
     region = looked_at(network, picture).next
-    straight = network.look(picture, region)
-    mirrored = network.look(picture, region, mirrored=True)
+    straight = network.infer(picture, region)
+    mirrored = network.infer(picture, region, mirrored=True)
     joints = [NAMES.index(joint) for joint in JOINTS]
     apart = np.hypot(*(mirrored.uv - straight.uv)[joints].T)
     assert np.median(apart) < 0.01 * region.side
@@ -141,7 +141,7 @@ def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: b
     picture = np.zeros((240, 320, 3), np.uint8)
     cv2.circle(picture, (150, 130), 2, (255, 255, 255), -1)
     dot = Network(FULL, _Dot())
-    seen = dot.look(picture, Region(160, 120, 120, turn_rad), mirrored=mirrored)
+    seen = dot.infer(picture, Region(160, 120, 120, turn_rad), mirrored=mirrored)
     assert seen.uv == pytest.approx(np.tile([150, 130], (33, 1)), abs=1.5)
     way = np.array([150 - 160, 130 - 120]) / np.hypot(10, 10)
     assert seen.p_hips[0, :2] / np.linalg.norm(seen.p_hips[0, :2]) == pytest.approx(way, abs=0.15)
@@ -150,14 +150,14 @@ def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: b
 @pytest.mark.parametrize("grey", [0, 128, 255])
 def test_nobody_is_in_a_flat_picture(network: Network, grey: int) -> None:
     picture = np.full((240, 320, 3), grey, dtype=np.uint8)
-    assert network.look(picture, Region(160, 120, 200)).presence < 0.1
+    assert network.infer(picture, Region(160, 120, 200)).presence < 0.1
 
 
 @pytest.mark.skipif(not fast_is_here(), reason="LiteRT is not installed")
 def test_litert_agrees_to_a_hundredth_of_a_pixel(network: Network) -> None:
     picture = first_picture()
     region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
-    one, other = network.look(picture, region), Network.open(fast=True).look(picture, region)
+    one, other = network.infer(picture, region), Network.open(fast=True).infer(picture, region)
     assert other.uv == pytest.approx(one.uv, abs=0.01)
     assert other.p_hips == pytest.approx(one.p_hips, abs=1e-4)
 

@@ -24,15 +24,7 @@ from keypose.tracker.surface.files.parsing.obj import read_obj
 from keypose.tracker.surface.files.parsing.ply import read_ply
 from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh
 from keypose.tracker.surface.files.parsing.tidying import tidy
-from tests.tracker.surface.mesh_files import (
-    BOX,
-    CORNERS,
-    QUADS,
-    GlbFile,
-    obj,
-    ply,
-    standing_box,
-)
+from tests.tracker.surface.mesh_files import BOX, CORNERS, QUADS, GlbFile, obj, ply, standing_box
 
 READERS = {"ply": read_ply, "obj": read_obj, "glb": read_glb}
 

@@ -17,14 +17,7 @@ from keypose.tracker.surface.files.sequence import MeshSequence, describe_unusab
 from keypose.tracker.surface.files.sources import FolderSource
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.new_session import guess_units, guess_up
-from tests.tracker.surface.mesh_files import (
-    BOX,
-    CORNERS,
-    folder_of,
-    obj,
-    ply,
-    standing_box,
-)
+from tests.tracker.surface.mesh_files import BOX, CORNERS, folder_of, obj, ply, standing_box
 
 
 def place_x(meshes: MeshSequence, frame: int) -> float:

@@ -40,11 +40,13 @@ from keypose.tracker.fitting.draft.observed import (
     Joints,
     Observed,
     place_of,
+    unit,
 )
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.outliers import trunk_straightness
+from keypose.tracker.tracking.cues.sides import mean_distance
 
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
@@ -154,20 +156,16 @@ def _unlikely(joints: Joints, camera: Camera, p: Array, drafted: Array) -> Array
 def _trunk(p: Array) -> tuple[Array, Array]:
     """Directions (N, 3) up along the trunk, and to where it faces."""
     ls, rs, lh, rh = (p[:, place_of(side, j)] for j in ("shoulder", "hip") for side in SIDES)
-    up = _unit(ls + rs - lh - rh)
+    up = unit(ls + rs - lh - rh)
     left = ls - rs + lh - rh
-    left = _unit(left - (left * up).sum(-1, keepdims=True) * up)
+    left = unit(left - (left * up).sum(-1, keepdims=True) * up)
     return up, np.cross(left, up)
-
-
-def _unit(v: Array) -> Array:
-    return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9))
 
 
 def _ray(camera: Camera, p: Array) -> Array:
     if camera.telephoto_distance_m is not None:
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), p.shape)
-    return _unit(p)
+    return unit(p)
 
 
 def most_probable_signs(steep: Array, estimated: Array, unlikely: Array) -> tuple[Array, Array]:
@@ -288,7 +286,7 @@ def _group_jumps(where: Array, group: list[int]) -> Array:
     ways = np.stack([_in_way(where[:, group], way) for way in WAYS])
     return np.stack(
         [
-            np.stack([_mean_distance(now[1:], before[:-1]) for now in ways], axis=-1)
+            np.stack([mean_distance(now[1:], before[:-1]) for now in ways], axis=-1)
             for before in ways
         ],
         axis=1,
@@ -304,12 +302,6 @@ def _in_way(where: Array, way: Way) -> Array:
     out = where.copy()
     out[:, len(SIDES) :, :2] = _other(where)[:, len(SIDES) :, :2]
     return out
-
-
-def _mean_distance(a: Array, b: Array) -> Array:
-    away = np.linalg.norm(a - b, axis=-1)
-    known = np.isfinite(away)
-    return np.asarray(np.where(known, away, 0.0).sum(-1) / np.maximum(known.sum(-1), 1))
 
 
 def _other(values: NDArray[Any]) -> NDArray[Any]:

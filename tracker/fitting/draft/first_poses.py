@@ -22,7 +22,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import height, joint_moved, resized, with_height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.draft.observed import SIDES, Joints, Limb, Observed, place_of
+from keypose.tracker.fitting.draft.observed import SIDES, Joints, Limb, Observed, place_of, unit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, nearest_rotation
 from keypose.tracker.solver.fit_joints import aim_parts, rigid
@@ -147,10 +147,10 @@ def _with_lengths_of(joints: Joints, p_hips: Array) -> Array:
     out = np.zeros_like(p)
     for pair, middle in ((_HIPS, np.zeros(3)), (_SHOULDERS, _trunk(joints, p))):
         half = 0.5 * float(np.linalg.norm(rest[pair[0]] - rest[pair[1]]))
-        across = _unit(p[pair[0]] - p[pair[1]])
+        across = unit(p[pair[0]] - p[pair[1]])
         out[pair[0]], out[pair[1]] = middle + half * across, middle - half * across
     for bone in joints.bones:
-        out[bone.far] = out[bone.near] + joints.length_m(bone) * _unit(p[bone.far] - p[bone.near])
+        out[bone.far] = out[bone.near] + joints.length_m(bone) * unit(p[bone.far] - p[bone.near])
     return out
 
 
@@ -160,19 +160,15 @@ def _trunk(joints: Joints, p: Array) -> Array:
     """
     ours = joints.rest[_SHOULDERS].mean(0) - joints.rest[_HIPS].mean(0)
     theirs = p[_SHOULDERS].mean(0) - p[_HIPS].mean(0)
-    return float(np.linalg.norm(ours)) * _unit(theirs)
-
-
-def _unit(v: Array) -> Array:
-    return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9))
+    return float(np.linalg.norm(ours)) * unit(theirs)
 
 
 def _onto_ray(camera: Camera, uv: Array) -> Array:
     """The rotation that turns the camera's axis onto the ray through a pixel, x kept level."""
     if camera.telephoto_distance_m is not None:
         return np.eye(3)
-    z = _unit(camera.back_project(uv, 1.0))
-    x = _unit(np.cross((0.0, 1.0, 0.0), z))
+    z = unit(camera.back_project(uv, 1.0))
+    x = unit(np.cross((0.0, 1.0, 0.0), z))
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
@@ -238,8 +234,8 @@ def hinged(limb: Limb, p: Array, H: Array) -> tuple[Array, Array]:
     H (..., 3, 3): of the upper part, which decides how it is turned about itself where the limb is
     straight.
     """
-    along = _unit(p[..., limb.upper.far, :] - p[..., limb.upper.near, :])
-    beyond = _unit(p[..., limb.lower.far, :] - p[..., limb.lower.near, :])
+    along = unit(p[..., limb.upper.far, :] - p[..., limb.upper.near, :])
+    beyond = unit(p[..., limb.lower.far, :] - p[..., limb.lower.near, :])
     # as long as the sine of the bend
     across = beyond - (beyond * along).sum(-1, keepdims=True) * along
     x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])

@@ -289,3 +289,7 @@ def _jumped(uv: Array, known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> N
         step = np.linalg.norm(np.median(b - a, axis=0)) if both.any() else 0.0
         out[here] = step > JUMP * max(extent, 1.0) * np.sqrt(here - before)
     return out
+
+
+def unit(v: Array) -> Array:
+    return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9))

@@ -59,12 +59,12 @@ def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:
     cost, came_from = np.zeros(2), np.zeros((count, 2), np.int64)
     for n in range(count):
         if n:
-            jump = _mean_distance(both[n][:, None], both[n - 1][None])  # [now, before]
+            jump = mean_distance(both[n][:, None], both[n - 1][None])  # [now, before]
             way = cost[None] + jump + CHANGE * (1 - np.eye(2))
             came_from[n] = way.argmin(axis=1)
             cost = way.min(axis=1)
         if n in keyed:
-            cost = cost + KEYED * _mean_distance(both[n], keyed[n])
+            cost = cost + KEYED * mean_distance(both[n], keyed[n])
     state, swapped = int(cost.argmin()), np.zeros(count, np.bool_)
     for n in range(count - 1, -1, -1):
         swapped[n] = bool(state)
@@ -72,7 +72,7 @@ def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:
     return swapped
 
 
-def _mean_distance(a: Array, b: Array) -> Array:
+def mean_distance(a: Array, b: Array) -> Array:
     """Mean over the points known in both; 0 where there are none."""
     away = np.linalg.norm(a - b, axis=-1)
     known = np.isfinite(away)

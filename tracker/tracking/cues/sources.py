@@ -183,7 +183,7 @@ class _Recall:
 
     fingerprint: str
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         raise _NotKept
 
 

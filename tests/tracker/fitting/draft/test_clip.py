@@ -31,7 +31,7 @@ class Knowing:
         self.presence = presence
         self.looked: list[int] = []
 
-    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         number = int(picture[0, 0, 0])
         self.looked.append(number)
         known = CLIP.keypoints

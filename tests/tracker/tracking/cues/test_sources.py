@@ -23,7 +23,7 @@ class Somebody:
 
     fingerprint = augmented_fingerprint(FULL)
 
-    def look(self, picture: np.ndarray, region: Region) -> Seen:
+    def infer(self, picture: np.ndarray, region: Region) -> Seen:
         uv = region.x + np.arange(66.0).reshape(33, 2)
         return Seen(uv, np.full(33, 0.9), np.zeros((33, 3)), 1.0, region)
 
