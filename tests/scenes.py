@@ -7,7 +7,7 @@ import shutil
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from keypose.app.document.library import Library
 from keypose.app.editor.state import EditorState
@@ -16,6 +16,7 @@ from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
 
+DeskT = TypeVar("DeskT", bound="StoreDesk")
 SAMPLES = Path(__file__).parents[1] / "sample_videos"
 
 
@@ -86,3 +87,10 @@ class StoreDesk:
     def section(self, name: str) -> Any:
         """What the tabs are told."""
         return Sections().changed(self.store.app_state.displayed)[name]
+
+
+@asynccontextmanager
+async def at_desk(path: Path, kind: type[DeskT]) -> AsyncIterator[DeskT]:
+    """A desk of this kind at a store that has a session open."""
+    async with opened_store(path) as store:
+        yield kind(store)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.storage.sidecars import load_keypoints
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app.store.test_fitter import Worker
-from tests.scenes import SAMPLES, StoreDesk, opened_store, sample
+from tests.scenes import SAMPLES, StoreDesk, at_desk, sample
 
 BOX = [100.0, 100.0, 300.0, 400.0]
 DRAFT = {"do": "draft", "frame": 10, "box": BOX}
@@ -85,15 +84,9 @@ class Desk(StoreDesk):
         self.store._set(edit=replace(edit, results=Results({key: track})))
 
 
-@asynccontextmanager
-async def at_a_desk(path: Path) -> AsyncIterator[Desk]:
-    async with opened_store(path) as store:
-        yield Desk(store)
-
-
 @pytest.fixture
 async def desk(path: Path) -> AsyncIterator[Desk]:
-    async with at_a_desk(path) as made:
+    async with at_desk(path, Desk) as made:
         yield made
 
 
@@ -127,7 +120,7 @@ async def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path
     film = tmp_path / "films" / "person.mp4"
     film.parent.mkdir()
     shutil.copy(SAMPLES / "person" / "person.mp4", film)
-    async with at_a_desk(film) as desk:
+    async with at_desk(film, Desk) as desk:
         assert not [place for place in film.parent.iterdir() if place.is_dir()]
         desk.do(DRAFT)
         desk.find(3, 4)
@@ -177,11 +170,11 @@ async def test_a_draft_is_asked_for_again_only_once_it_is_another_one(
 
 async def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
     found: list[Any] = []
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         desk.do({**DRAFT, "last": 12})
         desk.find(3, 8)
         found.append(desk.section("draft"))
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         assert desk.section("draft") == {**found[0], "latest": False}
         desk.do({"do": "undo"})  # of another day
         assert desk.section("draft") is None
@@ -223,7 +216,7 @@ async def test_the_progress_of_a_draft_is_shown_and_rises(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(store, "SECONDS_BETWEEN_PROGRESS", 0.0)
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         desk.do(DRAFT)
         shown = []
         for stage, done in (("keypoints", 5), ("keypoints", 20), ("poses", 0), ("poses", 20)):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -36,7 +35,7 @@ from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
-from tests.scenes import IdleWorker, StoreDesk, opened_store
+from tests.scenes import IdleWorker, StoreDesk, at_desk
 
 FIT = {"do": "fit_here"}
 SIZES = {"do": "fit_sizes"}
@@ -118,21 +117,15 @@ class Desk(StoreDesk):
         return [m["words"] for m in await self.tab.next() if "words" in m]
 
 
-@asynccontextmanager
-async def at_a_desk(path: Path) -> AsyncIterator[Desk]:
-    async with opened_store(path) as store:
-        yield Desk(store)
-
-
 @pytest.fixture
 async def desk(path: Path) -> AsyncIterator[Desk]:
-    async with at_a_desk(path) as made:
+    async with at_desk(path, Desk) as made:
         yield made
 
 
 async def test_a_fitted_keyframe_is_saved_and_one_undo_takes_it_back(path: Path) -> None:
     was = load_session(path).keyframes[1].root_m[0]
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         before = desk.edit.doc
         desk.do(FIT)
         assert desk.section("job")["title"] == "Fitting frame 24"
@@ -345,7 +338,7 @@ async def test_with_live_off_nothing_is_tracked_after_a_fit(desk: Desk) -> None:
 
 async def test_a_session_that_is_closed_during_a_fit_stays_as_it_was(path: Path) -> None:
     before = load_session(path).keyframes
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         desk.do(FIT)
         await desk.store.close_session()
         desk.worker.find()

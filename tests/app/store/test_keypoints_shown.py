@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.store.test_fitter import Worker
-from tests.scenes import StoreDesk, opened_store, sample
+from tests.scenes import StoreDesk, at_desk, sample
 
 NAMES = (*JOINTS, "nose", "left_pinky")
 WRIST = JOINTS.index("left_wrist")
@@ -67,15 +66,9 @@ class Desk(StoreDesk):
         return Sections().changed(self.store.app_state)["keypoints"]
 
 
-@asynccontextmanager
-async def at_a_desk(path: Path) -> AsyncIterator[Desk]:
-    async with opened_store(path) as store:
-        yield Desk(store)
-
-
 @pytest.fixture
 async def desk(path: Path) -> AsyncIterator[Desk]:
-    async with at_a_desk(path) as made:
+    async with at_desk(path, Desk) as made:
         yield made
 
 
@@ -104,7 +97,7 @@ async def test_what_tracking_found_in_a_segment_goes_first(
         return found(*span, 33.0) if span == (24, 48) else None
 
     monkeypatch.setattr(background, "found_before", kept)
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         assert point(await desk.shown(7))["at"] == [5.0, 7.0]
         assert point(await desk.shown(30))["at"] == [33.0, 30.0]
         assert point(await desk.shown(45))["at"] == [33.0, 45.0]
@@ -134,7 +127,7 @@ async def test_what_a_person_said_is_reported_at_once_and_where_it_was_found_is_
 async def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> None:
     for file in path.parent.glob("keypoints-*.npz"):
         file.unlink()
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         assert await desk.shown(7) is None
 
 
