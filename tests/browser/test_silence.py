@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
 from math import dist
 
 from tests.browser.interaction import between, section, spot, until, until_state
@@ -13,11 +15,17 @@ OWN = True
 REACH_PX = 3.0
 
 
+def silenced(process: subprocess.Popen[bytes]) -> None:
+    """Stop a server, and wait until all its threads stand: the signal itself does not wait."""
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+
+
 def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at: Desk) -> None:
     page, process = at.page, at.keypose.process
     start = spot(page, "left_hand")
     goal = (start[0] + 40, start[1] - 50)
-    process.send_signal(signal.SIGSTOP)
+    silenced(process)
     try:
         page.mouse.move(*start)
         page.mouse.down()
@@ -51,7 +59,7 @@ def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: 
     at.visitor.do(do="select", part="head")
     at.agreed("view")
     place = between(page, "right_shin", "right_foot")
-    process.send_signal(signal.SIGSTOP)
+    silenced(process)
     try:
         page.mouse.click(*place)
         page.get_by_text("Connection lost.").wait_for()
@@ -64,7 +72,7 @@ def test_a_click_in_silence_selects_the_part_once_the_server_has_said_which(at: 
 def test_a_click_on_a_handle_is_not_undone_by_the_late_answer_to_the_one_before(at: Desk) -> None:
     page, process = at.page, at.keypose.process
     body, handle = between(page, "right_shin", "right_foot"), spot(page, "left_hand")
-    process.send_signal(signal.SIGSTOP)
+    silenced(process)
     try:
         page.mouse.click(*body)
         page.mouse.click(*handle)

@@ -12,8 +12,9 @@ from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
-from tests.app.store.test_drafting import BODY, DRAFT, Desk, at_a_desk, desk, path
+from tests.app.store.test_drafting import BODY, DRAFT, Desk, desk, path
 from tests.app.store.test_fitter import Worker
+from tests.scenes import at_desk
 
 __all__ = ["desk", "path"]
 FRAMES = (3, 4, 5, 6)
@@ -95,10 +96,10 @@ async def test_drafts_wait_while_something_is_dragged(desk: Desk) -> None:
 
 
 async def test_what_was_learned_is_there_when_the_session_is_opened_again(path: Path) -> None:
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         await begin(desk)
         learn(3, 5, 6)
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         assert moved(desk.doc) == [3, 5, 6]
         desk.do({"do": "undo"})
         assert moved(desk.doc) == []

@@ -20,9 +20,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.result import Tolerance
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
-from tests.app.store.test_fitter import Desk, Worker, at_a_desk, desk
+from tests.app.store.test_fitter import Desk, Worker, desk
 from tests.page.test_page_shapes import declared, differences
-from tests.scenes import sample
+from tests.scenes import at_desk, sample
 
 __all__ = ["desk"]
 REDUCE = {"do": "reduce", "cm": 6.0}
@@ -64,7 +64,7 @@ def answered(desk: Desk) -> Any:
 
 
 async def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path) -> None:
-    async with at_a_desk(path) as desk:
+    async with at_desk(path, Desk) as desk:
         before = desk.edit.doc
         desk.do(REDUCE)
         reported = desk.section("reduction")
