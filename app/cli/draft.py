@@ -105,7 +105,7 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from keypose.app.document.folder_lock import locked
     from keypose.app.document.new import new_session
-    from keypose.app.editor.camera_edits import as_taken
+    from keypose.app.editor.camera import as_taken
     from keypose.app.editor.drafted import require_draftable
     from keypose.app.jobs.fits import DraftLeft
     from keypose.tracker.body.body import preset

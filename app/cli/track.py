@@ -103,7 +103,7 @@ def _cues(text: str) -> tuple[str, ...]:
 def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
     """The session as the film was taken, which its file says too, unless a copy is tracked."""
     from keypose.app.cli.outcome import locked_place
-    from keypose.app.editor.camera_edits import as_taken
+    from keypose.app.editor.camera import as_taken
     from keypose.tracker.storage.files import save_session
 
     if not (taken := taken_of(arguments)):

@@ -12,7 +12,7 @@ import numpy as np
 
 from keypose.app.document.defaults import read_defaults
 from keypose.app.document.folder_lock import locked
-from keypose.app.editor.camera_edits import as_taken
+from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import NEAREST_M
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import with_height

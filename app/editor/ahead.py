@@ -8,10 +8,9 @@ keyframe they came from, another body or camera, or a keyframe beyond, which mak
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from keypose.app.editor.documents import ActionRefused, keyframe_of, require_sound, with_drafts
+from keypose.app.editor.documents import ActionRefused, keyframe_of, with_drafts
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import readable
@@ -142,9 +141,7 @@ def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
     """Take over what was followed, as one step."""
     given = found.frame, found.motion, found.to_frame, found.stop
     doc = followed_session(state.doc, *given, state.times_s)
-    require_sound(state.doc, doc, LABEL)
-    history = state.history.after(state.doc, LABEL, state.frame)
-    return replace(state.with_doc(doc), history=history)
+    return state.with_step(doc, LABEL)
 
 
 def up_to_date(doc: Session) -> Session:

@@ -1,4 +1,4 @@
-"""A pose or several keyframes as they are copied: between frames, sessions and bodies.
+"""Copy and paste a pose or several keyframes: between frames, sessions and bodies.
 
 As text on a clipboard they are JSON; frames are counted from the first of them. Parts are matched
 by their names.
@@ -7,20 +7,31 @@ by their names.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import (
+    ActionRefused,
+    keyframe_of,
+    posed,
+    require_before_camera,
+)
+from keypose.app.editor.keyframes import require_free, with_keyframes_placed
+from keypose.app.editor.message import Edit, Look, PoseName
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.state import EditorState
 from keypose.app.posing import mirror_pose
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe, Quaternion
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex, Position
 
 MOST_KEYS = 500
@@ -97,6 +108,92 @@ class Copied(BaseModel):
         """Return the text that stands on a clipboard."""
         keys = tuple(key.model_copy(update=_rounded(key)) for key in self.keys)
         return self.model_copy(update={"keys": keys}).model_dump_json()
+
+
+class CopyPose(Look):
+    """These keyframes, or the pose shown at the present frame."""
+
+    do: Literal["copy_pose"] = "copy_pose"
+    frames: Annotated[tuple[FrameIndex, ...], Field(max_length=10_000)] = ()
+
+    def after(self, state: EditorState) -> EditorState:
+        return replace(state, clipboard=copied_from(state, self.frames))
+
+
+def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
+    """The keyframes at some frames; of none the pose shown at the present frame."""
+    if not frames:
+        return Copied.pose_of(state.skeleton, shown_pose(state).pose)
+    found = [find(state.doc.keyframes, frame) for frame in sorted(set(frames))]
+    keyframes = [keyframe for keyframe in found if keyframe is not None]
+    if len(keyframes) < len(found):
+        raise ActionRefused("One of these frames is not a keyframe any more.")
+    return Copied.keys_of(state.skeleton, keyframes)
+
+
+class PastePose(Edit):
+    """What was copied: a pose here, keyframes from here on.
+
+    copied: from elsewhere; left out, what was copied in this session.  onto_body: the first pose
+    stands where the body does, not where it was copied.  replace: keyframes that are in the way.
+    name: of a pose of the library.
+    """
+
+    do: Literal["paste_pose"] = "paste_pose"
+    mirrored: bool = False
+    copied: Copied | None = None
+    onto_body: bool = False
+    replace: bool = False
+    name: PoseName | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        copied, present = self._copied(state), shown_pose(state).pose
+        poses = pasted_poses(
+            state.skeleton, copied, present, mirrored=self.mirrored, onto_body=self.onto_body
+        )
+        if copied.keypose == "pose":
+            return posed(state.doc, state.skeleton, poses[0], state.frame, state.times_s)
+        frames = [state.frame + key.after for key in copied.keys]
+        _require_room(state, frames[-1] - frames[0])
+        stay = state.doc.keyframes
+        if self.replace:
+            stay = tuple(keyframe for keyframe in stay if keyframe.frame not in set(frames))
+        else:
+            require_free((*stay, *state.doc.part_keyframes), frames)
+        placed = []
+        for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
+            require_before_camera(state.skeleton, pose)
+            keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
+            placed.append(keyframe.model_copy(update={"soft": True}) if key.soft else keyframe)
+        return with_keyframes_placed(state.doc, stay, placed)
+
+    def label(self, state: EditorState) -> str:
+        copied = self._copied(state)
+        if copied.keypose == "pose":
+            return "paste the pose" if self.name is None else f"insert the pose {self.name}"
+        return f"paste {len(copied.keys)} keyframes"
+
+    def _copied(self, state: EditorState) -> Copied:
+        copied = self.copied or state.clipboard
+        if copied is None:
+            raise ActionRefused("Copy a pose first (Ctrl C).")
+        return copied
+
+
+MESSAGES = (CopyPose, PastePose)
+
+
+def _require_room(state: EditorState, span: int) -> None:
+    last = state.frame_count - 1
+    if span > last:
+        raise ActionRefused(
+            f"The copied keyframes span {span + 1} frames, this video has {last + 1}."
+        )
+    if state.frame + span > last:
+        raise ActionRefused(
+            f"The copied keyframes would reach frame {state.frame + span}, the video ends at "
+            f"{last}. Go to frame {last - span} or earlier."
+        )
 
 
 def pasted_poses(

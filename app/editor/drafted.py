@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -188,6 +187,4 @@ def with_clip_drafted(
     """Take over the drafts of a clip, as one step; see `drafted_session`."""
     given = (frames, body, poses, keypoints, proposals)
     doc = drafted_session(state.doc, *given, state.times_s)
-    require_sound(state.doc, doc, LABEL)
-    history = state.history.after(state.doc, LABEL, state.frame)
-    return replace(state.with_doc(doc), history=history)
+    return state.with_step(doc, LABEL)

@@ -1,4 +1,4 @@
-"""Give the motion as it is known: every frame, the path of a part, the ways of the feet."""
+"""Give the motion as it is known: every frame, the path and the angles of a part, the feet."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.app.editor.shown import counts, find, shown_pose
 from keypose.app.editor.state import EditorState, up_of
-from keypose.app.posing import handles
+from keypose.app.posing import angle_curve_deg, angles_deg, handles
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.ground import floor_height, lowest_heights
 from keypose.tracker.body.limb_groups import kind_of
@@ -23,8 +23,9 @@ from keypose.tracker.body.pose import (
 )
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.storage.results import rotations
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,3 +240,27 @@ def _tip(body: Body, part: str) -> Array:
     vertices = body.parts[body.index(part)].shape.mesh().vertices
     far = vertices[np.abs(vertices[:, 1]) > np.abs(vertices[:, 1]).max() - SOLE_M]
     return np.asarray(far.mean(axis=0))
+
+
+_AT_REST = (1.0, 0.0, 0.0, 0.0)
+
+
+def angle_curve(edit: EditorState, index: int) -> Array:
+    """(F, 3) degrees of a part by frame, without jumps; NaN where nothing is known."""
+    Rs = rotations(edit.fitting, edit.frame_count, index)
+    name = edit.doc.body.names[index]
+    keys = [keyframe.frame for keyframe in edit.doc.keyframes]
+    if poses := (*edit.doc.keyframes, *(d for d in edit.doc.drafts if counts(edit, d))):
+        wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
+        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
+    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+    angles = np.full((edit.frame_count, 3), np.nan)
+    part = edit.doc.body.parts[index]
+    angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys))
+    return angles
+
+
+def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
+    """Every part's [x, y, z] in degrees."""
+    values = angles_deg(state.skeleton, pose).round(3).tolist()
+    return dict(zip(state.doc.body.names, values, strict=True))

@@ -8,7 +8,7 @@ the session: tracking starts from it, so that what was found in the film is not 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
@@ -18,12 +18,11 @@ from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import (
     ActionRefused,
     keyframe_of,
-    require_sound,
     with_drafts,
     with_keyframes,
     with_part_keyframes,
 )
-from keypose.app.editor.part_edits import limbs_of
+from keypose.app.editor.part_keyframes import limbs_of
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced
@@ -152,9 +151,7 @@ def with_reduction(
     """Take over the reduced motion, as one step."""
     given = (found, frames, state.times_s, first_motion)
     doc = reduced_session(state.doc, *given, replacing=replacing)
-    require_sound(state.doc, doc, LABEL)
-    history = state.history.after(state.doc, LABEL, state.frame)
-    return replace(state.with_doc(doc), history=history)
+    return state.with_step(doc, LABEL)
 
 
 # --- the motion

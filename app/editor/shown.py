@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from keypose.app.editor.documents import Posed
+from keypose.app.editor.documents import ActionRefused, Posed
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.rotations import rotation_between
@@ -83,6 +83,14 @@ def counts(state: EditorState, posed: Keyframe) -> bool:
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)
+
+
+def require_keyframe(state: EditorState, frame: int) -> Keyframe:
+    """The keyframe at a frame; refused where there is none."""
+    found = find(state.doc.keyframes, frame)
+    if found is None:
+        raise ActionRefused(f"Frame {frame} is not a keyframe.")
+    return found
 
 
 def _from_neighbours(state: EditorState, frame: int) -> ShownPose:

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from keypose.app.editor.ahead import up_to_date
-from keypose.app.editor.copied import Copied
+from keypose.app.editor.documents import require_sound
 from keypose.app.posing import (
     CAMERA_UP,
     Eye,
@@ -27,7 +27,8 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 
 if TYPE_CHECKING:
-    from keypose.app.editor.posing_edits import PosedByCorners
+    from keypose.app.editor.copied import Copied
+    from keypose.app.editor.posing import PosedByCorners
     from keypose.tracker.video.info import Timecode
 
 
@@ -167,6 +168,13 @@ class EditorState:
     def with_proposals_anew(self) -> EditorState:
         """The same with nothing dismissed: the motion will be another one."""
         return replace(self, dismissed_pins=()) if self.dismissed_pins else self
+
+    def with_step(self, doc: Session, label: str, frame: int | None = None) -> EditorState:
+        """The same with another document as one step of undo, made at a frame, the present one
+        where left out; refused where the document could not be read back."""
+        require_sound(self.doc, doc, label)
+        at = self.frame if frame is None else frame
+        return replace(self.with_doc(doc), history=self.history.after(self.doc, label, at))
 
     def with_doc(self, doc: Session) -> EditorState:
         """The same with another document, but for what it makes outdated of what was tracked

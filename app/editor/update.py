@@ -1,84 +1,177 @@
-"""The one place where an action changes the state: `update(state, action)`, a pure function."""
+"""The one place where an action changes the state: `update(state, action)`, a pure function.
+
+Here too: undo and redo, and what is looked at.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import ValidationError
+from pydantic import Field, FiniteFloat, ValidationError
 
-from keypose.app.editor import actions as do
-from keypose.app.editor import keyframe_edits, pin_edits, posing_edits
 from keypose.app.editor.documents import ActionRefused, impossible, require_sound
-from keypose.app.editor.edits import EDITS, label_of
-from keypose.app.editor.posing_edits import with_corners
+from keypose.app.editor.message import Edit, Editing, Look, Rewind, StrokeName
+from keypose.app.editor.posing import with_corners
 from keypose.app.editor.state import EditorState, Stroke
-from keypose.app.posing import Readout
+from keypose.tracker.body.body import Name
 from keypose.tracker.errors import one_sentence
-from keypose.tracker.session.history import History, Step
-from keypose.tracker.session.schema import Session
+from keypose.tracker.session.history import MOST_STEPS, History, Step
+from keypose.tracker.session.settings import FrameIndex
 
 REMEMBERED_STROKES = 50
+StepCount: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 
 
-def update(state: EditorState, action: do.Editing) -> EditorState:
+def update(state: EditorState, action: Editing) -> EditorState:
     """The state after an action; KeyposeError, in one sentence, when it cannot be done."""
-    if isinstance(action, do.Looking):
-        return _look(state, action)
-    if isinstance(action, do.Rewinding):
-        return _rewind(state, action)
-    return _edit(state, action)
+    return _edit(state, action) if isinstance(action, Edit) else action.after(state)
 
 
-def _look(state: EditorState, action: do.Looking) -> EditorState:
-    if isinstance(action, do.Go):
-        frame = min(action.frame, state.frame_count - 1)
-        return replace(end_stroke(state), frame=frame)
-    if isinstance(action, do.Select):
-        if action.part is not None:
-            state.doc.body.index(action.part)
-        return replace(state, selected=action.part)
-    if isinstance(action, do.CopyPose):
-        return replace(state, clipboard=keyframe_edits.copied_from(state, action.frames))
-    if isinstance(action, do.BeginGuide):
+# --- looking
+
+
+class Go(Look):
+    do: Literal["go"] = "go"
+    frame: FrameIndex
+
+    def after(self, state: EditorState) -> EditorState:
+        return replace(end_stroke(state), frame=min(self.frame, state.frame_count - 1))
+
+
+class Select(Look):
+    do: Literal["select"] = "select"
+    part: Name | None = None
+
+    def after(self, state: EditorState) -> EditorState:
+        if self.part is not None:
+            state.doc.body.index(self.part)
+        return replace(state, selected=self.part)
+
+
+class Show(Look):
+    """How the body is drawn over the picture, and by what an observed surface is coloured."""
+
+    do: Literal["display"] = "display"
+    mode: Literal["wire", "solid", "both"] | None = None
+    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
+    ghosts: bool | None = None
+    trail: bool | None = None
+    floor: bool | None = None
+    tint: Literal["clay", "contact", "photo", "distance"] | None = None
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, **self.model_dump(exclude={"do"}, exclude_none=True))
+
+
+class Live(Look):
+    do: Literal["live"] = "live"
+    on: bool
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, live=self.on)
+
+
+class Limits(Look):
+    do: Literal["limits"] = "limits"
+    on: bool
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, limits=self.on)
+
+
+class Axes(Look):
+    do: Literal["axes"] = "axes"
+    frame: Literal["part", "parent", "view"]
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, axes=self.frame)
+
+
+class Link(Look):
+    """Whether sizes of left and right change together."""
+
+    do: Literal["link"] = "link"
+    on: bool
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, link=self.on)
+
+
+class BeginGuide(Look):
+    """The guide through the first pose once more: none of its steps is done."""
+
+    do: Literal["begin_guide"] = "begin_guide"
+
+    def after(self, state: EditorState) -> EditorState:
         return state
-    if isinstance(action, do.DismissPins):
-        dismissed = pin_edits.named_proposals(state, action)
-        return replace(state, dismissed_pins=(*state.dismissed_pins, *dismissed))
-    return replace(state, display=replace(state.display, **_switches(action)))
 
 
-def _switches(action: do.Show | do.Live | do.Limits | do.Axes | do.Link) -> dict[str, Any]:
-    if isinstance(action, do.Show):
-        return action.model_dump(exclude={"do"}, exclude_none=True)
-    if isinstance(action, do.Axes):
-        return {"axes": action.frame}
-    return {action.do: action.on}
+def _displayed(state: EditorState, **changes: Any) -> EditorState:
+    return replace(state, display=replace(state.display, **changes))
 
 
 # --- history
 
 
-def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
-    if isinstance(action, do.EndStroke):
-        return end_stroke(state) if _is_under_way(state, action.stroke) else state
-    if isinstance(action, do.CancelStroke):
-        return cancel_stroke(state) if _is_under_way(state, action.stroke) else state
-    state = end_stroke(state)
-    if isinstance(action, do.GoToStep):
-        return _go_to_step(state, action)
-    undo = isinstance(action, do.Undo)
-    found = state.history.undo(state.doc) if undo else state.history.redo(state.doc)
+class Undo(Rewind):
+    do: Literal["undo"] = "undo"
+
+    def after(self, state: EditorState) -> EditorState:
+        state = end_stroke(state)
+        return _at_neighbour(state, state.history.undo(state.doc), self.do)
+
+
+class Redo(Rewind):
+    do: Literal["redo"] = "redo"
+
+    def after(self, state: EditorState) -> EditorState:
+        state = end_stroke(state)
+        return _at_neighbour(state, state.history.redo(state.doc), self.do)
+
+
+class GoToStep(Rewind):
+    """Undo or redo, until so many steps are done. of: how many there are in all, as the page knows
+    it; other ones may have been made meanwhile."""
+
+    do: Literal["go_to_step"] = "go_to_step"
+    done: StepCount
+    of: StepCount
+
+    def after(self, state: EditorState) -> EditorState:
+        state = end_stroke(state)
+        if self.of != state.history.total or self.done > self.of:
+            raise ActionRefused("The history has changed meanwhile. Choose the step again.")
+        way = list(state.history.way_to(state.doc, self.done))
+        return _at_step(state, *way[-1], "go to the step") if way else state
+
+
+class EndStroke(Rewind):
+    do: Literal["end_stroke"] = "end_stroke"
+    stroke: StrokeName
+
+    def after(self, state: EditorState) -> EditorState:
+        return end_stroke(state) if _is_under_way(state, self.stroke) else state
+
+
+class CancelStroke(Rewind):
+    do: Literal["cancel_stroke"] = "cancel_stroke"
+    stroke: StrokeName
+
+    def after(self, state: EditorState) -> EditorState:
+        return cancel_stroke(state) if _is_under_way(state, self.stroke) else state
+
+
+MESSAGES = (
+    Go, Select, Show, Live, Limits, Axes, Link, BeginGuide,
+    Undo, Redo, GoToStep, EndStroke, CancelStroke,
+)  # fmt: skip
+
+
+def _at_neighbour(state: EditorState, found: tuple[Step, History] | None, do: str) -> EditorState:
     if found is None:
-        raise ActionRefused("Nothing to undo." if undo else "Nothing to redo.")
-    return _at_step(state, *found, f"{action.do} {found[0].label}")
-
-
-def _go_to_step(state: EditorState, action: do.GoToStep) -> EditorState:
-    if action.of != state.history.total or action.done > action.of:
-        raise ActionRefused("The history has changed meanwhile. Choose the step again.")
-    way = list(state.history.way_to(state.doc, action.done))
-    return _at_step(state, *way[-1], "go to the step") if way else state
+        raise ActionRefused(f"Nothing to {do}.")
+    return _at_step(state, *found, f"{do} {found[0].label}")
 
 
 def _at_step(state: EditorState, step: Step, history: History, what: str) -> EditorState:
@@ -87,7 +180,7 @@ def _at_step(state: EditorState, step: Step, history: History, what: str) -> Edi
     return _still_there(changed)
 
 
-def _is_under_way(state: EditorState, stroke: str) -> bool:
+def _is_under_way(state: EditorState, stroke: str | None) -> bool:
     return state.stroke is not None and state.stroke.name == stroke
 
 
@@ -119,40 +212,29 @@ def _without_stroke(state: EditorState, stroke: Stroke) -> EditorState:
 # --- edits
 
 
-def _edit(state: EditorState, action: Any) -> EditorState:
+def _edit(state: EditorState, action: Edit) -> EditorState:
     if action.stroke in state.over:
         return state  # it would be applied a second time, to what it has led to
-    if action.stroke is None or not _is_under_way(state, action.stroke):
+    if not _is_under_way(state, action.stroke):
         state = end_stroke(state)
     before = state if state.stroke is None else _before(state, state.stroke)
-    if isinstance(action, do.PastePose):
-        action = keyframe_edits.with_copied(state, action)
-    label = label_of(action)
+    label = action.label(before)
     try:
-        doc, readout = _changed(state, before, action)
+        doc, readout = action.change(state, before)
     except ValidationError as error:
         raise impossible(label, one_sentence(error)) from None
-    require_sound(before.doc, doc, label)
     if action.stroke is not None:
+        require_sound(before.doc, doc, label)
         stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)
         return _still_there(replace(state.with_doc(doc), stroke=stroke))
     if doc is state.doc or doc == state.doc:
         return state
-    history = state.history.after(state.doc, label, state.frame)
-    changed = _still_there(replace(state.with_doc(doc), history=history))
+    changed = _still_there(state.with_step(doc, label))
     return changed if readout is None else with_corners(changed, readout.corners)
 
 
 def _before(state: EditorState, stroke: Stroke) -> EditorState:
     return replace(state.with_doc(stroke.before), stroke=None)
-
-
-def _changed(
-    state: EditorState, before: EditorState, action: Any
-) -> tuple[Session, Readout | None]:
-    if isinstance(action, do.Drag):
-        return posing_edits.drag_part(state, before, action)
-    return EDITS[type(action)].apply(before, action), None
 
 
 def _still_there(state: EditorState) -> EditorState:

@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from keypose.app.editor.part_edits import keyed_words
+from keypose.app.editor.part_keyframes import keyed_words
 from keypose.app.export.report.subject import Subject, subject_of
 from keypose.app.render.lettering import write, written_width
 from keypose.app.render.palette import PAPER, TEXT, Colour, Picture

@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, Response
 from starlette.routing import Route
 
-from keypose.app.editor.actions.message import Degrees, Message
+from keypose.app.editor.message import Degrees, Message
 from keypose.app.export.drawable import (
     LARGEST_SIDE,
     MOST_PIXELS,

@@ -14,7 +14,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from keypose.app.document.library.names import clean_name
-from keypose.app.editor.actions.message import Message
+from keypose.app.editor.message import Message
 from keypose.app.export.import_choices import CameraChoices, Choices, KeypointChoices, MotionChoices
 from keypose.app.jobs.exchange import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState

@@ -12,14 +12,15 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from keypose.app.editor.actions.message import Degrees, Message, Spot
-from keypose.app.editor.keyframe_edits import copied_from
+from keypose.app.editor.copied import copied_from
+from keypose.app.editor.message import Degrees, Message
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState, pointer_views
 from keypose.app.export.motion_files import File, Sampling, every_format, motion_archive
 from keypose.app.export.motion_formats import MotionFormat
 from keypose.app.posing import InView, outline, parts_at
+from keypose.app.posing.gesture import Spot
 from keypose.app.render.stills import from_viewpoint
 from keypose.app.render.studio import View, ViewStyle, png, snapshot
 from keypose.app.render.tints import Tint

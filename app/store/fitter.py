@@ -12,13 +12,14 @@ import numpy as np
 from keypose.app.document.open import OpenSession
 from keypose.app.editor import actions as do
 from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
+from keypose.app.editor.body import require_sizes_to_fit
 from keypose.app.editor.drafted import (
     KEYPOINT_SOURCE,
     keeps_proportions,
     require_draftable,
     with_clip_drafted,
 )
-from keypose.app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted
+from keypose.app.editor.posing import pose_to_fit, with_pose_fitted
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import (

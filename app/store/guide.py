@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from keypose.app.editor import actions as do
+from keypose.app.editor.copied import PastePose
+from keypose.app.editor.keyframes import AddKey
+from keypose.app.editor.message import Editing, Look
+from keypose.app.editor.posing import Angles, Drag, Face, Root, TakeTracked
+from keypose.app.editor.update import BeginGuide, CancelStroke, EndStroke, Go
 from keypose.app.posing import handles
 from keypose.app.posing.gesture import End, Ring, Surface
 from keypose.app.store.state import Guide
@@ -22,9 +26,9 @@ class _DuringGesture(Guide):
     then: Guide = field(default_factory=Guide)
 
 
-def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
+def guide_after(guide: Guide, action: Editing, body: Body) -> Guide:
     """The guide with the steps this action does ticked off; those of a gesture once it ends."""
-    if isinstance(action, do.BeginGuide):
+    if isinstance(action, BeginGuide):
         return Guide(guide.first)
     if isinstance(guide, _DuringGesture):
         if _is_under_way(guide.stroke, action):
@@ -32,8 +36,8 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
         before = Guide(guide.first, guide.done, guide.pulled)
         if _stroke_of(action) != guide.stroke:
             guide = guide.then
-        elif isinstance(action, do.EndStroke | do.CancelStroke):
-            return guide.then if isinstance(action, do.EndStroke) else before
+        elif isinstance(action, EndStroke | CancelStroke):
+            return guide.then if isinstance(action, EndStroke) else before
         else:
             guide = before
     then = _with_progress(guide, action, body)
@@ -43,19 +47,19 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
     return _DuringGesture(guide.first, guide.done, guide.pulled, stroke, then)
 
 
-def _is_under_way(stroke: str, action: do.Editing) -> bool:
+def _is_under_way(stroke: str, action: Editing) -> bool:
     """Return whether this gesture is still under way after the action."""
-    if isinstance(action, do.EndStroke | do.CancelStroke):
+    if isinstance(action, EndStroke | CancelStroke):
         return action.stroke != stroke
-    return isinstance(action, do.Looking) and not isinstance(action, do.Go)
+    return isinstance(action, Look) and not isinstance(action, Go)
 
 
-def _stroke_of(action: do.Editing) -> str | None:
+def _stroke_of(action: Editing) -> str | None:
     return getattr(action, "stroke", None)
 
 
-def _with_progress(guide: Guide, action: do.Editing, body: Body) -> Guide:
-    if isinstance(action, do.Drag) and action.at == action.from_:
+def _with_progress(guide: Guide, action: Editing, body: Body) -> Guide:
+    if isinstance(action, Drag) and action.at == action.from_:
         return guide  # back where it began
     pulled = guide.pulled | _pulled_ends(action)
     done = guide.done | _steps(action, body.parts[0].name)
@@ -69,27 +73,27 @@ def _ends_of(body: Body) -> int:
     return max(1, sum(handle.kind == "end" for handle in handles(body)))
 
 
-def _pulled_ends(action: do.Editing) -> frozenset[str]:
-    if isinstance(action, do.Drag) and isinstance(action.handle, End):
+def _pulled_ends(action: Editing) -> frozenset[str]:
+    if isinstance(action, Drag) and isinstance(action.handle, End):
         return frozenset({action.handle.name})
     return frozenset()
 
 
-def _steps(action: do.Editing, root: str) -> frozenset[str]:
-    if isinstance(action, do.Drag):
+def _steps(action: Editing, root: str) -> frozenset[str]:
+    if isinstance(action, Drag):
         return _dragged(action, root)
-    if isinstance(action, do.Root):
+    if isinstance(action, Root):
         return frozenset({"hips"} if action.z is None else {"height"})
-    if isinstance(action, do.Face) or (isinstance(action, do.Angles) and action.part == root):
+    if isinstance(action, Face) or (isinstance(action, Angles) and action.part == root):
         return frozenset({"facing"})
-    if isinstance(action, do.PastePose | do.TakeTracked):
+    if isinstance(action, PastePose | TakeTracked):
         return frozenset({"limbs"})
-    if isinstance(action, do.AddKey):
+    if isinstance(action, AddKey):
         return frozenset({"key"})
     return frozenset()
 
 
-def _dragged(action: do.Drag, root: str) -> frozenset[str]:
+def _dragged(action: Drag, root: str) -> frozenset[str]:
     """The whole body's distance is its size in the picture; of the limbs, depth is depth."""
     handle, aside = action.handle, action.view in ("top", "side")
     if handle.kind == "root" or (isinstance(handle, Surface) and handle.tool == "move"):

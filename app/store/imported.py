@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.documents import ActionRefused, require_sound
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.import_choices import LEAST_TRACKED
@@ -74,9 +74,7 @@ def with_import(
         focal, floor = doc.camera.focal_mm, " and the floor" if found.floor_m is not None else ""
         words = f"Camera of {file} imported: {focal:.1f} mm, what is up{floor}."
         outcome = ImportOutcome(words)
-    require_sound(edit.doc, doc, LABEL)
-    history = edit.history.after(edit.doc, LABEL, edit.frame)
-    return replace(edit.with_doc(doc), history=history), outcome
+    return edit.with_step(doc, LABEL), outcome
 
 
 def _inputs(doc: Session) -> tuple[object, ...]:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from keypose.app.editor import actions as do
+from keypose.app.editor.body import with_sizes_fitted
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.fitted import with_sizes_fitted
 from keypose.app.editor.reduced import Reducible, reducible, with_reduction
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs import SizesFitted

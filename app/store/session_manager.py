@@ -9,8 +9,9 @@ from pathlib import Path
 from keypose.app.document.library import Library
 from keypose.app.document.library.poses import KeptPose, PoseShelf
 from keypose.app.editor import actions
-from keypose.app.editor.copied import Copied
+from keypose.app.editor.copied import Copied, PastePose
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.notes import Rename
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.pose_strokes import pose_strokes
@@ -48,11 +49,11 @@ class PoseLibrary:
             self._known = await asyncio.to_thread(self._shelf.poses)
         self._show(self._known)
 
-    def inserting(self, action: actions.InsertPose) -> actions.PastePose:
+    def inserting(self, action: actions.InsertPose) -> PastePose:
         """The edit that puts a kept pose to where the body stands."""
         for pose in self._known:
             if pose.id == action.id:
-                return actions.PastePose(
+                return PastePose(
                     copied=pose.copied, mirrored=action.mirrored, onto_body=True, name=pose.name
                 )
         raise ActionRefused("This pose is not in the library any more.")
@@ -104,7 +105,7 @@ class Shelf:
 
     async def _rename(self, action: actions.RenameSession) -> None:
         if self._is_open(action.id):
-            self._host.do(actions.Rename(title=action.title))
+            self._host.do(Rename(title=action.title))
         else:
             await asyncio.to_thread(self._library.rename, action.id, action.title)
 

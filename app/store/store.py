@@ -21,6 +21,7 @@ from keypose.app.document.library.names import clean_name
 from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.message import Look
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
@@ -172,7 +173,7 @@ class Store:
             raise ActionRefused("Open a video first.")
         if isinstance(action, actions.InsertPose):
             action = self._poses.inserting(action)
-        if not isinstance(action, actions.Looking):
+        if not isinstance(action, Look):
             self._writer.lock.require_writable()
             self._proposals.require_none()
         self._edit_to(update(self._app_state.edit, action))

@@ -20,11 +20,12 @@ from numpy.typing import ArrayLike
 from bench.human.clips import Watched
 from bench.human.counting import Kind, Ledger, Share
 from keypose.app.document.open import OpenSession, edit_state
-from keypose.app.editor import actions as do
+from keypose.app.editor.actions import Draft, Track
 from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
+from keypose.app.editor.posing import Drag
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.update import update
+from keypose.app.editor.update import Go, Live, update
 from keypose.app.jobs.fits import FitJob, learned
 from keypose.app.jobs.messages import Drafted, JobFailed, Order, Report, SegmentFinished
 from keypose.app.jobs.work import Job, WorkerCache
@@ -72,9 +73,9 @@ class Desk:
 
     def _share(self, kind: Kind, messages: tuple[Any, ...]) -> Share:
         """Of the work that something is part of."""
-        if any(isinstance(message, do.Live) for message in messages):
+        if any(isinstance(message, Live) for message in messages):
             return "begin"
-        goes = all(isinstance(message, do.Go) for message in messages)
+        goes = all(isinstance(message, Go) for message in messages)
         if goes and (messages or kind == "key"):
             return "looks"
         return "limbs" if self._alone else "keyframes"
@@ -95,13 +96,13 @@ class Desk:
 
     def look(self, frame: int) -> None:
         """The page goes to a frame by itself."""
-        self._send(do.Go(frame=frame))
+        self._send(Go(frame=frame))
 
     def turn(self, why: str, ring: Ring, deg: float) -> None:
         """Drag a ring of a part so that the part turns by so many degrees."""
         self.act("drag", why, self.as_turn(ring, deg))
 
-    def as_turn(self, ring: Ring, deg: float) -> do.Drag:
+    def as_turn(self, ring: Ring, deg: float) -> Drag:
         """A ring dragged by so many degrees, as the page sends it."""
         context = GestureContext.of(self.state.skeleton, self.shown().pose, True)
         part = self.state.doc.body.index(ring.part)
@@ -119,11 +120,11 @@ class Desk:
 
     def as_drag(
         self, handle: Handle, by: Array, view: str, start: ArrayLike = (0.0, 0.0), **how: Any
-    ) -> do.Drag:
+    ) -> Drag:
         """A handle dragged by a way in its view, as the page sends it."""
         given = {"view": view, "handle": handle, "from": _spot(start)}
         how |= {"partial": True} if self._alone else {}
-        return do.Drag(**given, at=_spot(np.add(start, by)), **how)  # type: ignore[arg-type]
+        return Drag(**given, at=_spot(np.add(start, by)), **how)  # type: ignore[arg-type]
 
     # --- what a person sees
 
@@ -161,9 +162,9 @@ class Desk:
 
     def _send(self, message: Any) -> None:
         match message:
-            case do.Draft():
+            case Draft():
                 self._draft(message)
-            case do.Track():
+            case Track():
                 self._track()
             case _:
                 before, self.state = self.state, update(self.state, message)
@@ -183,7 +184,7 @@ class Desk:
             found = learned(near_frames(used, around), self.opened.session_path.parent, around)
             self.state = with_learned(self.state, used, found)
 
-    def _draft(self, action: do.Draft) -> None:
+    def _draft(self, action: Draft) -> None:
         request = FitRequest.of(self.opened, self.state, action)
         reports: list[Report] = []
         FitJob(replace(request.order, job=1), Event(), reports.append).run(self._cache)

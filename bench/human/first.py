@@ -12,7 +12,7 @@ from bench.human.counting import Effort
 from bench.human.desk import desk
 from bench.human.hand import Hand, px
 from bench.human.strategies import Outcome, draft, key
-from keypose.app.editor import actions as do
+from keypose.app.editor.update import Go
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
 
@@ -63,7 +63,7 @@ def by_hand(hand: Hand) -> None:
     desk.act("click", "pose by hand")
     frame, _ = desk.clip.box
     if desk.frame != frame:
-        desk.act("click", "go to a frame", do.Go(frame=frame))
+        desk.act("click", "go to a frame", Go(frame=frame))
     hand.correct()
     key(desk)
 

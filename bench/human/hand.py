@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from bench.human.desk import Desk
-from keypose.app.editor import actions as do
+from keypose.app.editor.posing import Drag, Face, TurnInDepth
 from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.update import Select
 from keypose.app.posing import handles
 from keypose.app.posing.gesture import Axis, End, Middle, Ring, Root, Surface
 from keypose.app.posing.handles import BodyHandle, handle_named
@@ -118,7 +119,7 @@ class Hand:
         if desk.keys or desk.state.doc.drafts:
             return
         wanted = desk.clip.poses[desk.frame].Rs_parent_part[0]
-        ways = [do.Face(way=way) for way in ("camera", "away", "left", "right")]
+        ways = [Face(way=way) for way in ("camera", "away", "left", "right")]
         found = [shown_pose(desk.tried(way)).pose.Rs_parent_part[0] for way in ways]
         off = [px(log_rotation(R.T @ wanted)) for R in found]
         desk.act("click", "face the body", ways[int(np.argmin(off))])
@@ -158,19 +159,19 @@ class Hand:
         """The joints of the trunk that anybody is sure of."""
         return [n for n in (*HIPS, *SHOULDERS) if n not in self.desk.clip.unmeasured]
 
-    def _carried(self) -> do.Drag | None:
+    def _carried(self) -> Drag | None:
         """The body carried to where its trunk is seen; None where it is there."""
         off = self.desk.off()
         trunk = [off[n] for n in self._trunk if n in off]
         way = np.mean(trunk, axis=0) if trunk else np.zeros(2)
         return self._moved(way) if px(way) > PLACED_PX else None
 
-    def _moved(self, way: Array, depth: bool = False) -> do.Drag:
+    def _moved(self, way: Array, depth: bool = False) -> Drag:
         """The body dragged by pixels (2,), its limbs staying or coming along."""
         stay = self.desk.as_drag(Root(kind="root"), way, "main", depth=depth)
         return self._stay_or_along(stay, list(self.desk.off()))
 
-    def _stay_or_along(self, stay: do.Drag, joints: Sequence[str]) -> do.Drag:
+    def _stay_or_along(self, stay: Drag, joints: Sequence[str]) -> Drag:
         """A drag, or the same with Alt, by which what would stay comes along: whichever brings
         joints nearer to where they are seen."""
         along = stay.model_copy(update={"carry": True})
@@ -207,7 +208,7 @@ class Hand:
             if self.by_picture and gain < -LIMB_GAIN:
                 break  # what is seen would no longer be where it is
             if not selected:
-                self.desk.act("click", f"select the {part}", do.Select(part=part))
+                self.desk.act("click", f"select the {part}", Select(part=part))
                 selected = True
             slip = float(self.random.normal(0.0, TURN_DEG))
             self.desk.turn(f"turn the {part}", ring, deg + slip)
@@ -232,7 +233,7 @@ class Hand:
         gain, _, ring, deg = max(tries, key=lambda t: t[:2])
         return ring, deg, gain
 
-    def _gain(self, message: do.Drag, joints: Sequence[str]) -> float:
+    def _gain(self, message: Drag, joints: Sequence[str]) -> float:
         """The share that a drag takes of what these joints are off."""
         found, before = self._pose_after(message), self._error(joints)
         return 0.0 if found is None or not before else 1.0 - self._error(joints, found) / before
@@ -270,7 +271,7 @@ class Hand:
             if self._is_off(joint) and self._gain(message, self._seen_of(handle)) > LIMB_GAIN:
                 self._do_if_it_helps(f"pull {_word(handle)}", message, joint)
 
-    def _limb_drag(self, handle: BodyHandle) -> do.Drag:
+    def _limb_drag(self, handle: BodyHandle) -> Drag:
         """A handle of a limb dragged onto where its joint is seen; the limb's others stay or come
         along."""
         drag = self._onto(_grip(handle), handle.anchor)
@@ -289,15 +290,15 @@ class Hand:
         """Drag until a joint is where it is seen; where that leads nowhere a person cancels."""
         self._do_if_it_helps(why, self._onto(grip, joint, start), joint)
 
-    def _do_if_it_helps(self, why: str, message: do.Drag, joint: str) -> None:
+    def _do_if_it_helps(self, why: str, message: Drag, joint: str) -> None:
         if self._helps(message, joint):
             self.desk.act("drag", why, message)
 
-    def _onto(self, grip: Any, joint: str, start: Array | None = None) -> do.Drag:
+    def _onto(self, grip: Any, joint: str, start: Array | None = None) -> Drag:
         begin = np.zeros(2) if start is None else start
         return self.desk.as_drag(grip, self.desk.off()[joint], "main", begin)
 
-    def _helps(self, message: do.Drag, joint: str) -> bool:
+    def _helps(self, message: Drag, joint: str) -> bool:
         """Whether a drag brings a joint nearer."""
         desk = self.desk
         found = self._pose_after(message)
@@ -335,7 +336,7 @@ class Hand:
         desk, before = self.desk, abs(self._too_near(handle))
         tries = []
         for part in handle.limb[:2]:
-            message = do.TurnInDepth(part=part)
+            message = TurnInDepth(part=part)
             found = self._pose_after(message)
             if found is None or self._error(self._seen_of(handle), found) > LOOKS_RIGHT_PX:
                 continue
@@ -365,7 +366,7 @@ class Hand:
             if left < NEARER * px(self.desk.off()[joint]):
                 self.desk.act("drag", "set depth", message)
 
-    def _bent_by(self, message: do.Drag, middle: BodyHandle) -> float | None:
+    def _bent_by(self, message: Drag, middle: BodyHandle) -> float | None:
         """How far off an elbow or a knee would be after a drag, and after it is pulled itself."""
         desk, joint = self.desk, middle.anchor
         try:
@@ -376,7 +377,7 @@ class Hand:
             return None
         return min(px(desk.off(pose=pose)[joint]) for pose in (found, then))
 
-    def _pose_after(self, message: do.Drag | do.TurnInDepth) -> Pose | None:
+    def _pose_after(self, message: Drag | TurnInDepth) -> Pose | None:
         """The pose that a drag would lead to; None where it cannot be had."""
         try:
             return shown_pose(self.desk.tried(message)).pose
@@ -389,7 +390,7 @@ class Hand:
         ours = self._depth(pose or desk.shown().pose, handle.anchor)
         return self._depth(desk.clip.poses[desk.frame], handle.anchor) - ours
 
-    def _farther(self, handle: BodyHandle, by_m: float) -> do.Drag:
+    def _farther(self, handle: BodyHandle, by_m: float) -> Drag:
         """Dragged along its line of sight, with D held: up is farther."""
         view = PointerView.of(self.desk.state.doc.camera)
         p = self.desk.points(self.desk.shown().pose)[handle.anchor]

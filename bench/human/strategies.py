@@ -15,8 +15,10 @@ import numpy as np
 from bench.human.desk import Desk
 from bench.human.hand import TRUNK, Hand
 from bench.human.watching import Watching
-from keypose.app.editor import actions as do
+from keypose.app.editor.actions import Draft
+from keypose.app.editor.keyframes import AddKey
 from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.update import Go, Live
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
@@ -85,7 +87,7 @@ def go(desk: Desk, frame: int, why: str = "go to a frame") -> int:
     """A click on the timeline, at the nearest frame of which anything is seen; that frame."""
     near = min(desk.clip.seen, key=lambda f: (abs(f - frame), f))
     if near != desk.frame:
-        desk.act("click", why, do.Go(frame=near))
+        desk.act("click", why, Go(frame=near))
     return near
 
 
@@ -99,13 +101,13 @@ def settle(hand: Hand) -> None:
 
 def key(desk: Desk) -> None:
     """K."""
-    desk.act("key", "K", do.AddKey(frame=desk.frame))
+    desk.act("key", "K", AddKey(frame=desk.frame))
     desk.ledger.end_first()
 
 
 def live(desk: Desk) -> None:
     """Track at once whatever is posed."""
-    desk.act("click", "switch Live on", do.Live(on=True))
+    desk.act("click", "switch Live on", Live(on=True))
 
 
 # --- without the page's advice
@@ -164,7 +166,7 @@ def draft(desk: Desk) -> None:
     frame, box = clip.box
     go(desk, frame)
     desk.act("drag", "draw the box")
-    found = do.Draft(frame=frame, box=box, first=clip.first, last=clip.last)
+    found = Draft(frame=frame, box=box, first=clip.first, last=clip.last)
     desk.act("key", "Enter: draft", found)
     desk.ledger.end_setup()
 

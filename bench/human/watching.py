@@ -17,7 +17,7 @@ import numpy as np
 from bench.human.counting import SECONDS
 from bench.human.desk import Desk
 from bench.human.hand import LOOKS_RIGHT_PX, Hand, px
-from keypose.app.editor import actions as do
+from keypose.app.editor.update import Go
 from keypose.tracker.geometry.rotations import Array
 
 FIXATION = 3
@@ -83,7 +83,7 @@ class Watching:
         if at_end and (first - begin) * SECONDS["watched"] < SECONDS["click"]:
             return begin
         if desk.frame != first:
-            desk.act("click", "go where to play from", do.Go(frame=first))
+            desk.act("click", "go where to play from", Go(frame=first))
         return first
 
     def _played(self, first: int, last: int) -> tuple[int, str] | None:
@@ -110,7 +110,7 @@ class Watching:
         if self.desk.frame == frame:
             self.desk.act("key", "stop")
         else:
-            self.desk.act("click", "go to the worst of it", do.Go(frame=frame))
+            self.desk.act("click", "go to the worst of it", Go(frame=frame))
         self.desk.judge()
 
     # --- what is seen

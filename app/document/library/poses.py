@@ -9,9 +9,9 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from keypose.app.editor.actions.posing import PoseId, PoseName
 from keypose.app.editor.copied import Copied
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.message import PoseId, PoseName
 from keypose.app.render.pose_strokes import PoseStroke
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_own

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from keypose.app.editor.part_edits import keyed_words
+from keypose.app.editor.part_keyframes import keyed_words
 from keypose.app.export.report.markup import Child, Html, element
 from keypose.app.export.report.subject import Subject
 from keypose.app.posing.labels import number_text

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import astuple
 
-from keypose.app.editor.motion import end_trail
-from keypose.app.editor.part_edits import keyed_limbs, keyed_words
-from keypose.app.editor.posing_edits import angle_curve, angles_at, corners_placed
+from keypose.app.editor.motion import angle_curve, angles_at, end_trail
+from keypose.app.editor.part_keyframes import keyed_limbs, keyed_words
+from keypose.app.editor.posing import corners_placed
 from keypose.app.editor.shown import counts, draft_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import at_limit, axis_labels, handles, part_label, part_sizes, short_label

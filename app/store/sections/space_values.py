@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from keypose.app.editor.floor_edits import uneven_feet_m
+from keypose.app.editor.floor import uneven_feet_m
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
 from keypose.app.editor.shown import find, shown_pose

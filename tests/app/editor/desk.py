@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.motion import angles_at
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
@@ -43,6 +44,4 @@ def after(state: EditorState, *messages: dict[str, Any]) -> EditorState:
 
 def angles(state: EditorState, part: str) -> Array:
     """A part's angles at the present frame, degrees."""
-    from keypose.app.editor.posing_edits import angles_at
-
     return np.array(angles_at(state, shown_pose(state).pose)[part])

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +13,8 @@ import pytest
 from pydantic import ValidationError
 
 from keypose import static
-from keypose.app.editor import actions as do
-from keypose.app.editor.actions import ACTIONS
-from keypose.app.editor.edits import EDITS
+from keypose.app.editor.actions import ACTIONS, MESSAGES
+from keypose.app.editor.message import Edit, Look, Message, Rewind
 
 ANGLES = {"do": "angles", "part": "head"}
 MASK = {"do": "add_mask", "polygon": [[0, 0], [1, 0], [0, 1]], "first": 0, "last": 1}
@@ -127,5 +128,22 @@ def test_the_page_sends_every_action_by_its_word_and_no_other() -> None:
     assert known <= set(re.findall(r"'(\w+)'", page))
 
 
-def test_every_edit_but_a_drag_is_in_the_table_of_how_edits_are_made() -> None:
-    assert set(do.Edit.__subclasses__()) - {do.Drag} == set(EDITS)
+def kinds_below(kind: type[Message]) -> Iterator[type[Message]]:
+    """Every message of a kind that the page may send."""
+    for below in kind.__subclasses__():
+        if "do" in below.model_fields:
+            yield below
+        yield from kinds_below(below)
+
+
+@pytest.mark.parametrize("kind", [Edit, Look, Rewind])
+def test_what_an_action_does_is_known_of_every_one_that_its_file_names(kind: type[Message]) -> None:
+    assert set(kinds_below(kind)) == {each for each in MESSAGES if issubclass(each, kind)}
+    assert not any(inspect.isabstract(each) for each in kinds_below(kind))
+
+
+def test_undo_has_a_name_for_every_edit() -> None:
+    edits = [kind for kind in MESSAGES if issubclass(kind, Edit)]
+    unnamed = [kind for kind in edits if kind.label is Edit.label and not hasattr(kind, "verb")]
+    assert unnamed == []
+    assert all(kind.target is None or kind.target in kind.model_fields for kind in edits)

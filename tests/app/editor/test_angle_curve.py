@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from keypose.app.editor.posing_edits import angle_curve
+from keypose.app.editor.motion import angle_curve
 from tests.app.editor.desk import after, desk
 
 LEANING = {0: 0.0, 24: -60.0, 48: -120.0}

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.editor import posing_edits
+from keypose.app.editor import posing
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
@@ -63,7 +63,7 @@ def test_a_limb_that_would_be_seen_elsewhere_is_not_turned(monkeypatch: pytest.M
     """Its joints do not bend that way, and the nearest that they do is another picture."""
     before = after(desk(), {"do": "go", "frame": 24})
     shin = before.doc.body.index("right_shin")
-    plain = posing_edits.turned_in_depth
+    plain = posing.turned_in_depth
 
     def swung(*given: Any) -> Pose:
         found = plain(*given)
@@ -71,7 +71,7 @@ def test_a_limb_that_would_be_seen_elsewhere_is_not_turned(monkeypatch: pytest.M
         Rs[shin] = exp_rotation(np.array([0.0, 0.0, 0.5])) @ Rs[shin]
         return Pose(Rs, found.p_camera_root)
 
-    monkeypatch.setattr(posing_edits, "turned_in_depth", swung)
+    monkeypatch.setattr(posing, "turned_in_depth", swung)
     with pytest.raises(ActionRefused, match="Right thigh cannot bend the other way"):
         after(before, {"do": "turn_in_depth", "part": "right_thigh"})
 

@@ -5,14 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.app.editor.body_edits import with_body
+from keypose.app.editor.body import require_sizes_to_fit, with_body, with_sizes_fitted
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.fitted import (
-    pose_to_fit,
-    require_sizes_to_fit,
-    with_pose_fitted,
-    with_sizes_fitted,
-)
+from keypose.app.editor.posing import pose_to_fit, with_pose_fitted
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_height

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.documents import with_drafts
-from keypose.app.editor.posing_edits import angle_curve
+from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose

@@ -12,7 +12,6 @@ import pytest
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.edits import label_of
 from keypose.app.editor.pinned import open_proposals, pinned_ends
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
@@ -407,7 +406,7 @@ def test_a_body_without_the_pinned_part_is_refused() -> None:
     ],
 )
 def test_undo_names_what_was_done(message: dict[str, Any], label: str) -> None:
-    assert label_of(ACTIONS.validate_python(message)) == label  # type: ignore[arg-type]
+    assert ACTIONS.validate_python(message).label(desk()) == label  # type: ignore[union-attr]
 
 
 def test_pins_are_journalled_and_made_again_from_the_journal() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.app.editor.posing_edits import corners_placed
+from keypose.app.editor.posing import corners_placed
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_size

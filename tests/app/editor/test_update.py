@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from keypose.app.editor import body_edits
-from keypose.app.editor.actions import ACTIONS, Clavicles
+from keypose.app.editor.actions import ACTIONS
+from keypose.app.editor.body import with_body
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
@@ -397,6 +397,6 @@ def test_the_first_part_stays() -> None:
 def test_a_body_without_arms_has_no_clavicles() -> None:
     state = desk()
     trunk = Body(name="trunk", parts=state.doc.body.parts[:4])
-    bare = replace(state, doc=body_edits.with_body(state, trunk))
+    bare = replace(state, doc=with_body(state, trunk))
     with pytest.raises(ActionRefused, match="Clavicles need a chest with two upper arms"):
-        body_edits.set_clavicles(bare, Clavicles(on=True))
+        after(bare, {"do": "clavicles", "on": True})

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from keypose.app.editor import actions as do
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.posing import Exchange
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.update import update
+from keypose.app.editor.update import Undo, update
 from keypose.app.posing import opening_pose, swap_left_right
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -77,12 +77,12 @@ def _state(session: Session) -> EditorState:
 
 def test_the_page_exchanges_and_takes_back_in_one_step() -> None:
     state = _state(recordings.session("person"))
-    after = update(state, do.Exchange())
+    after = update(state, Exchange())
     assert after.doc.keyframes[0] != state.doc.keyframes[0]
     assert after.doc.keyframes[1:] == state.doc.keyframes[1:]
-    assert update(after, do.Undo()).doc == state.doc
+    assert update(after, Undo()).doc == state.doc
 
 
 def test_a_box_has_no_sides_to_exchange() -> None:
     with pytest.raises(ActionRefused, match="no left and right"):
-        update(_state(recordings.session("box")), do.Exchange())
+        update(_state(recordings.session("box")), Exchange())

@@ -1,29 +1,33 @@
-"""Edits of part keyframes: keyframes of some limbs alone, the rest of the body being tracked."""
+"""Edit part keyframes: keyframes of some limbs alone, the rest of the body being tracked."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
-from keypose.app.editor import actions as do
 from keypose.app.editor.documents import (
     ActionRefused,
     require_before_camera,
+    require_in_video,
     with_drafts,
     with_part_keyframes,
     without,
 )
+from keypose.app.editor.message import Edit
 from keypose.app.editor.shown import draft_at, find, pose_behind, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import lanes, part_label
-from keypose.tracker.body.body import Body
+from keypose.tracker.body.body import Body, Name
 from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FrameIndex
 
 SAME = 1e-5
 """Entries of a rotation, and metres, up to which a part stands as it did."""
@@ -31,33 +35,49 @@ SAME = 1e-5
 WHOLE_BODY = "The whole body was moved here. Press K to key all of it."
 
 
-def key_parts(state: EditorState, action: do.KeyParts) -> Session:
-    """The limbs of a frame's pose as its part keyframe, with those that are keyed there already.
+class KeyParts(Edit):
+    """Limbs as they are shown at a frame become its part keyframe, with those that are keyed there
+    already: those of these parts; left out, those that were posed there, else the selected
+    part's."""
 
-    Those that are named; else those that were posed at the frame; else the selected part's.
-    """
-    frame = action.frame
-    require_correctable(state, frame)
-    parts = action.parts or _posed_parts(state, frame)
-    if not parts:
-        if state.selected is None:
-            raise ActionRefused("Select a limb, or move one, to key it alone.")
-        parts = (state.selected,)
-    limbs = limbs_of(state.doc.body, parts)
-    return _with_parts(state, frame, shown_pose(state, frame).pose, limbs)
+    do: Literal["key_parts"] = "key_parts"
+    verb, target = "add part keyframe", "frame"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
+
+    def apply(self, state: EditorState) -> Session:
+        frame = require_in_video(state, self.frame)
+        require_correctable(state, frame)
+        parts = self.parts or _posed_parts(state, frame)
+        if not parts:
+            if state.selected is None:
+                raise ActionRefused("Select a limb, or move one, to key it alone.")
+            parts = (state.selected,)
+        limbs = limbs_of(state.doc.body, parts)
+        return _with_parts(state, frame, shown_pose(state, frame).pose, limbs)
 
 
-def unkey_parts(state: EditorState, action: do.UnkeyParts) -> Session:
-    """Without these parts in a part keyframe; without it where none is left."""
-    known = find(state.doc.part_keyframes, action.frame)
-    if known is None:
-        raise ActionRefused(f"Frame {action.frame} is not a part keyframe.")
-    gone = set(limbs_of(state.doc.body, action.parts))
-    left = tuple(part for part in known.parts if part not in gone)
-    rest = without(state.doc.part_keyframes, action.frame)
-    if not left:
+class UnkeyParts(Edit):
+    """The limbs of these parts are tracked at a frame again."""
+
+    do: Literal["unkey_parts"] = "unkey_parts"
+    verb, target = "change part keyframe", "frame"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
+
+    def apply(self, state: EditorState) -> Session:
+        known = find(state.doc.part_keyframes, self.frame)
+        if known is None:
+            raise ActionRefused(f"Frame {self.frame} is not a part keyframe.")
+        gone = set(limbs_of(state.doc.body, self.parts))
+        left = tuple(part for part in known.parts if part not in gone)
+        rest = without(state.doc.part_keyframes, self.frame)
+        if left:
+            rest = (*rest, known.model_copy(update={"parts": left}))
         return with_part_keyframes(state.doc, rest)
-    return with_part_keyframes(state.doc, (*rest, known.model_copy(update={"parts": left})))
+
+
+MESSAGES = (KeyParts, UnkeyParts)
 
 
 def with_limbs_posed(state: EditorState, pose: Pose) -> Session | None:

@@ -1,17 +1,21 @@
-"""Edits of the floor: how high it lies, and which way is up from it."""
+"""Edit the floor: how high it lies, and which way is up from it."""
 
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 
-from keypose.app.editor import actions as do
+from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.message import Edit
 from keypose.app.editor.pinned import default_landmarks
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import part_label
+from keypose.app.posing.gesture import Metres, Spot
+from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array
@@ -25,20 +29,80 @@ LEAST_APART_M = 0.5
 """Feet that stand nearer to each other than this do not determine what is level."""
 STEEP = 0.15
 """Feet that differ more in height, as a share of how far apart they are, stand on no one floor."""
-SHORTEST_PX = 5
 
 
-def set_floor(state: EditorState, action: do.Floor) -> Session:
-    """The floor's height: given, that of pinned feet or of one foot, or not known any more."""
-    if action.pinned_feet:
-        return _with_floor(state, _height_of_pins(state))
-    if action.under is not None:
-        held = default_landmarks(state.doc.body, action.under)
+class Floor(Edit):
+    """The floor's height along up from the camera, or that of the pinned feet, or of a part as it
+    stands at the present frame; none of them: it is not known."""
+
+    do: Literal["floor"] = "floor"
+    verb = "change the floor"
+    height_m: Metres | None = None
+    pinned_feet: bool = False
+    under: Name | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        if self.pinned_feet:
+            return _with_floor(state, _height_of_pins(state))
+        if self.under is None:
+            return _with_floor(state, self.height_m)
+        held = default_landmarks(state.doc.body, self.under)
         at = state.frame
-        foot = Pin(part=action.under, landmarks=held, first_frame=at, last_frame=at)
+        foot = Pin(part=self.under, landmarks=held, first_frame=at, last_frame=at)
         state.doc.body.index(foot.part)
         return _with_floor(state, foot_height(state, foot, at))
-    return _with_floor(state, action.height_m)
+
+
+class UpFromFeet(Edit):
+    """Up so that the pinned feet stand level; what they do not determine stays as it is."""
+
+    do: Literal["up_from_feet"] = "up_from_feet"
+    verb = "level the pinned feet"
+
+    def apply(self, state: EditorState) -> Session:
+        places, apart = _places_of_feet(state)
+        if apart < LEAST_APART_M:
+            raise ActionRefused("Pin two steps first, at least half a metre apart.")
+        x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
+        levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})
+        if levelled.floor_m is None:
+            return levelled
+        state = state.with_doc(levelled)
+        return _with_floor(state, _height_of_pins(state))
+
+
+class Horizon(Edit):
+    """A line drawn on the picture where level ground ends far away, in pixels; its ends may lie
+    beside the picture. The floor comes under the pinned feet, or the lower one at this frame; where
+    nothing is posed, or the body has no feet, it stays."""
+
+    do: Literal["horizon"] = "horizon"
+    verb = "set the horizon"
+    a: Spot
+    b: Spot
+
+    def apply(self, state: EditorState) -> Session:
+        doc = state.doc
+        if math.dist(self.a, self.b) < SHORTEST_PX:
+            raise ActionRefused("Draw a longer line along the horizon.")
+        up = up_from_horizon(doc.camera.without_distortion(), self.a, self.b, up_of(doc))
+        x, y, z = (round(float(v), 6) for v in up)
+        levelled = doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+        state = state.with_doc(levelled)
+        if any(pin.landmarks for pin in doc.pins):
+            return _with_floor(state, _height_of_pins(state))
+        feet = _feet_here(state) if shown_pose(state).source != "rest" else ()
+        if not feet:
+            return levelled
+        height, foot = min((foot_height(state, pin, state.frame), pin.part) for pin in feet)
+        if height > -LEAST_M:
+            raise ActionRefused(
+                f"{part_label(foot)} stands above this line. Draw the horizon higher."
+            )
+        return _with_floor(state, height)
+
+
+MESSAGES = (Floor, UpFromFeet, Horizon)
 
 
 def uneven_feet_m(state: EditorState) -> float | None:
@@ -56,40 +120,6 @@ def _places_of_feet(state: EditorState) -> tuple[Array, float]:
     """(feet, 3) where the pinned ones stand, camera frame, and how far apart they are, metres."""
     places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
     return places, float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0
-
-
-def set_up_from_feet(state: EditorState) -> Session:
-    """Up so that the pinned feet stand level; what they do not determine stays as it is."""
-    places, apart = _places_of_feet(state)
-    if apart < LEAST_APART_M:
-        raise ActionRefused("Pin two steps first, at least half a metre apart.")
-    x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
-    levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})
-    if levelled.floor_m is None:
-        return levelled
-    state = state.with_doc(levelled)
-    return _with_floor(state, _height_of_pins(state))
-
-
-def set_horizon(state: EditorState, action: do.Horizon) -> Session:
-    """Up by the horizon, and the floor under the pinned feet, or else under that foot which stands
-    lower at the present frame; where nothing is posed, or the body has no feet, up alone."""
-    doc = state.doc
-    if math.dist(action.a, action.b) < SHORTEST_PX:
-        raise ActionRefused("Draw a longer line along the horizon.")
-    up = up_from_horizon(doc.camera.without_distortion(), action.a, action.b, up_of(doc))
-    x, y, z = (round(float(v), 6) for v in up)
-    levelled = doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
-    state = state.with_doc(levelled)
-    if any(pin.landmarks for pin in doc.pins):
-        return _with_floor(state, _height_of_pins(state))
-    feet = _feet_here(state) if shown_pose(state).source != "rest" else ()
-    if not feet:
-        return levelled
-    height, foot = min((foot_height(state, pin, state.frame), pin.part) for pin in feet)
-    if height > -LEAST_M:
-        raise ActionRefused(f"{part_label(foot)} stands above this line. Draw the horizon higher.")
-    return _with_floor(state, height)
 
 
 def _feet_here(state: EditorState) -> list[Pin]:

@@ -1,0 +1,363 @@
+"""Edit the body: shapes, sizes, joints, presets, what is tracked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar
+
+import numpy as np
+from pydantic import Field, FiniteFloat
+
+from keypose.app.editor.documents import (
+    ActionRefused,
+    Posed,
+    as_soft_as,
+    at_new_focal,
+    keyframe_of,
+    require_before_camera,
+    with_keyframes,
+)
+from keypose.app.editor.message import Edit
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
+from keypose.tracker.body.body import PRESETS, Body, Dof, Name, Part, preset
+from keypose.tracker.body.modify import (
+    can_have_clavicles,
+    has_clavicles,
+    with_clavicles,
+    with_new_part,
+    with_renamed_part,
+    without_clavicles,
+    without_part,
+)
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.annotations import Reviewed
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import TrackSettings
+
+Centimetres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Named = TypeVar("Named", Pin, Reviewed)
+
+
+class Shape(Edit):
+    """A part of another shape, about as large."""
+
+    do: Literal["shape"] = "shape"
+    verb, target = "change the shape of", "part"
+    part: Name
+    kind: Annotated[str, Field(max_length=40)]
+
+    def apply(self, state: EditorState) -> Session:
+        linked = state.display.link
+        return with_body(state, with_shape(state.doc.body, self.part, self.kind, linked=linked))
+
+
+class Size(Edit):
+    do: Literal["size"] = "size"
+    verb, target = "resize", "part"
+    part: Name
+    key: Annotated[str, Field(max_length=40)]
+    cm: Centimetres
+
+    def apply(self, state: EditorState) -> Session:
+        linked = state.display.link
+        body = with_size(state.doc.body, self.part, self.key, self.cm, linked=linked)
+        return with_body(state, body)
+
+
+class Joint(Edit):
+    """Where a part hangs on its parent."""
+
+    do: Literal["joint"] = "joint"
+    verb, target = "move the joint of", "part"
+    part: Name
+    x: Centimetres | None = None
+    y: Centimetres | None = None
+    z: Centimetres | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        body, wanted = state.doc.body, (self.x, self.y, self.z)
+        was = body.parts[body.index(self.part)].joint_m
+        x, y, z = (100 * a if b is None else b for a, b in zip(was, wanted, strict=True))
+        linked = state.display.link
+        return with_body(state, with_joint(body, self.part, (x, y, z), linked=linked))
+
+
+class Height(Edit):
+    """The whole body made this high."""
+
+    do: Literal["height"] = "height"
+    verb = "change the height"
+    cm: Centimetres
+
+    def apply(self, state: EditorState) -> Session:
+        return with_body(state, with_height(state.doc.body, self.cm))
+
+
+class Preset(Edit):
+    """One of the bodies that come with the product."""
+
+    do: Literal["preset"] = "preset"
+    verb, target = "change the body to", "name"
+    name: Name
+
+    def apply(self, state: EditorState) -> Session:
+        return with_body(state, _as_jointed(state.doc.body, preset(self.name)))
+
+
+class SetBody(Edit):
+    """A body of one's own, as in its file."""
+
+    do: Literal["body"] = "body"
+    verb = "change the body"
+    body: Body
+
+    def apply(self, state: EditorState) -> Session:
+        return with_body(state, self.body)
+
+
+class AddPart(Edit):
+    """One more part at the far end of another, as long as that and thinner."""
+
+    do: Literal["add_part"] = "add_part"
+    verb, target = "add", "name"
+    parent: Name
+    name: Name
+
+    def apply(self, state: EditorState) -> Session:
+        return with_body(state, with_new_part(state.doc.body, self.parent, self.name))
+
+
+class DeletePart(Edit):
+    """A part and all that hangs on it."""
+
+    do: Literal["delete_part"] = "delete_part"
+    verb, target = "delete", "part"
+    part: Name
+
+    def apply(self, state: EditorState) -> Session:
+        body = state.doc.body
+        if body.parts[body.index(self.part)].parent is None:
+            raise ActionRefused(
+                "The first part carries all others and stays. Choose another body instead."
+            )
+        return with_body(state, without_part(body, self.part))
+
+
+class RenamePart(Edit):
+    """Another name of a part, wherever the session names it."""
+
+    do: Literal["rename_part"] = "rename_part"
+    verb, target = "rename", "part"
+    part: Name
+    name: Name
+
+    def apply(self, state: EditorState) -> Session:
+        doc = state.doc
+        body = with_renamed_part(doc.body, self.part, self.name)
+        limbs = (k.model_copy(update={"parts": self._renamed(k.parts)}) for k in doc.part_keyframes)
+        left_out = self._renamed(doc.settings.left_out)
+        return doc.model_copy(
+            update={
+                "body": body,
+                "settings": doc.settings.model_copy(update={"left_out": left_out}),
+                "keyframes": tuple(map(self._posed, doc.keyframes)),
+                "part_keyframes": tuple(map(self._posed, limbs)),
+                "drafts": tuple(map(self._posed, doc.drafts)),
+                "pins": tuple(map(self._of_part, doc.pins)),
+                "reviewed": tuple(map(self._of_part, doc.reviewed)),
+            }
+        )
+
+    def _renamed(self, names: Iterable[str]) -> tuple[str, ...]:
+        return tuple(self.name if name == self.part else name for name in names)
+
+    def _posed(self, keyframe: Posed) -> Posed:
+        rotations = keyframe.rotations_wxyz
+        named = dict(zip(self._renamed(rotations), rotations.values(), strict=True))
+        return keyframe.model_copy(update={"rotations_wxyz": named})
+
+    def _of_part(self, one: Named) -> Named:
+        return one.model_copy(update={"part": self.name}) if one.part == self.part else one
+
+
+class ResetBody(Edit):
+    """The preset's own sizes again."""
+
+    do: Literal["reset_body"] = "reset_body"
+    verb = "reset the body"
+
+    def apply(self, state: EditorState) -> Session:
+        name = state.doc.body.name
+        if name not in PRESETS:
+            raise ActionRefused("This body is not based on a preset.")
+        return with_body(state, _as_jointed(state.doc.body, preset(name)))
+
+
+class Clavicles(Edit):
+    """Whether shoulders move on the chest. Poses stay as they are; without, arms keep their
+    directions."""
+
+    do: Literal["clavicles"] = "clavicles"
+    verb = "change the clavicles"
+    on: bool
+
+    def apply(self, state: EditorState) -> Session:
+        body = state.doc.body
+        if not self.on:
+            return with_body(_with_arms_turned(state), without_clavicles(body))
+        if not can_have_clavicles(body) and not has_clavicles(body):
+            raise ActionRefused("Clavicles need a chest with two upper arms.")
+        return with_body(state, with_clavicles(body))
+
+
+class Tracked(Edit):
+    """Which motions of a part the tracker estimates."""
+
+    do: Literal["tracked"] = "tracked"
+    verb, target = "change the tracked motions of", "part"
+    part: Name
+    dofs: Annotated[tuple[Dof, ...], Field(max_length=6)]
+
+    def apply(self, state: EditorState) -> Session:
+        body = state.doc.body
+        part = body.parts[body.index(self.part)]
+        changed = Part.model_validate({**part.model_dump(), "tracked": self.dofs})
+        return with_body(state, body.with_part(changed))
+
+
+MESSAGES = (
+    Shape, Size, Joint, Height, Preset, SetBody, AddPart, DeletePart, RenamePart, ResetBody,
+    Clavicles, Tracked,
+)  # fmt: skip
+
+
+def _as_jointed(old: Body, body: Body) -> Body:
+    """Add clavicles where the old body had them and this one can."""
+    return with_clavicles(body) if has_clavicles(old) and can_have_clavicles(body) else body
+
+
+def _with_arms_turned(state: EditorState) -> EditorState:
+    """Every upper arm turned as its clavicle is, so that it points the same way without it."""
+    skeleton = Skeleton.of(state.doc.body)
+
+    def turned(keyframe: Posed) -> Posed:
+        pose = keyframe.pose(skeleton)
+        Rs = pose.Rs_parent_part.copy()
+        for side in ("left", "right"):
+            arm, clavicle = (skeleton.body.index(f"{side}_{n}") for n in ("upper_arm", "clavicle"))
+            Rs[arm] = Rs[clavicle] @ Rs[arm]
+        made = Keyframe.of(skeleton, Pose(Rs, pose.p_camera_root), keyframe.frame, keyframe.time_s)
+        return keyframe.model_copy(update={"rotations_wxyz": made.rotations_wxyz})
+
+    if not has_clavicles(state.doc.body):
+        return state
+    doc = state.doc.model_copy(
+        update={
+            "keyframes": tuple(map(turned, state.doc.keyframes)),
+            "part_keyframes": tuple(map(turned, state.doc.part_keyframes)),
+            "drafts": tuple(map(turned, state.doc.drafts)),
+        }
+    )
+    return replace(state, doc=doc)
+
+
+def with_body(state: EditorState, body: Body) -> Session:
+    """Another body in all poses: parts it does not have are left out of them."""
+    known = set(body.names)
+    _require_pinned_parts(state, known)
+    skeleton = Skeleton.of(body)
+    doc = state.doc.model_copy(
+        update={
+            "body": body,
+            "settings": _without_unknown(state.doc.settings, known),
+            "keyframes": tuple(_fitted(k, known) for k in state.doc.keyframes),
+            "part_keyframes": tuple(_with_parts(state.doc, known)),
+            "drafts": tuple(_fitted(k, known) for k in state.doc.drafts),
+        }
+    )
+    for keyframe in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
+        require_before_camera(skeleton, keyframe.pose(skeleton))
+    return doc
+
+
+def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
+    """Refused where a pin would lose its part."""
+    lost = [pin.part for pin in state.doc.pins if pin.part not in known]
+    if lost:
+        raise ActionRefused(
+            f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first."
+        )
+
+
+def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:
+    left_out = tuple(name for name in settings.left_out if name in known)
+    return settings.model_copy(update={"left_out": left_out})
+
+
+def _with_parts(doc: Session, known: set[str]) -> Iterator[PartKeyframe]:
+    """The part keyframes of which any part is left."""
+    for keyframe in doc.part_keyframes:
+        parts = tuple(name for name in keyframe.parts if name in known)
+        if parts == keyframe.parts:
+            yield _fitted(keyframe, known)
+        elif parts:
+            yield _fitted(keyframe.model_copy(update={"parts": parts}), known)
+
+
+def _fitted(keyframe: Posed, known: set[str]) -> Posed:
+    if set(keyframe.rotations_wxyz) <= known:
+        return keyframe
+    rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
+    return keyframe.model_copy(update={"rotations_wxyz": rotations})
+
+
+# --- sizes that were fitted
+
+
+def require_sizes_to_fit(state: EditorState) -> None:
+    """Refused where the sizes cannot be estimated."""
+    if len(state.keys) < 2:
+        raise ActionRefused("Needs 2 keyframes that show the body from different sides.")
+
+
+def with_sizes_fitted(
+    state: EditorState, body: Body, camera: Camera, keyposes: Mapping[int, Pose]
+) -> EditorState:
+    """Take over this body and camera, and the keyframes posed for them; what is posed as it was
+    stays to the last digit.
+    """
+    skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
+    for pose in keyposes.values():
+        require_before_camera(skeleton, pose)
+    keyframes = [
+        known
+        if _is_posed_as(state.skeleton, known, keyposes[known.frame])
+        else as_soft_as(
+            known, keyframe_of(skeleton, keyposes[known.frame], known.frame, state.times_s)
+        )
+        for known in state.doc.keyframes
+    ]
+    drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
+    parts = tuple(at_new_focal(each, nearer) for each in state.doc.part_keyframes)
+    for posed_there in (*drafts, *parts):
+        require_before_camera(skeleton, posed_there.pose(skeleton))
+    update: dict[str, Any] = {
+        "body": body, "camera": camera, "drafts": drafts, "part_keyframes": parts
+    }  # fmt: skip
+    if nearer != 1.0:
+        update["lens_source"] = "fitted"
+    doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
+    return state.with_step(doc, "fit the sizes")
+
+
+def _is_posed_as(skeleton: Skeleton, keyframe: Keyframe, pose: Pose) -> bool:
+    own = keyframe.pose(skeleton)
+    return np.array_equal(own.Rs_parent_part, pose.Rs_parent_part) and np.array_equal(
+        own.p_camera_root, pose.p_camera_root
+    )

@@ -1,0 +1,178 @@
+"""Edit the camera and how a film was taken: lens, distortion, up, rate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, FiniteFloat, ValidationError
+
+from keypose.app.editor.documents import ActionRefused, moved_away, with_times
+from keypose.app.editor.message import Edit
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import up_from_vertical
+from keypose.app.posing.gesture import Spot
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.references import FramesPerSecond
+from keypose.tracker.session.schema import LensSource, Session
+
+STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
+BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)
+"""Of a lens that spreads angles evenly over the picture (r = f θ), as action cameras do: the fit of
+θ / tan θ up to 52° off the axis, to 0.0014."""
+SHORTEST_PX = 5
+"""A line drawn to show what is up is at least this long."""
+
+
+class ReadFilm(Edit):
+    """How a film was taken. Fields that are left out stay; `recorded_fps` may be null, as its file
+    says."""
+
+    do: Literal["read_film"] = "read_film"
+    verb = "change how the film was taken"
+    recorded_fps: FramesPerSecond | None = None
+    deinterlace: bool | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        named = self.model_dump(include=self.model_fields_set & {"recorded_fps", "deinterlace"})
+        return as_taken(state.doc, named, state.file_times_s)
+
+
+class Intrinsics(Edit):
+    """Focal lengths and principal point."""
+
+    do: Literal["camera"] = "camera"
+    verb = "change the camera"
+    fx: FiniteFloat | None = None
+    fy: FiniteFloat | None = None
+    cx: FiniteFloat | None = None
+    cy: FiniteFloat | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        changes = self.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
+        doc = _with_camera(state, {**changes, "origin": "intrinsics"})
+        return doc.model_copy(update={"lens_source": "calibration"})
+
+
+class FieldOfView(Edit):
+    """A lens whose longer side spans this angle; the distortion stays."""
+
+    do: Literal["field_of_view"] = "field_of_view"
+    verb = "change the field of view"
+    deg: Annotated[FiniteFloat, Field(ge=1, le=170)]
+
+    def apply(self, state: EditorState) -> Session:
+        old = state.doc.camera
+        new = Camera.from_field_of_view(old.width, old.height, math.radians(self.deg))
+        return _with_lens(state, new.model_copy(update={"distortion": old.distortion}), "person")
+
+
+class Lens(Edit):
+    """The lens that shows as much on 35 mm film, and who says so; without `mm` a guess.
+
+    bent: whether it bends straight edges, as an action camera's does; left out, as before.
+    """
+
+    do: Literal["lens"] = "lens"
+    verb = "change the lens"
+    mm: Annotated[FiniteFloat, Field(ge=4, le=2000)] | None = None
+    known: Literal["person", "file", "guess"] = "person"
+    bent: bool | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        size = (state.doc.camera.width, state.doc.camera.height)
+        if self.mm is None:
+            camera = Camera.guess(*size)
+        else:
+            camera = Camera.from_focal_length(*size, self.mm)
+        bent = {True: BENT, False: STRAIGHT, None: state.doc.camera.distortion}[self.bent]
+        known = "guess" if self.mm is None else self.known
+        return _with_lens(state, camera.model_copy(update={"distortion": bent}), known)
+
+
+class Distortion(Edit):
+    do: Literal["distortion"] = "distortion"
+    verb = "change the distortion"
+    k1: FiniteFloat | None = None
+    k2: FiniteFloat | None = None
+    p1: FiniteFloat | None = None
+    p2: FiniteFloat | None = None
+    k3: FiniteFloat | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        wanted = (self.k1, self.k2, self.p1, self.p2, self.k3)
+        old = state.doc.camera.distortion
+        values = tuple(a if b is None else b for a, b in zip(old, wanted, strict=True))
+        return _with_camera(state, {"distortion": values})
+
+
+class Vertical(Edit):
+    """A line drawn on the picture along something upright, in pixels."""
+
+    do: Literal["vertical"] = "vertical"
+    verb = "change the up direction"
+    a: Spot
+    b: Spot
+
+    def apply(self, state: EditorState) -> Session:
+        if math.dist(self.a, self.b) < SHORTEST_PX:
+            raise ActionRefused("Draw a longer line along something upright.")
+        up = up_from_vertical(state.doc.camera, self.a, self.b)
+        if not np.isfinite(up).all():
+            raise ActionRefused(
+                "The lens shows nothing at one end of this line. Draw it nearer the centre."
+            )
+        x, y, z = (float(v) for v in up)
+        return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+
+
+class ResetUp(Edit):
+    """The camera's own up again."""
+
+    do: Literal["reset_up"] = "reset_up"
+    verb = "reset the up direction"
+
+    def apply(self, state: EditorState) -> Session:
+        return state.doc.model_copy(update={"up_camera": None, "up_from_feet": False})
+
+
+MESSAGES = (ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, ResetUp)
+
+
+def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None = None) -> Session:
+    """The session of a film that was taken so; poses keep to their frames. Refused of surfaces.
+
+    file_times_s: not needed where a rate is named.
+    """
+    if doc.surface is not None:
+        raise ActionRefused(
+            "This session has surfaces, not a video: it has no recording rate or fields."
+        )
+    doc = doc.model_copy(update={"video": doc.video.model_copy(update=dict(named))})
+    if "recorded_fps" not in named:
+        return doc
+    return with_times(doc, doc.evidence.times_s(file_times_s))
+
+
+def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
+    """Change the lens. What was posed keeps its place in the picture: a longer lens shows it as
+    large as before from farther away.
+    """
+    old = state.doc.camera
+    names = ("fx", "fy", "cx", "cy", "distortion", "origin")
+    changes = {name: getattr(lens, name) for name in names}
+    doc = _with_camera(state, changes)
+    farther = 1.0 if old.telephoto_distance_m is not None else lens.fx / old.fx
+    return moved_away(doc.model_copy(update={"lens_source": source}), state.skeleton, farther)
+
+
+def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:
+    try:
+        camera = Camera.model_validate({**state.doc.camera.model_dump(), **changes})
+    except ValidationError as error:
+        raise ActionRefused(one_sentence(error)) from None
+    return state.doc.model_copy(update={"camera": camera})

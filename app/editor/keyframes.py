@@ -1,0 +1,302 @@
+"""Edit keyframes: add, delete, move, stretch, soften."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from itertools import pairwise
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from keypose.app.editor.documents import (
+    ActionRefused,
+    as_soft_as,
+    keyframe_of,
+    posed,
+    require_before_camera,
+    require_in_video,
+    with_drafts,
+    with_keyframes,
+    with_part_keyframes,
+    without,
+)
+from keypose.app.editor.message import Degrees, Edit, Frames
+from keypose.app.editor.motion import angle_curve
+from keypose.app.editor.part_keyframes import require_correctable
+from keypose.app.editor.shown import find, require_keyframe, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import with_angles
+from keypose.app.posing.gesture import Axis
+from keypose.tracker.body.body import Name
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FrameIndex
+
+MOST_NAMED = 3
+"""Frames that a sentence lists one by one."""
+
+
+class AddKey(Edit):
+    """The pose shown at a frame becomes its keyframe; where it is already, nothing changes."""
+
+    do: Literal["add_key"] = "add_key"
+    verb, target = "add keyframe", "frame"
+    frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        return with_key_added(state, require_in_video(state, self.frame))
+
+
+def with_key_added(state: EditorState, frame: int) -> Session:
+    """Make the pose shown at a frame its keyframe, unless it is that already."""
+    stands = shown_pose(state, frame)
+    if stands.source == "keyframe":
+        return state.doc
+    require_before_camera(state.skeleton, stands.pose)
+    keyframe = keyframe_of(state.skeleton, stands.pose, frame, state.times_s)
+    keyframe = as_soft_as(find(state.doc.keyframes, frame), keyframe)
+    doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
+    return with_drafts(doc, without(doc.drafts, frame))
+
+
+class DeleteKey(Edit):
+    """The keyframe of a frame, or its part keyframe; the same for the next two."""
+
+    do: Literal["delete_key"] = "delete_key"
+    verb, target = "delete keyframe", "frame"
+    frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        return _without(state.doc, _require(state, self.frame))
+
+
+class MoveKey(Edit):
+    do: Literal["move_key"] = "move_key"
+    verb, target = "move keyframe", "frame"
+    frame: FrameIndex
+    to: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        to = require_in_video(state, self.to)
+        if to == self.frame:
+            return state.doc
+        keyframe = _require(state, self.frame)
+        doc = _keyed(state, _without(state.doc, keyframe), keyframe, to)
+        if isinstance(keyframe, PartKeyframe):
+            return doc
+        return doc.model_copy(update=doc.evidence.with_key_moved(self.frame, to))
+
+
+class DuplicateKey(Edit):
+    do: Literal["duplicate_key"] = "duplicate_key"
+    verb, target = "duplicate keyframe", "frame"
+    frame: FrameIndex
+    to: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        to = require_in_video(state, self.to)
+        return _keyed(state, state.doc, _require(state, self.frame), to)
+
+
+class DeleteDraft(Edit):
+    """The draft of a frame: shown there again is what is tracked, or lies between keyframes."""
+
+    do: Literal["delete_draft"] = "delete_draft"
+    verb, target = "delete draft", "frame"
+    frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        if find(state.doc.drafts, self.frame) is None:
+            raise ActionRefused(f"Frame {self.frame} has no draft.")
+        return with_drafts(state.doc, without(state.doc.drafts, self.frame))
+
+
+class DeleteKeys(Edit):
+    do: Literal["delete_keys"] = "delete_keys"
+    frames: Frames
+
+    def apply(self, state: EditorState) -> Session:
+        gone = _require_all(state, self.frames)
+        return with_keyframes(state.doc, [k for k in state.doc.keyframes if k.frame not in gone])
+
+    def label(self, state: EditorState) -> str:
+        return f"delete {_count(self.frames)}"
+
+
+class RetimeKeys(Edit):
+    """Several keyframes at other frames, one for each, in the same order: moved or stretched.
+    copy_them: they stay where they are, too."""
+
+    do: Literal["retime_keys"] = "retime_keys"
+    frames: Frames
+    to: Frames
+    copy_them: bool = False
+
+    @model_validator(mode="after")
+    def _one_for_each(self) -> Self:
+        if len(self.frames) != len(self.to):
+            raise ValueError("give one frame for each keyframe")
+        for frames in (self.frames, self.to):
+            if any(a >= b for a, b in pairwise(frames)):
+                raise ValueError("give frames in ascending order, each once")
+        return self
+
+    def apply(self, state: EditorState) -> Session:
+        if self.frames == self.to:
+            return state.doc
+        taken = _require_all(state, self.frames)
+        stay = [k for k in state.doc.keyframes if self.copy_them or k.frame not in taken]
+        require_free((*stay, *state.doc.part_keyframes), self.to)
+        placed = [_at_frame(state, taken[a], b) for a, b in zip(self.frames, self.to, strict=True)]
+        doc = with_keyframes_placed(state.doc, stay, placed)
+        if self.copy_them:
+            return doc
+        moved = zip(self.frames, self.to, strict=True)
+        fields = [doc.evidence.with_key_moved(frame, to) for frame, to in moved]
+        return doc.model_copy(update={name: value for one in fields for name, value in one.items()})
+
+    def label(self, state: EditorState) -> str:
+        is_shift = len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
+        verb = "copy" if self.copy_them else "move" if is_shift else "stretch"
+        return f"{verb} {_count(self.frames)}"
+
+
+class KeyAngle(Edit):
+    """One angle of a part at some keyframe: a point of the curve, dragged."""
+
+    do: Literal["key_angle"] = "key_angle"
+    verb, target = "turn", "part"
+    frame: FrameIndex
+    part: Name
+    axis: Axis
+    deg: Degrees
+
+    def apply(self, state: EditorState) -> Session:
+        keyframe = require_keyframe(state, self.frame)
+        wanted = {self.axis: self.deg}
+        shown_deg = angle_curve(state, state.doc.body.index(self.part))[self.frame]
+        pose = with_angles(
+            state.skeleton, keyframe.pose(state.skeleton), self.part,
+            wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
+        )  # fmt: skip
+        return posed(state.doc, state.skeleton, pose, self.frame, state.times_s)
+
+
+class SoftenKey(Edit):
+    """The motion need only come near a keyframe."""
+
+    do: Literal["soften_key"] = "soften_key"
+    verb, target = "soften keyframe", "frame"
+    frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        return _with_softness(state, {require_keyframe(state, self.frame).frame}, True)
+
+
+class SoftenKeys(Edit):
+    """The motion need only come near some keyframes, such as those that pins contradict."""
+
+    do: Literal["soften_keys"] = "soften_keys"
+    verb = "soften keyframes"
+    frames: Frames
+
+    def apply(self, state: EditorState) -> Session:
+        named = set(state.keys).intersection(self.frames)
+        if not named:
+            raise ActionRefused("None of these frames is a keyframe any more.")
+        return _with_softness(state, named, True)
+
+
+class ExactKey(Edit):
+    """The motion meets a keyframe exactly, as it does unless it was softened."""
+
+    do: Literal["exact_key"] = "exact_key"
+    verb, target = "set exact keyframe", "frame"
+    frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        return _with_softness(state, {require_keyframe(state, self.frame).frame}, False)
+
+
+MESSAGES = (
+    AddKey, DeleteKey, MoveKey, DuplicateKey, DeleteDraft, DeleteKeys, RetimeKeys, KeyAngle,
+    SoftenKey, SoftenKeys, ExactKey,
+)  # fmt: skip
+
+
+def _count(frames: Collection[int]) -> str:
+    return f"{len(frames)} keyframe{'' if len(frames) == 1 else 's'}"
+
+
+def _require_all(state: EditorState, frames: Iterable[int]) -> dict[int, Keyframe]:
+    """The keyframes at these frames, by frame; refused where there is none at one of them."""
+    known = {keyframe.frame: keyframe for keyframe in state.doc.keyframes}
+    return {frame: known.get(frame) or require_keyframe(state, frame) for frame in frames}
+
+
+def _with_softness(state: EditorState, frames: set[int], soft: bool) -> Session:
+    """Set whether the motion need only come near the keyframes at these frames."""
+    changed = [
+        k.model_copy(update={"soft": soft}) if k.frame in frames else k for k in state.doc.keyframes
+    ]
+    return with_keyframes(state.doc, changed)
+
+
+def with_keyframes_placed(
+    doc: Session, stay: Iterable[Keyframe], placed: Collection[Keyframe]
+) -> Session:
+    """Set keyframes beside those that stay, in the place of what may be drafted there: that would
+    hide them.
+    """
+    frames = {keyframe.frame for keyframe in placed}
+    doc = with_keyframes(doc, (*stay, *placed))
+    return with_drafts(doc, (draft for draft in doc.drafts if draft.frame not in frames))
+
+
+def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
+    """Refused, naming them, where keyframes, of the body or of limbs, stand at some of these
+    frames."""
+    known = {keyframe.frame for keyframe in stay}
+    met = [frame for frame in frames if frame in known]
+    if len(met) == 1:
+        raise ActionRefused(f"Frame {met[0]} is already a keyframe. Delete it first.")
+    if met:
+        raise ActionRefused(f"Frames {_listed(met)} are already keyframes. Delete them first.")
+
+
+def _listed(frames: list[int]) -> str:
+    """ "12, 24 and 36", or "12, 24 and 7 more"."""
+    if len(frames) > MOST_NAMED:
+        shown, last = frames[: MOST_NAMED - 1], f"{len(frames) - MOST_NAMED + 1} more"
+    else:
+        shown, last = frames[:-1], str(frames[-1])
+    return f"{', '.join(map(str, shown))} and {last}"
+
+
+def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
+    """The keyframe at another frame; refused outside the video."""
+    time_s = float(state.times_s[require_in_video(state, frame)])
+    return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
+
+
+def _keyed(state: EditorState, doc: Session, keyframe: Keyframe, frame: int) -> Session:
+    """Set one more keyframe at a frame, in the place of what may be drafted there. Refused where
+    there is one already."""
+    require_free((*state.doc.keyframes, *state.doc.part_keyframes), [frame])
+    placed = _at_frame(state, keyframe, frame)
+    if not isinstance(placed, PartKeyframe):
+        return with_keyframes_placed(doc, doc.keyframes, [placed])
+    require_correctable(state, frame)
+    doc = with_part_keyframes(doc, (*doc.part_keyframes, placed))
+    return with_drafts(doc, without(doc.drafts, frame))
+
+
+def _without(doc: Session, keyframe: Keyframe) -> Session:
+    if isinstance(keyframe, PartKeyframe):
+        return with_part_keyframes(doc, without(doc.part_keyframes, keyframe.frame))
+    return with_keyframes(doc, without(doc.keyframes, keyframe.frame))
+
+
+def _require(state: EditorState, frame: int) -> Keyframe:
+    """The keyframe of a frame, or its part keyframe."""
+    return find(state.doc.part_keyframes, frame) or require_keyframe(state, frame)

@@ -1,0 +1,364 @@
+"""Edit the pose at the present frame.
+
+Undo, redo and a walk along the film come back to such a pose, and with it to its corners; a pose
+that was changed in another way has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from keypose.app.editor.body import with_body
+from keypose.app.editor.documents import ActionRefused, posed
+from keypose.app.editor.message import Degrees, Edit
+from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
+from keypose.app.editor.pinned import pinned_ends
+from keypose.app.editor.shown import (
+    draft_at,
+    find,
+    poses_beside,
+    require_keyframe,
+    shown_pose,
+)
+from keypose.app.editor.state import EditorState, pointer_views, up_of
+from keypose.app.posing import (
+    BoxCorner,
+    Gesture,
+    Held,
+    PlacedCorner,
+    Posed,
+    Readout,
+    Way,
+    drag,
+    ends_to_hold,
+    facing,
+    is_twisted,
+    keep_pinned,
+    part_label,
+    placed_ends,
+    swap_left_right,
+    untwisted_limb,
+    with_angles,
+    with_reset,
+)
+from keypose.app.posing.gesture import Metres, Surface
+from keypose.tracker.body.body import Name
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth, turns_round
+
+REMEMBERED = 100
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PosedByCorners:
+    """The pose of a frame, seen by a camera, that some corners led to."""
+
+    frame: int
+    pose: Pose
+    camera: Camera
+    corners: tuple[PlacedCorner, ...]
+
+
+def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
+    """Return the corners placed at the present frame, the last one last."""
+    readout = state.stroke.readout if state.stroke else None
+    if readout is not None:
+        return readout.corners
+    pose = shown_pose(state).pose if state.posed_by_corners else None
+    for one in reversed(state.posed_by_corners):
+        if one.frame == state.frame and one.camera == state.doc.camera and _is_same(one.pose, pose):
+            return one.corners
+    return ()
+
+
+def with_corners(state: EditorState, corners: tuple[PlacedCorner, ...]) -> EditorState:
+    """The same with the present pose known as the one that these corners led to."""
+    if not corners:
+        return state
+    new = PosedByCorners(state.frame, shown_pose(state).pose, state.doc.camera, corners)
+    return replace(state, posed_by_corners=(*state.posed_by_corners, new)[-REMEMBERED:])
+
+
+def _is_same(one: Pose, other: Pose | None) -> bool:
+    if other is None or one.Rs_parent_part.shape != other.Rs_parent_part.shape:
+        return False
+    turned = np.abs(one.Rs_parent_part - other.Rs_parent_part).max()
+    return bool(max(turned, np.abs(one.p_camera_root - other.p_camera_root).max()) < _SAME)
+
+
+class Drag(Edit, Gesture):
+    """partial: the limbs it moves become a part keyframe of the present frame."""
+
+    do: Literal["drag"] = "drag"
+    partial: bool = False
+
+    def apply(self, state: EditorState) -> Session:
+        return self.change(state, state)[0]
+
+    def change(self, state: EditorState, before: EditorState) -> tuple[Session, Readout | None]:
+        result = self._dragged(state, before)
+        if result.body is not None:
+            doc = with_body(before, result.body)
+            if isinstance(self.handle, BoxCorner):  # which poses the box as well
+                doc = with_pose(before.with_doc(doc), result.pose)
+            return doc, result.readout
+        return with_pose(before, result.pose, partial=self.partial), result.readout
+
+    def _dragged(self, state: EditorState, before: EditorState) -> Posed:
+        looks = state.display
+        last = state.stroke.readout if state.stroke else None
+        pose = shown_pose(before, state.frame).pose
+        return drag(
+            before.doc.body,
+            pose,
+            self,
+            pointer_views(before.doc, self.eye),
+            limits_on=looks.limits,
+            axes_frame=looks.axes,
+            linked=looks.link,
+            angle_before=last.angle_rad if last else None,
+            held=_held(before, state.frame, pose),
+            placed_corners=corners_placed(before),
+            free_sizes=not _is_posed_elsewhere(before),
+        )
+
+    def label(self, state: EditorState) -> str:
+        handle = self.handle
+        if isinstance(handle, Surface) and (handle.tool or self.tool) == "move":
+            return "move the body"
+        verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
+        if handle.kind == "box_corner":
+            return f"move a corner of {part_label(handle.part).lower()}"
+        verb = verbs.get(handle.kind, "move")
+        name = getattr(handle, "part", None) or getattr(handle, "name", None)
+        return verb if name is None else f"{verb} {part_label(name).lower()}"
+
+
+def _held(before: EditorState, frame: int, pose: Pose) -> Held:
+    """Return what stays while something is dragged, and the poses of the frames beside."""
+    doc = before.doc
+    return Held(_placed(doc, pose), pinned_ends(doc, frame), beside=poses_beside(before, frame))
+
+
+def _is_posed_elsewhere(state: EditorState) -> bool:
+    """Return whether a pose at another frame was found with the sizes as they are."""
+    posed = (*state.doc.keyframes, *state.doc.drafts)
+    return any(one.frame != state.frame for one in posed)
+
+
+def _placed(doc: Session, pose: Pose) -> frozenset[str]:
+    """The ends that somebody has put where they are: before the first keyframe, those of limbs
+    that were posed; a body that is just being placed moves whole."""
+    if doc.keyframes:
+        return frozenset(handle.name for handle in ends_to_hold(doc.body))
+    return placed_ends(doc.body, pose)
+
+
+class Angles(Edit):
+    """Some angles of a part; `free` where its joint limits have been lifted."""
+
+    do: Literal["angles"] = "angles"
+    verb, target = "turn", "part"
+    part: Name
+    free: bool = False
+    x: Degrees | None = None
+    y: Degrees | None = None
+    z: Degrees | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        state.doc.body.index(self.part)
+        pose = with_angles(
+            state.skeleton, shown_pose(state).pose, self.part, self.x, self.y, self.z,
+            limits_on=state.display.limits and not self.free,
+        )  # fmt: skip
+        return with_pose(state, _with_pinned(state, pose, self.part))
+
+
+class Root(Edit):
+    do: Literal["root"] = "root"
+    verb = "move the body"
+    x: Metres | None = None
+    y: Metres | None = None
+    z: Metres | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        pose, wanted = shown_pose(state).pose, (self.x, self.y, self.z)
+        place = [
+            old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
+        ]
+        moved = Pose(pose.Rs_parent_part, np.array(place))
+        return with_pose(state, _with_pinned(state, moved, state.doc.body.names[0]))
+
+
+def _with_pinned(state: EditorState, pose: Pose, part: str) -> Pose:
+    """A pose changed by numbers of one part, with what is pinned here back in its place."""
+    pinned = pinned_ends(state.doc, state.frame)
+    if not pinned:
+        return pose
+    return keep_pinned(state.skeleton, shown_pose(state).pose, pose, pinned, part)
+
+
+class Face(Edit):
+    """The whole body turned about what is up, to face a way as seen in the picture."""
+
+    do: Literal["face"] = "face"
+    verb = "turn the body"
+    way: Way
+
+    def apply(self, state: EditorState) -> Session:
+        return with_pose(state, facing(shown_pose(state).pose, self.way, up_of(state.doc)))
+
+
+class ResetPart(Edit):
+    do: Literal["reset_part"] = "reset_part"
+    verb, target = "reset", "part"
+    part: Name
+
+    def apply(self, state: EditorState) -> Session:
+        return with_pose(state, with_reset(state.skeleton, shown_pose(state).pose, self.part))
+
+
+class ResetPose(Edit):
+    """The whole body at rest, where it stands."""
+
+    do: Literal["reset_pose"] = "reset_pose"
+    verb = "reset the pose"
+
+    def apply(self, state: EditorState) -> Session:
+        rest = Pose.rest(state.skeleton, tuple(shown_pose(state).pose.p_camera_root))
+        return with_pose(state, rest)
+
+
+class Exchange(Edit):
+    """Left and right exchanged, where they are seen."""
+
+    do: Literal["exchange"] = "exchange"
+    verb = "swap left and right"
+
+    def apply(self, state: EditorState) -> Session:
+        if not state.doc.body.mirror_pairs:
+            raise ActionRefused("This body has no left and right.")
+        return with_pose(
+            state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
+        )
+
+
+LEAST_M = 0.02
+"""A limb whose joints lie no farther apart in depth looks the same either way."""
+MOST_STRAY = 0.06
+"""Share of the body's height by which a joint may leave its place in the picture."""
+
+
+class TurnInDepth(Edit):
+    """What points toward the camera points away from it, seen where it was: of a part and what
+    hangs on it, or of the whole body. partial: as of `Drag`."""
+
+    do: Literal["turn_in_depth"] = "turn_in_depth"
+    verb, target = "turn in depth", "part"
+    part: Name | None = None
+    partial: bool = False
+
+    def apply(self, state: EditorState) -> Session:
+        skeleton, pose = state.skeleton, shown_pose(state).pose
+        top = 0 if self.part is None else state.doc.body.index(self.part)
+        name = "The body" if top == 0 else part_label(skeleton.body.names[top])
+        if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
+            raise ActionRefused(f"{name} lies across the view: it looks the same either way.")
+        camera = state.doc.camera
+        turned = turned_in_depth(skeleton, camera, pose, top)
+        leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
+        if leaves or not turns_round(skeleton, pose, turned, top):
+            raise ActionRefused(f"{name} cannot bend the other way. Turn a part further out alone.")
+        return with_pose(state, turned, partial=self.partial)
+
+
+class Untwist(Edit):
+    """A limb turned back about its own length, its elbow and, as near as it can be, its hand where
+    they are."""
+
+    do: Literal["untwist"] = "untwist"
+    verb, target = "untwist", "part"
+    part: Name
+
+    def apply(self, state: EditorState) -> Session:
+        pose, part = shown_pose(state).pose, state.doc.body.index(self.part)
+        if not is_twisted(state.doc.body.parts[part], pose.Rs_parent_part[part]):
+            raise ActionRefused(f"{part_label(self.part)} is not turned too far about its length.")
+        return with_pose(state, untwisted_limb(state.skeleton, pose, part))
+
+
+class CopyKey(Edit):
+    """The pose of another keyframe, here."""
+
+    do: Literal["copy_key"] = "copy_key"
+    verb, target = "copy keyframe", "from_frame"
+    from_frame: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        return with_pose(state, require_keyframe(state, self.from_frame).pose(state.skeleton))
+
+
+class TakeTracked(Edit):
+    """The tracked pose of this frame, as a pose of one's own."""
+
+    do: Literal["take_tracked"] = "take_tracked"
+    verb = "use the tracked pose"
+
+    def apply(self, state: EditorState) -> Session:
+        pose = state.tracked(state.frame)
+        if pose is None:
+            raise ActionRefused(f"Frame {state.frame} is not tracked yet. Press T first.")
+        return with_pose(state, pose)
+
+
+MESSAGES = (
+    Drag, Angles, Root, Face, ResetPart, ResetPose, Exchange, TurnInDepth, Untwist, CopyKey,
+    TakeTracked,
+)  # fmt: skip
+
+
+def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Session:
+    """Set a pose as the keyframe of the present frame, or its part keyframe, where it has one and
+    no more than limbs moved; else as a draft. partial: as a part keyframe of the limbs that it
+    moves.
+    """
+    if partial:
+        return _of_limbs(state, pose)
+    is_part = find(state.doc.part_keyframes, state.frame) is not None
+    if is_part and draft_at(state, state.frame) is None:
+        doc = with_limbs_posed(state, pose)
+        if doc is not None:
+            return doc
+    return posed(state.doc, state.skeleton, pose, state.frame, state.times_s)
+
+
+def _of_limbs(before: EditorState, pose: Pose) -> Session:
+    """A pose as a part keyframe of the limbs that it moves."""
+    require_correctable(before, before.frame)
+    doc = with_limbs_posed(before, pose)
+    if doc is None:
+        raise ActionRefused(WHOLE_BODY)
+    return doc
+
+
+def pose_to_fit(state: EditorState) -> Pose:
+    """The pose shown at the present frame; Refused where nothing has been posed yet.
+
+    A surface can also be fitted from the pose in which the session opens.
+    """
+    if state.doc.evidence.is_posed_first and not (state.doc.keyframes or state.doc.drafts):
+        raise ActionRefused("Pose the body roughly first.")
+    return shown_pose(state).pose
+
+
+def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
+    """Set this pose at a frame, as one step."""
+    doc = posed(state.doc, state.skeleton, pose, frame, state.times_s)
+    return state.with_step(doc, "fit the pose", frame)

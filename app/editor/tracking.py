@@ -1,0 +1,223 @@
+"""Edit what tracking is given: regions, settings, and how surfaces are read and fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, TypeAlias
+
+import numpy as np
+from pydantic import Field, FiniteFloat, ValidationError
+
+from keypose.app.editor.documents import ActionRefused, require_before_camera, with_times
+from keypose.app.editor.message import Edit
+from keypose.app.editor.shown import find
+from keypose.app.editor.state import EditorState
+from keypose.app.posing.gesture import Metres, Spot
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.geometry.rotations import quaternion_wxyz
+from keypose.tracker.session.evidence import surface_of
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import (
+    ALL_CUES,
+    Cues,
+    FrameIndex,
+    IgnoreMask,
+    MethodName,
+    NetworkName,
+    Quality,
+    TrackSettings,
+    Units,
+    UpAxis,
+    Weights,
+)
+from keypose.tracker.surface.placing import METRES, Placement
+
+MaskIndex: TypeAlias = Annotated[int, Field(ge=0, le=10_000)]
+Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
+
+
+class Observe(Edit):
+    """How observed surfaces are read and fitted. Fields that are left out stay; `model_frame` may
+    be null, the first keyframe. about: the point, camera frame, that other axes turn about."""
+
+    do: Literal["observe"] = "observe"
+    verb = "change the surfaces"
+    units: Units | None = None
+    up: UpAxis | None = None
+    about: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
+    fps: Annotated[FiniteFloat, Field(ge=0.001, le=10_000)] | None = None
+    model_frame: FrameIndex | None = None
+    weights: Weights | None = None
+    distance: Literal["plane", "point"] | None = None
+    binding: Literal["nearest", "smooth"] | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        doc, before = state.doc, state.doc.surface
+        if before is None:
+            raise ActionRefused("This session has a video, not surfaces.")
+        named = self.model_dump(include=self.model_fields_set - {"do", "stroke", "about"})
+        named = {name: v for name, v in named.items() if v is not None or name == "model_frame"}
+        frame = named.get("model_frame")
+        if frame is not None and find(doc.keyframes, frame) is None:
+            raise ActionRefused(
+                f"Frame {frame} is not a keyframe. Pose the body in its surface first."
+            )
+        if "units" in named:
+            doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
+        if "up" in named:
+            doc = _turned(doc, state.skeleton, self)
+        doc = _with_surface(doc, {**surface_of(doc).model_dump(), **named})
+        return with_times(doc, doc.evidence.times_s(None)) if "fps" in named else doc
+
+
+class AddMask(Edit):
+    do: Literal["add_mask"] = "add_mask"
+    verb = "draw a mask"
+    polygon: Polygon
+    first: FrameIndex
+    last: FrameIndex
+
+    def apply(self, state: EditorState) -> Session:
+        mask = _mask(state, self.polygon, self.first, self.last, "")
+        return _with_masks(state, [*state.doc.ignore_masks, mask])
+
+
+class ChangeMask(Edit):
+    """Another outline, range or note; what is left out stays."""
+
+    do: Literal["change_mask"] = "change_mask"
+    verb = "change a mask"
+    index: MaskIndex
+    polygon: Polygon | None = None
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    note: Annotated[str, Field(max_length=200)] | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        old, masks = _require(state, self.index), list(state.doc.ignore_masks)
+        masks[self.index] = _mask(
+            state,
+            old.polygon if self.polygon is None else self.polygon,
+            old.first_frame if self.first is None else self.first,
+            old.last_frame if self.last is None else self.last,
+            old.note if self.note is None else self.note,
+        )
+        return _with_masks(state, masks)
+
+
+class DeleteMask(Edit):
+    do: Literal["delete_mask"] = "delete_mask"
+    verb = "delete a mask"
+    index: MaskIndex
+
+    def apply(self, state: EditorState) -> Session:
+        _require(state, self.index)
+        masks = list(state.doc.ignore_masks)
+        del masks[self.index]
+        return _with_masks(state, masks)
+
+
+class Settings(Edit):
+    """Fields that are left out stay; `static_camera` may be given as null, as it was found, and
+    `smooth`, not."""
+
+    do: Literal["settings"] = "settings"
+    verb = "change the settings"
+    method: MethodName | None = None
+    quality: Quality | None = None
+    static_camera: bool | None = None
+    smooth: bool | None = None
+    cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None
+    network: NetworkName | None = None
+
+    def apply(self, state: EditorState) -> Session:
+        named = self.model_dump(include=self.model_fields_set - {"do", "stroke"})
+        settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
+        return state.doc.model_copy(update={"settings": settings})
+
+
+MESSAGES = (Observe, AddMask, ChangeMask, DeleteMask, Settings)
+
+
+def _scaled(state: EditorState, factor: float) -> Session:
+    """Everything so much farther away: then it is seen where it was, as large as it was."""
+    doc = state.doc
+    place = np.array(surface_of(doc).p_camera_surface) * factor
+    try:
+        moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
+    except ActionRefused:
+        raise ActionRefused(
+            "In these units the surface is so small that the body would be at the camera. "
+            "Delete its poses first, or reopen the meshes with other units."
+        ) from None
+    return _placed(moved, place)
+
+
+def _with_poses(doc: Session, skeleton: Skeleton, moved: Callable[[Keyframe], Keyframe]) -> Session:
+    """Move every pose. Refused where one comes to lie behind the camera."""
+    keyframes, drafts = (tuple(map(moved, poses)) for poses in (doc.keyframes, doc.drafts))
+    for pose in (*keyframes, *drafts):
+        require_before_camera(skeleton, pose.pose(skeleton))
+    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
+
+
+def _farther(pose: Keyframe, factor: float) -> Keyframe:
+    x, y, z = pose.root_m
+    return pose.model_copy(update={"root_m": (x * factor, y * factor, z * factor)})
+
+
+def _turned(doc: Session, skeleton: Skeleton, action: Observe) -> Session:
+    """Change the axes; the point that all is turned about stays where it is, poses go along."""
+    old, about = surface_of(doc), np.array(action.about)
+    assert action.up is not None
+    place = np.array(old.p_camera_surface)
+    R_before = Placement(old.units, old.up, place).R_camera_surface
+    R_after = Placement(old.units, action.up, place).R_camera_surface
+    R = R_after @ R_before.T
+
+    def turned(keyframe: Keyframe) -> Keyframe:
+        pose, root = keyframe.pose(skeleton), skeleton.body.names[0]
+        q = quaternion_wxyz(R @ pose.Rs_parent_part[0])  # the root's parent is the camera
+        p = about + R @ (pose.p_camera_root - about)
+        rotations = {**keyframe.rotations_wxyz, root: tuple(map(float, q))}
+        return keyframe.model_copy(
+            update={"root_m": tuple(map(float, p)), "rotations_wxyz": rotations}
+        )
+
+    return _placed(_with_poses(doc, skeleton, turned), about + R @ (place - about))
+
+
+def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
+    place = [float(v) for v in p_camera_surface]
+    return _with_surface(doc, {**surface_of(doc).model_dump(), "p_camera_surface": place})
+
+
+def _with_surface(doc: Session, values: dict[str, Any]) -> Session:
+    try:
+        surface = Surface.model_validate(values)
+    except ValidationError as error:
+        raise ActionRefused(one_sentence(error)) from None
+    return doc.model_copy(update={"surface": surface})
+
+
+def _mask(
+    state: EditorState, polygon: tuple[Spot, ...], first: int, last: int, note: str
+) -> IgnoreMask:
+    last = min(last, state.frame_count - 1)
+    try:
+        return IgnoreMask(polygon=polygon, first_frame=first, last_frame=last, note=note)
+    except ValidationError as error:
+        raise ActionRefused(one_sentence(error)) from None
+
+
+def _require(state: EditorState, index: int) -> IgnoreMask:
+    if index >= len(state.doc.ignore_masks):
+        raise ActionRefused("This mask no longer exists.")
+    return state.doc.ignore_masks[index]
+
+
+def _with_masks(state: EditorState, masks: list[IgnoreMask]) -> Session:
+    return state.doc.model_copy(update={"ignore_masks": tuple(masks)})
