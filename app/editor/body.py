@@ -11,12 +11,12 @@ from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import (
     ActionRefused,
-    Posed,
     as_soft_as,
     at_new_focal,
     keyframe_of,
-    require_before_camera,
+    require_all_before_camera,
     with_keyframes,
+    with_poses,
 )
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
@@ -38,7 +38,6 @@ from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.settings import TrackSettings
 
 Centimetres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Named = TypeVar("Named", Pin, Reviewed)
@@ -159,28 +158,25 @@ class RenamePart(Edit):
 
     def apply(self, state: EditorState) -> Session:
         doc = state.doc
-        body = with_renamed_part(doc.body, self.part, self.name)
-        limbs = (k.model_copy(update={"parts": self._renamed(k.parts)}) for k in doc.part_keyframes)
         left_out = self._renamed(doc.settings.left_out)
-        return doc.model_copy(
-            update={
-                "body": body,
-                "settings": doc.settings.model_copy(update={"left_out": left_out}),
-                "keyframes": tuple(map(self._posed, doc.keyframes)),
-                "part_keyframes": tuple(map(self._posed, limbs)),
-                "drafts": tuple(map(self._posed, doc.drafts)),
-                "pins": tuple(map(self._of_part, doc.pins)),
-                "reviewed": tuple(map(self._of_part, doc.reviewed)),
-            }
-        )
+        update = {
+            "body": with_renamed_part(doc.body, self.part, self.name),
+            "settings": doc.settings.model_copy(update={"left_out": left_out}),
+            "pins": tuple(map(self._of_part, doc.pins)),
+            "reviewed": tuple(map(self._of_part, doc.reviewed)),
+        }
+        return with_poses(doc.model_copy(update=update), self._posed)
 
     def _renamed(self, names: Iterable[str]) -> tuple[str, ...]:
         return tuple(self.name if name == self.part else name for name in names)
 
-    def _posed(self, keyframe: Posed) -> Posed:
+    def _posed(self, keyframe: Keyframe) -> Keyframe:
         rotations = keyframe.rotations_wxyz
-        named = dict(zip(self._renamed(rotations), rotations.values(), strict=True))
-        return keyframe.model_copy(update={"rotations_wxyz": named})
+        named = zip(self._renamed(rotations), rotations.values(), strict=True)
+        update: dict[str, Any] = {"rotations_wxyz": dict(named)}
+        if isinstance(keyframe, PartKeyframe):
+            update["parts"] = self._renamed(keyframe.parts)
+        return keyframe.model_copy(update=update)
 
     def _of_part(self, one: Named) -> Named:
         return one.model_copy(update={"part": self.name}) if one.part == self.part else one
@@ -246,7 +242,7 @@ def _with_arms_turned(state: EditorState) -> EditorState:
     """Every upper arm turned as its clavicle is, so that it points the same way without it."""
     skeleton = Skeleton.of(state.doc.body)
 
-    def turned(keyframe: Posed) -> Posed:
+    def turned(keyframe: Keyframe) -> Keyframe:
         pose = keyframe.pose(skeleton)
         Rs = pose.Rs_parent_part.copy()
         for side in ("left", "right"):
@@ -255,35 +251,23 @@ def _with_arms_turned(state: EditorState) -> EditorState:
         made = Keyframe.of(skeleton, Pose(Rs, pose.p_camera_root), keyframe.frame, keyframe.time_s)
         return keyframe.model_copy(update={"rotations_wxyz": made.rotations_wxyz})
 
-    if not has_clavicles(state.doc.body):
-        return state
-    doc = state.doc.model_copy(
-        update={
-            "keyframes": tuple(map(turned, state.doc.keyframes)),
-            "part_keyframes": tuple(map(turned, state.doc.part_keyframes)),
-            "drafts": tuple(map(turned, state.doc.drafts)),
-        }
-    )
-    return replace(state, doc=doc)
+    has = has_clavicles(state.doc.body)
+    return replace(state, doc=with_poses(state.doc, turned)) if has else state
 
 
 def with_body(state: EditorState, body: Body) -> Session:
     """Another body in all poses: parts it does not have are left out of them."""
     known = set(body.names)
     _require_pinned_parts(state, known)
-    skeleton = Skeleton.of(body)
-    doc = state.doc.model_copy(
-        update={
-            "body": body,
-            "settings": _without_unknown(state.doc.settings, known),
-            "keyframes": tuple(_fitted(k, known) for k in state.doc.keyframes),
-            "part_keyframes": tuple(_with_parts(state.doc, known)),
-            "drafts": tuple(_fitted(k, known) for k in state.doc.drafts),
-        }
-    )
-    for keyframe in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
-        require_before_camera(skeleton, keyframe.pose(skeleton))
-    return doc
+    settings = state.doc.settings
+    left_out = tuple(name for name in settings.left_out if name in known)
+    update = {
+        "body": body,
+        "settings": settings.model_copy(update={"left_out": left_out}),
+        "part_keyframes": tuple(_with_parts(state.doc, known)),
+    }
+    doc = with_poses(state.doc.model_copy(update=update), lambda each: _fitted(each, known))
+    return require_all_before_camera(doc, Skeleton.of(body))
 
 
 def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
@@ -295,22 +279,15 @@ def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
         )
 
 
-def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:
-    left_out = tuple(name for name in settings.left_out if name in known)
-    return settings.model_copy(update={"left_out": left_out})
-
-
 def _with_parts(doc: Session, known: set[str]) -> Iterator[PartKeyframe]:
     """The part keyframes of which any part is left."""
     for keyframe in doc.part_keyframes:
         parts = tuple(name for name in keyframe.parts if name in known)
-        if parts == keyframe.parts:
-            yield _fitted(keyframe, known)
-        elif parts:
-            yield _fitted(keyframe.model_copy(update={"parts": parts}), known)
+        if parts:
+            yield keyframe.model_copy(update={"parts": parts})
 
 
-def _fitted(keyframe: Posed, known: set[str]) -> Posed:
+def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:
     if set(keyframe.rotations_wxyz) <= known:
         return keyframe
     rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
@@ -333,31 +310,17 @@ def with_sizes_fitted(
     stays to the last digit.
     """
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
-    for pose in keyposes.values():
-        require_before_camera(skeleton, pose)
-    keyframes = [
-        known
-        if _is_posed_as(state.skeleton, known, keyposes[known.frame])
-        else as_soft_as(
-            known, keyframe_of(skeleton, keyposes[known.frame], known.frame, state.times_s)
-        )
-        for known in state.doc.keyframes
-    ]
-    drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
-    parts = tuple(at_new_focal(each, nearer) for each in state.doc.part_keyframes)
-    for posed_there in (*drafts, *parts):
-        require_before_camera(skeleton, posed_there.pose(skeleton))
-    update: dict[str, Any] = {
-        "body": body, "camera": camera, "drafts": drafts, "part_keyframes": parts
-    }  # fmt: skip
-    if nearer != 1.0:
-        update["lens_source"] = "fitted"
-    doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
-    return state.with_step(doc, "fit the sizes")
 
+    def fitted(known: Keyframe) -> Keyframe:
+        pose, own = keyposes[known.frame], known.pose(state.skeleton)
+        same = np.array_equal(own.Rs_parent_part, pose.Rs_parent_part)
+        if same and np.array_equal(own.p_camera_root, pose.p_camera_root):
+            return known
+        return as_soft_as(known, keyframe_of(skeleton, pose, known.frame, state.times_s))
 
-def _is_posed_as(skeleton: Skeleton, keyframe: Keyframe, pose: Pose) -> bool:
-    own = keyframe.pose(skeleton)
-    return np.array_equal(own.Rs_parent_part, pose.Rs_parent_part) and np.array_equal(
-        own.p_camera_root, pose.p_camera_root
+    source = "fitted" if nearer != 1.0 else state.doc.lens_source
+    doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).model_copy(
+        update={"body": body, "camera": camera, "lens_source": source}
     )
+    doc = with_keyframes(doc, map(fitted, state.doc.keyframes))
+    return state.with_step(require_all_before_camera(doc, skeleton), "fit the sizes")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypeVar
 
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -107,18 +107,28 @@ def _frame(keyframe: Keyframe) -> int:
     return keyframe.frame
 
 
+def poses_of(doc: Session) -> tuple[Keyframe, ...]:
+    """All that is posed: keyframes, part keyframes and drafts."""
+    return (*doc.keyframes, *doc.part_keyframes, *doc.drafts)
+
+
+def with_poses(doc: Session, change: Callable[[Keyframe], Keyframe]) -> Session:
+    """Change each of `poses_of`."""
+    names = ("keyframes", "part_keyframes", "drafts")
+    return doc.model_copy(update={name: tuple(map(change, getattr(doc, name))) for name in names})
+
+
+def require_all_before_camera(doc: Session, skeleton: Skeleton) -> Session:
+    """The document; refused when a joint of any pose lies behind the camera."""
+    for each in poses_of(doc):
+        require_before_camera(skeleton, each.pose(skeleton))
+    return doc
+
+
 def moved_away(doc: Session, skeleton: Skeleton, factor: float) -> Session:
     """All that is posed in the session seen by a lens so much longer, as large as before."""
-    doc = doc.model_copy(
-        update={
-            "keyframes": tuple(at_new_focal(k, factor) for k in doc.keyframes),
-            "part_keyframes": tuple(at_new_focal(k, factor) for k in doc.part_keyframes),
-            "drafts": tuple(at_new_focal(k, factor) for k in doc.drafts),
-        }
-    )
-    for posed in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
-        require_before_camera(skeleton, posed.pose(skeleton))
-    return doc
+    moved = with_poses(doc, lambda each: at_new_focal(each, factor))
+    return require_all_before_camera(moved, skeleton)
 
 
 def at_new_focal(posed: Posed, factor: float) -> Posed:
@@ -131,14 +141,8 @@ def with_times(doc: Session, times_s: Array) -> Session:
     """Set each pose to its frame's time, which hand-written sessions may not know, and which
     another rate changes.
     """
-
-    def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
-        retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
-        if all(pose.time_s == time_s for pose, time_s in retimed):
-            return poses
-        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
-
-    poses = {name: timed(getattr(doc, name)) for name in ("keyframes", "part_keyframes", "drafts")}
-    if all(now is getattr(doc, name) for name, now in poses.items()):
+    if all(pose.time_s == times_s[pose.frame] for pose in poses_of(doc)):
         return doc
-    return doc.model_copy(update=poses)
+    return with_poses(
+        doc, lambda pose: pose.model_copy(update={"time_s": float(times_s[pose.frame])})
+    )

@@ -11,12 +11,11 @@ from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.message import Edit
 from keypose.app.editor.pinned import default_landmarks
-from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.shown import part_at, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Metres, Spot
 from keypose.tracker.body.body import Name
-from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
@@ -157,8 +156,7 @@ def _middle_frame(pin: Pin) -> int:
 
 def _points_at(state: EditorState, pin: Pin, frame: int) -> Array:
     """(points, 3) camera frame, metres."""
-    Ts = pose_transforms(state.skeleton, shown_pose(state, frame).pose)
-    T = Ts[state.doc.body.index(pin.part)]
+    T = part_at(state, pin.part, frame)
     return np.asarray(np.array(pin.points(state.doc.body)) @ T[:3, :3].T + T[:3, 3])
 
 

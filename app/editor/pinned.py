@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import handles
 from keypose.tracker.body.body import Body
-from keypose.tracker.body.pose import part_transforms, pose_transforms
+from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
@@ -25,9 +25,8 @@ def corner_near(
     state: EditorState, part: str, frame: int, uv: tuple[float, float]
 ) -> tuple[float, float, float]:
     """The vertex of a part, in its frame, that is seen nearest to a pixel; the nearer of two."""
-    i = state.doc.body.index(part)
-    vertices = np.asarray(state.doc.body.parts[i].shape.mesh().vertices)
-    T = pose_transforms(state.skeleton, shown_pose(state, frame).pose)[i]
+    body, T = state.doc.body, part_at(state, part, frame)
+    vertices = np.asarray(body.parts[body.index(part)].shape.mesh().vertices)
     p = vertices @ T[:3, :3].T + T[:3, 3]
     off = np.linalg.norm(state.doc.camera.project(p) - uv, axis=1) + p[:, 2]
     x, y, z = vertices[int(np.nanargmin(off))].tolist()

@@ -10,8 +10,8 @@ import numpy as np
 
 from keypose.app.editor.documents import ActionRefused, Posed
 from keypose.app.editor.state import EditorState
-from keypose.tracker.body.pose import Pose
-from keypose.tracker.geometry.rotations import rotation_between
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.geometry.rotations import Array, rotation_between
 from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
@@ -91,6 +91,12 @@ def require_keyframe(state: EditorState, frame: int) -> Keyframe:
     if found is None:
         raise ActionRefused(f"Frame {frame} is not a keyframe.")
     return found
+
+
+def part_at(state: EditorState, part: str, frame: int) -> Array:
+    """(4, 4) where a part is shown at a frame, camera frame."""
+    Ts = pose_transforms(state.skeleton, shown_pose(state, frame).pose)
+    return np.asarray(Ts[state.doc.body.index(part)])
 
 
 def _from_neighbours(state: EditorState, frame: int) -> ShownPose:

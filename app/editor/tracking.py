@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError
 
-from keypose.app.editor.documents import ActionRefused, require_before_camera, with_times
+from keypose.app.editor.documents import (
+    ActionRefused,
+    require_all_before_camera,
+    with_poses,
+    with_times,
+)
 from keypose.app.editor.message import Edit
 from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
@@ -147,21 +151,14 @@ def _scaled(state: EditorState, factor: float) -> Session:
     doc = state.doc
     place = np.array(surface_of(doc).p_camera_surface) * factor
     try:
-        moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
+        moved = with_poses(doc, lambda pose: _farther(pose, factor))
+        require_all_before_camera(moved, state.skeleton)
     except ActionRefused:
         raise ActionRefused(
             "In these units the surface is so small that the body would be at the camera. "
             "Delete its poses first, or reopen the meshes with other units."
         ) from None
     return _placed(moved, place)
-
-
-def _with_poses(doc: Session, skeleton: Skeleton, moved: Callable[[Keyframe], Keyframe]) -> Session:
-    """Move every pose. Refused where one comes to lie behind the camera."""
-    keyframes, drafts = (tuple(map(moved, poses)) for poses in (doc.keyframes, doc.drafts))
-    for pose in (*keyframes, *drafts):
-        require_before_camera(skeleton, pose.pose(skeleton))
-    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
 
 
 def _farther(pose: Keyframe, factor: float) -> Keyframe:
@@ -187,7 +184,8 @@ def _turned(doc: Session, skeleton: Skeleton, action: Observe) -> Session:
             update={"root_m": tuple(map(float, p)), "rotations_wxyz": rotations}
         )
 
-    return _placed(_with_poses(doc, skeleton, turned), about + R @ (place - about))
+    moved = require_all_before_camera(with_poses(doc, turned), skeleton)
+    return _placed(moved, about + R @ (place - about))
 
 
 def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
