@@ -84,7 +84,7 @@ def suggestion(
         if found:
             return _about(known, max(found, key=_need))
     if len(done) < len(spans):
-        return _to_track([span for span in spans if span not in done])
+        return segments_need([span for span in spans if span not in done], "tracking")
     divided = _longest(spans)
     if divided is None and bad:
         return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
@@ -181,10 +181,6 @@ def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
 
 
 _TWO_KEYFRAMES = "Two keyframes make the first segment"
-
-
-def _to_track(spans: Sequence[Span]) -> Suggestion:
-    return segments_need(spans, "tracking")
 
 
 def segments_need(spans: Sequence[Span], what: str) -> Suggestion:

@@ -45,11 +45,8 @@ class Floor(Edit):
             return _with_floor(state, _height_of_pins(state))
         if self.under is None:
             return _with_floor(state, self.height_m)
-        held = default_landmarks(state.doc.body, self.under)
-        at = state.frame
-        foot = Pin(part=self.under, landmarks=held, first_frame=at, last_frame=at)
-        state.doc.body.index(foot.part)
-        return _with_floor(state, foot_height(state, foot, at))
+        foot = _here(state, self.under, default_landmarks(state.doc.body, self.under))
+        return _with_floor(state, foot_height(state, foot, state.frame))
 
 
 class UpFromFeet(Edit):
@@ -123,12 +120,13 @@ def _places_of_feet(state: EditorState) -> tuple[Array, float]:
 
 def _feet_here(state: EditorState) -> list[Pin]:
     """The soles of the body at the present frame, as if they were pinned there."""
-    at, soles = state.frame, [(part.name, sole_of(part)) for part in state.doc.body.parts]
-    return [
-        Pin(part=name, landmarks=sole, first_frame=at, last_frame=at)
-        for name, sole in soles
-        if sole
-    ]
+    soles = [(part.name, sole_of(part)) for part in state.doc.body.parts]
+    return [_here(state, name, sole) for name, sole in soles if sole]
+
+
+def _here(state: EditorState, part: str, landmarks: tuple[str, ...]) -> Pin:
+    at = state.frame
+    return Pin(part=part, landmarks=landmarks, first_frame=at, last_frame=at)
 
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:

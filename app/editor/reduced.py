@@ -63,11 +63,6 @@ class Reducible:
     required: tuple[int, ...]
     parts: frozenset[int] | None
 
-    def has_pose(self, frame: int) -> bool:
-        """Return whether the motion has one at this frame of the video."""
-        n = frame - self.motion.first_frame
-        return 0 <= n < len(self.motion) and bool(np.isfinite(self.motion.ps_camera_root[n]).all())
-
 
 def reducible(
     doc: Session,

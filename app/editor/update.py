@@ -64,20 +64,14 @@ class Show(Look):
         return _displayed(state, **self.model_dump(exclude={"do"}, exclude_none=True))
 
 
-class Live(Look):
-    do: Literal["live"] = "live"
+class Switch(Look):
+    """Whether it is tracked at once, joint limits count, or both sides' sizes change together."""
+
+    do: Literal["live", "limits", "link"]
     on: bool
 
     def after(self, state: EditorState) -> EditorState:
-        return _displayed(state, live=self.on)
-
-
-class Limits(Look):
-    do: Literal["limits"] = "limits"
-    on: bool
-
-    def after(self, state: EditorState) -> EditorState:
-        return _displayed(state, limits=self.on)
+        return _displayed(state, **{self.do: self.on})
 
 
 class Axes(Look):
@@ -86,16 +80,6 @@ class Axes(Look):
 
     def after(self, state: EditorState) -> EditorState:
         return _displayed(state, axes=self.frame)
-
-
-class Link(Look):
-    """Whether sizes of left and right change together."""
-
-    do: Literal["link"] = "link"
-    on: bool
-
-    def after(self, state: EditorState) -> EditorState:
-        return _displayed(state, link=self.on)
 
 
 class BeginGuide(Look):
@@ -163,8 +147,7 @@ class CancelStroke(Rewind):
 
 
 MESSAGES = (
-    Go, Select, Show, Live, Limits, Axes, Link, BeginGuide,
-    Undo, Redo, GoToStep, EndStroke, CancelStroke,
+    Go, Select, Show, Switch, Axes, BeginGuide, Undo, Redo, GoToStep, EndStroke, CancelStroke,
 )  # fmt: skip
 
 
@@ -217,7 +200,9 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
         return state  # it would be applied a second time, to what it has led to
     if not _is_under_way(state, action.stroke):
         state = end_stroke(state)
-    before = state if state.stroke is None else _before(state, state.stroke)
+    before = state
+    if state.stroke is not None:
+        before = replace(state.with_doc(state.stroke.before), stroke=None)
     label = action.label(before)
     try:
         doc, readout = action.change(state, before)
@@ -231,10 +216,6 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
         return state
     changed = _still_there(state.with_step(doc, label))
     return changed if readout is None else with_corners(changed, readout.corners)
-
-
-def _before(state: EditorState, stroke: Stroke) -> EditorState:
-    return replace(state.with_doc(stroke.before), stroke=None)
 
 
 def _still_there(state: EditorState) -> EditorState:

@@ -25,7 +25,7 @@ from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
 from keypose.app.editor.posing import Drag
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
-from keypose.app.editor.update import Go, Live, update
+from keypose.app.editor.update import Go, Switch, update
 from keypose.app.jobs.fits import FitJob, learned
 from keypose.app.jobs.messages import Drafted, JobFailed, Order, Report, SegmentFinished
 from keypose.app.jobs.work import Job, WorkerCache
@@ -73,7 +73,7 @@ class Desk:
 
     def _share(self, kind: Kind, messages: tuple[Any, ...]) -> Share:
         """Of the work that something is part of."""
-        if any(isinstance(message, Live) for message in messages):
+        if any(isinstance(message, Switch) for message in messages):
             return "begin"
         goes = all(isinstance(message, Go) for message in messages)
         if goes and (messages or kind == "key"):

@@ -18,7 +18,7 @@ from bench.human.watching import Watching
 from keypose.app.editor.actions import Draft
 from keypose.app.editor.keyframes import AddKey
 from keypose.app.editor.shown import shown_pose
-from keypose.app.editor.update import Go, Live
+from keypose.app.editor.update import Go, Switch
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
@@ -107,7 +107,7 @@ def key(desk: Desk) -> None:
 
 def live(desk: Desk) -> None:
     """Track at once whatever is posed."""
-    desk.act("click", "switch Live on", Live(on=True))
+    desk.act("click", "switch Live on", Switch(do="live", on=True))
 
 
 # --- without the page's advice

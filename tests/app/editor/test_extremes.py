@@ -31,79 +31,60 @@ KEYS = st.sampled_from(["length", "radius", "start_radius", "end_width", "start_
 FRAMES = st.integers(0, 80)
 
 
-def _action(do: str, **fields: st.SearchStrategy[Any]) -> st.SearchStrategy[dict[str, Any]]:
-    return st.fixed_dictionaries({"do": st.just(do)}, optional=fields)
+def action(
+    do: str, given: dict[str, st.SearchStrategy[Any]] | None = None, **maybe: st.SearchStrategy[Any]
+) -> st.SearchStrategy[dict[str, Any]]:
+    """A message with all that is given and some of the rest."""
+    return st.fixed_dictionaries({"do": st.just(do), **(given or {})}, optional=maybe)
+
+
+def handle(kind: str, **given: st.SearchStrategy[str]) -> st.SearchStrategy[dict[str, str]]:
+    return st.fixed_dictionaries({"kind": st.just(kind), **given})
 
 
 HANDLES = st.one_of(
-    st.just({"kind": "root"}),
-    st.fixed_dictionaries({"kind": st.just("ring"), "part": PARTS, "axis": st.sampled_from("xyz")}),
-    st.fixed_dictionaries({"kind": st.just("end"), "name": st.sampled_from(["left_hand", "head"])}),
-    st.fixed_dictionaries({"kind": st.just("size"), "part": PARTS, "key": KEYS}),
+    handle("root"),
+    handle("ring", part=PARTS, axis=st.sampled_from("xyz")),
+    handle("end", name=st.sampled_from(["left_hand", "head"])),
+    handle("size", part=PARTS, key=KEYS),
 )
 XYZ = {axis: NUMBERS for axis in "xyz"}
+LINE = {"a": SPOTS, "b": SPOTS}
+WAY = {"handle": HANDLES, "from": SPOTS, "at": SPOTS}
+EYES = st.fixed_dictionaries(
+    {
+        "azimuth_deg": NUMBERS,
+        "elevation_deg": st.floats(-90, 90),
+        "at_m": st.tuples(NUMBERS, NUMBERS, NUMBERS),
+    }
+)
+POLYGONS = st.lists(SPOTS, min_size=3, max_size=4)
 EDITS = st.one_of(
-    _action("camera", **{name: NUMBERS for name in ("fx", "fy", "cx", "cy")}),
-    _action("field_of_view").flatmap(lambda edit: NUMBERS.map(lambda deg: {**edit, "deg": deg})),
-    _action("distortion", **{name: NUMBERS for name in ("k1", "k2", "p1", "p2", "k3")}),
-    st.fixed_dictionaries({"do": st.just("vertical"), "a": SPOTS, "b": SPOTS}),
-    st.fixed_dictionaries({"do": st.just("horizon"), "a": SPOTS, "b": SPOTS}),
-    st.fixed_dictionaries({"do": st.just("size"), "part": PARTS, "key": KEYS, "cm": NUMBERS}),
-    st.fixed_dictionaries({"do": st.just("shape"), "part": PARTS, "kind": st.sampled_from(KINDS)}),
-    st.fixed_dictionaries({"do": st.just("joint"), "part": PARTS}, optional=XYZ),
-    st.fixed_dictionaries({"do": st.just("height"), "cm": NUMBERS}),
-    _action("root", **XYZ),
-    st.fixed_dictionaries({"do": st.just("angles"), "part": PARTS}, optional=XYZ),
-    st.fixed_dictionaries({"do": st.just("go"), "frame": FRAMES}),
-    st.fixed_dictionaries({"do": st.just("add_key"), "frame": FRAMES}),
-    st.fixed_dictionaries(
-        {
-            "do": st.just("add_mask"),
-            "polygon": st.lists(SPOTS, min_size=3, max_size=4),
-            "first": FRAMES,
-            "last": FRAMES,
-        }
-    ),
-    st.fixed_dictionaries(
-        {
-            "do": st.just("drag"),
-            "view": st.sampled_from(["main", "top", "side", "front"]),
-            "handle": HANDLES,
-            "from": SPOTS,
-            "at": SPOTS,
-        }
-    ),
-    st.fixed_dictionaries(
-        {
-            "do": st.just("drag"),
-            "view": st.just("free"),
-            "eye": st.fixed_dictionaries(
-                {
-                    "azimuth_deg": NUMBERS,
-                    "elevation_deg": st.floats(-90, 90),
-                    "at_m": st.tuples(NUMBERS, NUMBERS, NUMBERS),
-                }
-            ),
-            "handle": HANDLES,
-            "from": SPOTS,
-            "at": SPOTS,
-        }
-    ),
-    st.just({"do": "undo"}),
+    action("camera", **{name: NUMBERS for name in ("fx", "fy", "cx", "cy")}),
+    action("field_of_view", {"deg": NUMBERS}),
+    action("distortion", **{name: NUMBERS for name in ("k1", "k2", "p1", "p2", "k3")}),
+    action("vertical", LINE),
+    action("horizon", LINE),
+    action("size", {"part": PARTS, "key": KEYS, "cm": NUMBERS}),
+    action("shape", {"part": PARTS, "kind": st.sampled_from(KINDS)}),
+    action("joint", {"part": PARTS}, **XYZ),
+    action("height", {"cm": NUMBERS}),
+    action("root", **XYZ),
+    action("angles", {"part": PARTS}, **XYZ),
+    action("go", {"frame": FRAMES}),
+    action("add_key", {"frame": FRAMES}),
+    action("add_mask", {"polygon": POLYGONS, "first": FRAMES, "last": FRAMES}),
+    action("drag", {"view": st.sampled_from(["main", "top", "side", "front"]), **WAY}),
+    action("drag", {"view": st.just("free"), "eye": EYES, **WAY}),
+    action("undo"),
 )
 
 
 def _behind(**handle: str) -> dict[str, Any]:
     """A drag of what the free view cannot show."""
     eye = {"azimuth_deg": 0.0, "elevation_deg": 0.0, "at_m": [0.0, 0.0, 9000.0]}
-    return {
-        "do": "drag",
-        "view": "free",
-        "eye": eye,
-        "handle": handle,
-        "from": [0, 0],
-        "at": [9, 9],
-    }
+    way = {"handle": handle, "from": [0, 0], "at": [9, 9]}
+    return {"do": "drag", "view": "free", "eye": eye, **way}
 
 
 BEHIND = [

@@ -1,12 +1,14 @@
-"""The verdict in the page's words."""
+"""The verdict in the page's words, and what it is put down to."""
 
 from __future__ import annotations
 
-from typing import get_args
+from types import SimpleNamespace
+from typing import Any, cast, get_args
 
 import pytest
 
 from keypose.app.words.problems import reason_with_frames, sentence, short_sentence
+from keypose.tracker.review.problems import blames_keys
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 
 HAND = "right_hand"
@@ -78,3 +80,22 @@ def test_as_a_reason_a_verdict_always_names_its_frames() -> None:
     assert reason_with_frames(hidden, capital=True) == "Left foot hidden, frames 25–47"
     damaged = Verdict.check("damaged", (31, 40))
     assert reason_with_frames(damaged, capital=True) == "Frames 31–40 are damaged in the video"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "last", "blamed"),
+    [
+        (Verdict.not_followed(1), 1, True),
+        (Verdict.not_followed(1), 2, False),
+        (Verdict.check("uncertain", (0, 1), "head"), 1, False),
+        (Verdict.nothing_seen(0, 40), 40, True),
+        (Verdict.contradiction(0, 1), 40, True),
+        (None, 1, False),
+    ],
+)
+def test_keyframes_are_to_blame_where_they_are_wrong_or_nothing_lies_between(
+    verdict: Verdict | None, last: int, blamed: bool
+) -> None:
+    kind = None if verdict is None else verdict.kind
+    track = SimpleNamespace(verdict=verdict, kind=kind, first=0, last=last)
+    assert blames_keys(cast(Any, track)) is blamed
