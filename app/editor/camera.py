@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat
 
-from keypose.app.editor.documents import ActionRefused, moved_away, with_times
+from keypose.app.editor.documents import ActionRefused, moved_away, valid, with_times
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import up_from_vertical
 from keypose.app.posing.gesture import Spot
-from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.references import FramesPerSecond
@@ -171,8 +170,5 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:
-    try:
-        camera = Camera.model_validate({**state.doc.camera.model_dump(), **changes})
-    except ValidationError as error:
-        raise ActionRefused(one_sentence(error)) from None
+    camera = valid(Camera, {**state.doc.camera.model_dump(), **changes})
     return state.doc.model_copy(update={"camera": camera})

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
@@ -22,8 +24,17 @@ class ActionRefused(KeyposeError):
 
 
 Posed = TypeVar("Posed", bound=Keyframe)
+Model = TypeVar("Model", bound=BaseModel)
 NEAREST_M = 0.06
 """Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""
+
+
+def valid(kind: type[Model], values: Mapping[str, Any]) -> Model:
+    """Make a value of a kind; refused, in one sentence, where it cannot be one."""
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise ActionRefused(one_sentence(error)) from None
 
 
 def require_in_video(state: EditorState, frame: int) -> int:

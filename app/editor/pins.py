@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, valid
 from keypose.app.editor.floor import foot_height
 from keypose.app.editor.message import Edit, Look, Message
 from keypose.app.editor.pinned import (
@@ -24,7 +24,6 @@ from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Spot
 from keypose.app.words.problems import named_frames
 from keypose.tracker.body.body import Name, Point
-from keypose.tracker.errors import one_sentence
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
@@ -77,13 +76,9 @@ class SetPin(Edit):
             point_m = corner_near(state, self.part, frame, self.corner)
         if landmarks is None and point_m is None:
             landmarks = default_landmarks(state.doc.body, self.part)
-        try:
-            return Pin(
-                part=self.part, landmarks=landmarks or (), point_m=point_m,
-                first_frame=frame, last_frame=frame, floor=self.floor,
-            )  # fmt: skip
-        except ValidationError as error:
-            raise ActionRefused(one_sentence(error)) from None
+        at = {"first_frame": frame, "last_frame": frame, "floor": self.floor}
+        held = {"part": self.part, "landmarks": landmarks or (), "point_m": point_m}
+        return valid(Pin, {**held, **at})
 
 
 class ChangePin(Edit):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import Field, FiniteFloat, ValidationError
+from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import (
     ActionRefused,
     require_all_before_camera,
+    valid,
     with_poses,
     with_times,
 )
@@ -18,7 +19,6 @@ from keypose.app.editor.shown import find
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Metres, Spot
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.rotations import quaternion_wxyz
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.keyframe import Keyframe
@@ -73,7 +73,7 @@ class Observe(Edit):
             doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
         if "up" in named:
             doc = _turned(doc, state.skeleton, self)
-        doc = _with_surface(doc, {**surface_of(doc).model_dump(), **named})
+        doc = _with_surface(doc, **named)
         return with_times(doc, doc.evidence.times_s(None)) if "fps" in named else doc
 
 
@@ -85,7 +85,7 @@ class AddMask(Edit):
     last: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        mask = _mask(state, self.polygon, self.first, self.last, "")
+        mask = _mask(state, polygon=self.polygon, first_frame=self.first, last_frame=self.last)
         return _with_masks(state, [*state.doc.ignore_masks, mask])
 
 
@@ -102,13 +102,9 @@ class ChangeMask(Edit):
 
     def apply(self, state: EditorState) -> Session:
         old, masks = _require(state, self.index), list(state.doc.ignore_masks)
-        masks[self.index] = _mask(
-            state,
-            old.polygon if self.polygon is None else self.polygon,
-            old.first_frame if self.first is None else self.first,
-            old.last_frame if self.last is None else self.last,
-            old.note if self.note is None else self.note,
-        )
+        given = {"polygon": self.polygon, "first_frame": self.first, "last_frame": self.last}
+        named = {name: v for name, v in {**given, "note": self.note}.items() if v is not None}
+        masks[self.index] = _mask(state, **{**old.model_dump(), **named})
         return _with_masks(state, masks)
 
 
@@ -158,7 +154,7 @@ def _scaled(state: EditorState, factor: float) -> Session:
             "In these units the surface is so small that the body would be at the camera. "
             "Delete its poses first, or reopen the meshes with other units."
         ) from None
-    return _placed(moved, place)
+    return _with_surface(moved, p_camera_surface=place.tolist())
 
 
 def _farther(pose: Keyframe, factor: float) -> Keyframe:
@@ -185,30 +181,18 @@ def _turned(doc: Session, skeleton: Skeleton, action: Observe) -> Session:
         )
 
     moved = require_all_before_camera(with_poses(doc, turned), skeleton)
-    return _placed(moved, about + R @ (place - about))
+    turned_place = about + R @ (place - about)
+    return _with_surface(moved, p_camera_surface=turned_place.tolist())
 
 
-def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
-    place = [float(v) for v in p_camera_surface]
-    return _with_surface(doc, {**surface_of(doc).model_dump(), "p_camera_surface": place})
-
-
-def _with_surface(doc: Session, values: dict[str, Any]) -> Session:
-    try:
-        surface = Surface.model_validate(values)
-    except ValidationError as error:
-        raise ActionRefused(one_sentence(error)) from None
+def _with_surface(doc: Session, **changes: Any) -> Session:
+    surface = valid(Surface, {**surface_of(doc).model_dump(), **changes})
     return doc.model_copy(update={"surface": surface})
 
 
-def _mask(
-    state: EditorState, polygon: tuple[Spot, ...], first: int, last: int, note: str
-) -> IgnoreMask:
-    last = min(last, state.frame_count - 1)
-    try:
-        return IgnoreMask(polygon=polygon, first_frame=first, last_frame=last, note=note)
-    except ValidationError as error:
-        raise ActionRefused(one_sentence(error)) from None
+def _mask(state: EditorState, **values: Any) -> IgnoreMask:
+    last = min(values["last_frame"], state.frame_count - 1)
+    return valid(IgnoreMask, {**values, "last_frame": last})
 
 
 def _require(state: EditorState, index: int) -> IgnoreMask:
