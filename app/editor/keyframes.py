@@ -28,6 +28,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
+from keypose.tracker.errors import listed
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
@@ -266,11 +267,9 @@ def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
 
 def _listed(frames: list[int]) -> str:
     """ "12, 24 and 36", or "12, 24 and 7 more"."""
-    if len(frames) > MOST_NAMED:
-        shown, last = frames[: MOST_NAMED - 1], f"{len(frames) - MOST_NAMED + 1} more"
-    else:
-        shown, last = frames[:-1], str(frames[-1])
-    return f"{', '.join(map(str, shown))} and {last}"
+    shown = len(frames) if len(frames) <= MOST_NAMED else MOST_NAMED - 1
+    more = [f"{len(frames) - shown} more"] if shown < len(frames) else []
+    return listed([*map(str, frames[:shown]), *more])
 
 
 def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:

@@ -137,7 +137,7 @@ def kinds_below(kind: type[Message]) -> Iterator[type[Message]]:
 
 
 @pytest.mark.parametrize("kind", [Edit, Look, Rewind])
-def test_what_an_action_does_is_known_of_every_one_that_its_file_names(kind: type[Message]) -> None:
+def test_every_action_is_named_by_its_file_and_says_what_it_does(kind: type[Message]) -> None:
     assert set(kinds_below(kind)) == {each for each in MESSAGES if issubclass(each, kind)}
     assert not any(inspect.isabstract(each) for each in kinds_below(kind))
 
