@@ -15,12 +15,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from keypose.app.editor.documents import (
-    ActionRefused,
-    keyframe_of,
-    posed,
-    require_before_camera,
-)
+from keypose.app.editor.documents import ActionRefused, keyframe_of, posed, require_before_camera
 from keypose.app.editor.keyframes import require_free, with_keyframes_placed
 from keypose.app.editor.message import Edit, Look, PoseName
 from keypose.app.editor.shown import find, shown_pose

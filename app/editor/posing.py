@@ -16,13 +16,7 @@ from keypose.app.editor.documents import ActionRefused, posed
 from keypose.app.editor.message import Degrees, Edit
 from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
-from keypose.app.editor.shown import (
-    draft_at,
-    find,
-    poses_beside,
-    require_keyframe,
-    shown_pose,
-)
+from keypose.app.editor.shown import draft_at, find, poses_beside, require_keyframe, shown_pose
 from keypose.app.editor.state import EditorState, pointer_views, up_of
 from keypose.app.posing import (
     BoxCorner,
