@@ -7,14 +7,46 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias, TypeVar
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
+from keypose.app.orders.order import Option, options_of, require_one_of_each_group
+from keypose.app.orders.values import Misread, Switch, Value
+from keypose.tracker.errors import FormatError
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+OrderT = TypeVar("OrderT")
+
+COMMANDS: Final[Mapping[str, str]] = {
+    "open": "Open a video, a folder of meshes or a session in the browser: pose "
+    "keyframes over the picture, track, correct, export",
+    "draft": "Draft a pose for every frame, from a box around the person on one frame",
+    "track": "Track the motion between the keyframes",
+    "review": "List the places of the motion to look at, the worst first",
+    "reduce": "Reduce a dense motion to a few keyframes",
+    "fit": "Fit the body to observed surfaces, one mesh per time step",
+    "batch": "Track many saved sessions again, as the page would",
+    "evaluate": "Measure the tracked motion against a reference",
+    "shot": "Render the body at one frame into a PNG file",
+    "film": "Render the tracked body into an MP4 film (H.264, no sound)",
+    "sheet": "Draw all keyframes on one sheet, a PNG file",
+    "report": "Write a report on the tracking as one HTML file",
+    "export": "Write the tracked motion for other programs",
+    "import": "Import a motion recorded elsewhere, 2D keypoints, or a camera",
+    "hull": "Build one surface per time step from the silhouettes of calibrated cameras",
+    "info": "Show size, frames, rate and fingerprint of a video file or a folder of images",
+    "models": "List the networks that find keypoints, or add one",
+    "schema": "Print the JSON Schema of a body file or a session file",
+    "config": "Show the defaults of this computer and the file to change them in",
+    "doctor": "Check this computer: what is missing, and what to do about it",
+    "completion": "Print the completion for a shell",
+}
+"""The commands in the order of the help, with summaries without a full stop. Each is `add` and
+`run` of the module of its name, which is loaded when it is asked for."""
 
 UNITS = ("m", "dm", "cm", "mm", "in", "ft")
 UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -31,11 +63,11 @@ def add_command(
     commands: Subcommands,
     name: str,
     run: Callable[[argparse.Namespace], int],
-    summary: str,
     details: str,
     examples: str,
 ) -> argparse.ArgumentParser:
-    """A new command; its summary, without a full stop, is shown in the list of commands, too."""
+    """Add a command, which `COMMANDS` sums up."""
+    summary = COMMANDS[name]
     command = commands.add_parser(
         name,
         help=summary,
@@ -246,5 +278,81 @@ def motion_formats(text: str) -> tuple[MotionFormat, ...]:
     """File formats of motion, with commas between."""
     try:
         return formats_of(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"invalid choice: {error}") from None
+    except FormatError as error:
+        raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
+
+
+def add_order(command: argparse.ArgumentParser, order: type) -> None:
+    """Add the options of an order; what is given of them is found by `order_of`."""
+    _add_options(command, options_of(order).items(), order)
+
+
+def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> None:
+    """Add the options of several kinds of orders, those that are alike once, each kind by its name
+    in a group of the help."""
+    kinds_of: dict[str, list[str]] = {}
+    for kind, order in orders.items():
+        for name in options_of(order):
+            kinds_of.setdefault(name, []).append(kind)
+    for kinds in dict.fromkeys(map(tuple, kinds_of.values())):
+        order = orders[kinds[0]]
+        mine = [(n, one) for n, one in options_of(order).items() if tuple(kinds_of[n]) == kinds]
+        _add_options(command.add_argument_group(" and ".join(kinds)), mine, order)
+
+
+def require_of(
+    order: type, others: Mapping[str, type], arguments: argparse.Namespace, what: str
+) -> None:
+    """FormatError for an option of another kind, which would be ignored in silence."""
+    own = options_of(order)
+    for kind, other in others.items():
+        for name, one in options_of(other).items():
+            if name not in own and getattr(arguments, name) is not None:
+                raise FormatError(f"{_flag(name, one)} is for {kind}, not for {what}.")
+
+
+def _flag(name: str, one: Option) -> str:
+    return f"--{one.flag or name.replace('_', '-')}"
+
+
+def _add_options(place: Any, options: Iterable[tuple[str, Option]], order: type) -> None:
+    for name, one in options:
+        if one.flag != "":
+            place.add_argument(
+                _flag(name, one), dest=name, help=_help(order, name, one), default=None, **_how(one)
+            )
+
+
+def _how(one: Option) -> dict[str, Any]:
+    if isinstance(one.value, Switch):
+        return {"action": "store_true"}
+    names = getattr(one.value, "names", ())
+    metavar = one.value.metavar or (f"{{{','.join(names)}}}" if names else None)
+    repeated = {"action": "append"} if one.repeated else {}
+    return {"type": typed(one.value), "metavar": metavar, **repeated}
+
+
+def _help(order: type, name: str, one: Option) -> str:
+    usual = order.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+    return f"{one.words}; default: {usual}" if isinstance(usual, str) else one.words
+
+
+def typed(value: Value) -> Callable[[str], Any]:
+    """Return what reads such a value for the parser."""
+
+    def parse(text: str) -> Any:
+        try:
+            return value.read(text)
+        except Misread as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return parse
+
+
+def order_of(order: type[OrderT], arguments: argparse.Namespace) -> OrderT:
+    """The order that was given; FormatError for two options that mean the same."""
+    options = options_of(order)
+    all_given = {name: getattr(arguments, name, None) for name in options}
+    given = {n: value for n, value in all_given.items() if value is not None and value is not False}
+    require_one_of_each_group(options, given, lambda name: _flag(name, options[name]))
+    return order(**{name: tuple(v) if options[name].repeated else v for name, v in given.items()})

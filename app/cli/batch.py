@@ -18,13 +18,18 @@ from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
+    add_order,
     add_overwrite,
     file_name,
     motion_formats,
+    order_of,
     whole_number,
 )
 from keypose.app.cli.batch_progress import BatchReporter, batch_reporter
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
+from keypose.app.export.motion_formats import require_meant
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import options_of
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:
@@ -52,7 +57,6 @@ no password: keep them to a network you trust.
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Track many saved sessions again, as the page would"
     details = (
         "Results are written beside each session. Keyframes are never changed, and a session "
         "that is open in the page is skipped. An error in one session does not stop the "
@@ -61,7 +65,7 @@ def add(commands: Subcommands) -> None:
         "that are left. The exit code is 1 when tracking was lost somewhere or a session was "
         "not tracked."
     )
-    command = add_command(commands, "batch", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "batch", run, details, _EXAMPLES)
     command.add_argument(
         "paths",
         metavar="PATH",
@@ -87,6 +91,7 @@ def add(commands: Subcommands) -> None:
         help="also export the motion, beside each session or below --out; formats as in "
         "keypose export",
     )
+    add_order(command, MotionOrder)
     command.add_argument(
         "--out",
         metavar="DIR",
@@ -176,7 +181,11 @@ def _require_place(out: Path) -> None:
 def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
     from keypose.app.jobs.batch.journal import Journal
 
-    asked = {name: getattr(arguments, name) for name in ("only", "method", "quality", "export")}
+    names = ("only", "method", "quality", "export")
+    asked = {name: getattr(arguments, name) for name in names}
+    asked |= {
+        name: str(value) for name in options_of(MotionOrder) if (value := getattr(arguments, name))
+    }
     paths = sorted({os.path.realpath(path) for path in arguments.paths})
     journal = Journal(out, {**asked, "paths": paths})
     try:
@@ -233,10 +242,14 @@ def _tasks(
     folder = common_folder(sessions)
     workers = _workers(arguments)
     tasks = []
+    order = order_of(MotionOrder, arguments)
+    if order != MotionOrder() and not arguments.export:
+        raise FormatError("What is to be exported is missing: --export.")
+    require_meant(order, arguments.export)
     for session in sessions:
         export = None
         if arguments.export:
-            export = export_of(session, folder, out, arguments.export)
+            export = export_of(session, folder, out, arguments.export, order)
             if not arguments.overwrite and str(session) not in journal.begun:
                 require_absent(places(export))
         done = str(session) in journal.done

@@ -17,20 +17,19 @@ _NAMES_A_FILE = (file_name, session_file, Path)
 
 
 def add(commands: Subcommands) -> None:
-    """The command's `grammar` is to be set to the parser that is to be completed."""
-    summary = "Print the completion for a shell"
+    """The command's `grammar` is to be set to what makes the parser that is to be completed."""
     details = (
         "Written to the file of the examples, it works in the next shell, without starting Python. "
         "zsh looks into ~/.zfunc where ~/.zshrc says `fpath+=~/.zfunc` before `compinit`."
     )
-    command = add_command(commands, "completion", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "completion", run, details, _EXAMPLES)
     command.add_argument("shell", choices=("bash", "zsh", "fish"), help="which shell")
 
 
 def run(arguments: argparse.Namespace) -> int:
     import shtab
 
-    top: argparse.ArgumentParser = arguments.grammar
+    top: argparse.ArgumentParser = arguments.grammar()[0]
     for action in _actions(top):
         if action.type in _NAMES_A_FILE:
             is_folder = action.metavar in ("DIR", "FOLDER")

@@ -16,13 +16,12 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Show the defaults of this computer and the file to change them in"
     details = (
         "What is printed is TOML: write the lines that you want to change into the file that is "
         "named first. The command line goes before a session, a session before this file, and "
         "the file before what is built in. The variable KEYPOSE_CONFIG names another file."
     )
-    command = add_command(commands, "config", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "config", run, details, _EXAMPLES)
     add_json(command)
 
 

@@ -293,13 +293,12 @@ _MARKS = {"ok": "ok", "note": "note", "warning": "warning", "error": "ERROR"}
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Check this computer: what is missing, and what to do about it"
     details = (
         "Checks the libraries, video coding, cores and memory, folders, compiled loops, networks, "
         "the port, the browser and optional parts. Nothing is changed. The exit code is 1 when "
         "something that Keypose needs does not work."
     )
-    command = add_command(commands, "doctor", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "doctor", run, details, _EXAMPLES)
     command.add_argument(
         "--workspace", metavar="DIR", type=file_name, help="the workspace to check, as for `open`"
     )

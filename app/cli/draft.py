@@ -49,7 +49,6 @@ _REASONS = {
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Draft a pose for every frame, from a box around the person on one frame"
     details = (
         "The bundled network finds the person's joints in every frame, and the body is fitted "
         "to them. The session and its keypoints are written to the folder. One camera cannot "
@@ -58,7 +57,7 @@ def add(commands: Subcommands) -> None:
         "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
         "nothing."
     )
-    command = add_command(commands, "draft", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "draft", run, details, _EXAMPLES)
     command.add_argument(
         "video", metavar="VIDEO", type=file_name, help="video file or folder of images"
     )

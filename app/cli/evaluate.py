@@ -34,13 +34,12 @@ _KINDS = {
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Measure the tracked motion against a reference"
     details = (
         "Only frames strictly between the keyframes of the tracking count. Linear "
         "interpolation between them is shown for comparison. The reference is an .npz file of "
         "poses or joint positions, or a .json file of marked joints in pixels."
     )
-    command = add_command(commands, "evaluate", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "evaluate", run, details, _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--reference",

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
+    add_order,
     add_output,
     add_session,
     motion_formats,
     note,
+    order_of,
 )
 from keypose.app.cli.json_output import print_written
-from keypose.app.cli.views import cutoff_hz, frame_range, rate, video_if_there
-from keypose.app.export.motion_formats import FORMATS, MARKER_SETS
+from keypose.app.cli.views import video_if_there
+from keypose.app.export.motion_formats import FORMATS, require_meant
+from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.errors import FormatError, listed
-from keypose.tracker.formats.rigs import OWN, RIGS
-from keypose.tracker.formats.units import FILE_UNITS
 
 if TYPE_CHECKING:
-    from keypose.app.export.motion_files import Sampling
     from keypose.tracker.geometry.rotations import Array
     from keypose.tracker.session import Session
     from keypose.tracker.video.info import Timecode
@@ -38,8 +38,7 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Write the tracked motion for other programs"
-    command = add_command(commands, "export", run, summary, _details(), _EXAMPLES)
+    command = add_command(commands, "export", run, _details(), _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--format",
@@ -48,53 +47,7 @@ def add(commands: Subcommands) -> None:
         required=True,
         help=f"one or several of {', '.join(FORMATS)}",
     )
-    command.add_argument(
-        "--filter",
-        metavar="HZ",
-        type=cutoff_hz,
-        help="cut-off of a zero-phase low-pass filter, such as 6Hz (Butterworth, fourth "
-        "order); default: none",
-    )
-    command.add_argument(
-        "--fps",
-        metavar="N",
-        type=rate,
-        help="sample the motion at so many frames per second, as fast as it was; default: the "
-        "video's rate. How fast it was recorded is said by `keypose open --recorded-fps`",
-    )
-    command.add_argument(
-        "--frames",
-        metavar="A-B",
-        type=frame_range,
-        help="first and last frame of the video; default: all",
-    )
-    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
-    rigs = "; ".join(f"{name}: {words}" for name, words in RIGS.items())
-    command.add_argument(
-        "--rig",
-        metavar="NAME",
-        choices=tuple(RIGS),
-        help=f"names and rest pose of the bones in {listed(rigged)}: {rigs}; default: {OWN}",
-    )
-    units = "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items())
-    command.add_argument(
-        "--unit",
-        choices=tuple(FILE_UNITS),
-        help=f"of lengths in bvh, which cannot name its own: {units}; default: m",
-    )
-    command.add_argument(
-        "--markers",
-        choices=MARKER_SETS,
-        default="keypose",
-        help="of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
-        "names of Pose2Sim; default: keypose",
-    )
-    command.add_argument(
-        "--from-zero",
-        action="store_true",
-        help="times and frames begin at 0, as game engines and web players expect, and not where "
-        "they are in the film",
-    )
+    add_order(command, MotionOrder)
     command.add_argument(
         "--model",
         metavar="FILE.osim",
@@ -133,19 +86,19 @@ def run(arguments: argparse.Namespace) -> int:
     from keypose.tracker.storage.outdated import outdated_words
     from keypose.tracker.storage.tracks import load_tracks
 
-    _require_bones(arguments)
+    order = order_of(MotionOrder, arguments)
+    require_meant(order, arguments.format)
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
     recording = saved_motion(session, tracks, *_clock(session, arguments.session))
-    sampling = _sampling(arguments)
     files = {
         name: content
         for format_name in arguments.format
-        for name, content in motion_files(format_name, recording, sampling).items()
+        for name, content in motion_files(format_name, recording, order).items()
     }
     for_model = None
     if arguments.model is not None:
-        for_model = files_for_model(recording, sampling, arguments.model, arguments.out)
+        for_model = files_for_model(recording, order, arguments.model, arguments.out)
         files |= for_model.files
     places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
@@ -156,33 +109,9 @@ def run(arguments: argparse.Namespace) -> int:
         write_file(place, content, overwrite=arguments.overwrite)
     print_written(places, arguments.json)
     note(for_model.words if for_model else None)
-    note(sampling_words(recording, sampling, arguments.format))
+    note(sampling_words(recording, order, arguments.format))
     note(outdated_words(session, tracks))
     return 0
-
-
-def _sampling(arguments: argparse.Namespace) -> Sampling:
-    from keypose.app.export.motion_files import Sampling
-
-    fps = None if arguments.fps is None else float(arguments.fps)
-    return Sampling(
-        fps,
-        arguments.filter,
-        arguments.frames,
-        arguments.rig or OWN,
-        arguments.unit or "m",
-        arguments.markers,
-        arguments.from_zero,
-    )
-
-
-def _require_bones(arguments: argparse.Namespace) -> None:
-    """A rig or a unit for formats that have none would be ignored in silence."""
-    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
-    if arguments.rig is not None and not set(rigged) & set(arguments.format):
-        raise FormatError(f"--rig is for formats with bones: {listed(rigged)}.")
-    if arguments.unit is not None and "bvh" not in arguments.format:
-        raise FormatError("--unit is for bvh: all other formats name their unit.")
 
 
 def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None]:

@@ -9,21 +9,21 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_output, add_session, note
-from keypose.app.cli.json_output import print_json, print_written
-from keypose.app.cli.views import (
-    add_look,
-    film_view,
-    frame_range,
-    rate,
-    session_to_draw,
-    size,
-    video_if_there,
+from keypose.app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_order,
+    add_output,
+    add_session,
+    note,
+    order_of,
 )
+from keypose.app.cli.json_output import print_json, print_written
+from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
+from keypose.app.orders.drawing import FilmOrder
 
 if TYPE_CHECKING:
-    from keypose.app.export.film import FilmOrder
     from keypose.app.render.films import Film
     from keypose.app.render.palette import Picture
     from keypose.tracker.session import Session
@@ -37,7 +37,6 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Render the tracked body into an MP4 film (H.264, no sound)"
     details = (
         "Views: main draws the body over the video; all adds the top, side and front views; "
         "orbit circles the body once while it moves; camera is a fixed viewpoint at an azimuth"
@@ -45,29 +44,9 @@ def add(commands: Subcommands) -> None:
         "of its picture. Frames keep their times; frames without a pose are shown without the "
         "body. An observed surface is shown in every view."
     )
-    command = add_command(commands, "film", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "film", run, details, _EXAMPLES)
     add_session(command)
-    command.add_argument(
-        "--view",
-        metavar="VIEW",
-        type=film_view,
-        default="main",
-        help="main, top, side, front, all, orbit, or camera:AZIMUTH,ELEVATION[,METRES] in "
-        "degrees and metres from the body; default: main",
-    )
-    command.add_argument(
-        "--frames",
-        metavar="A-B",
-        type=frame_range,
-        help="first and last frame; default: all frames that have a pose",
-    )
-    add_look(command)
-    command.add_argument(
-        "--size", metavar="WxH", type=size, help="size of the film in pixels; default: the video's"
-    )
-    command.add_argument(
-        "--fps", metavar="N", type=rate, help="frames per second; default: the video's own timing"
-    )
+    add_order(command, FilmOrder)
     add_output(command, "FILE.mp4")
 
 
@@ -76,13 +55,14 @@ def run(arguments: argparse.Namespace) -> int:
     from keypose.app.render.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
-    require_tint(session, arguments.tint)
+    order = order_of(FilmOrder, arguments)
+    require_tint(session, order.tint)
     poses = KnownPoses.of(session, arguments.session)
-    film = film_of(arguments.session.name, poses, _order(arguments))
+    film = film_of(arguments.session.name, poses, order)
     require_frame(session, film.last)
     with _video(session, arguments.session, film) as video:
         facts = write_film(
-            out, session, video, poses, film, arguments.fps,
+            out, session, video, poses, film, order.fps,
             seen=_with_bar, overwrite=arguments.overwrite,
         )  # fmt: skip
     for words in film_words(session, poses, film):
@@ -92,15 +72,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print_written([out], False)
     return 0
-
-
-def _order(arguments: argparse.Namespace) -> FilmOrder:
-    from keypose.app.export.film import FilmOrder
-    from keypose.app.render.studio import Paint
-
-    paint = Paint(arguments.style, arguments.opacity / 100)
-    asked = (arguments.view, arguments.frames, paint, arguments.size, arguments.tint)
-    return FilmOrder(*asked, arguments.fps)
 
 
 def _video(session: Session, session_path: Path, film: Film) -> Any:

@@ -39,8 +39,7 @@ _DETAILS = (
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Fit the body to observed surfaces, one mesh per time step"
-    command = add_command(commands, "fit", run, summary, _DETAILS, _EXAMPLES)
+    command = add_command(commands, "fit", run, _DETAILS, _EXAMPLES)
     command.add_argument(
         "meshes",
         metavar="MESHES",

@@ -38,14 +38,13 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Build one surface per time step from the silhouettes of calibrated cameras"
     details = (
         "Writes the visual hulls as step_0000.ply and so on, in the units and axes of the "
         "cameras' file. If the file also names images, each vertex gets a zncc that says how "
         "well the cameras that see it agree; fitting uses it to ignore false volume. A step "
         "that fails is reported and skipped. Ctrl+C keeps finished steps."
     )
-    command = add_command(commands, "hull", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "hull", run, details, _EXAMPLES)
     command.add_argument(
         "rig", metavar="CAMERAS", type=file_name, help="JSON file with the calibrated cameras"
     )

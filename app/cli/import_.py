@@ -3,34 +3,33 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
+    add_orders,
     add_session,
     file_name,
     note,
-    whole_number,
+    order_of,
+    require_of,
 )
-from keypose.app.cli.import_camera import add_camera, import_camera, require_no_other
+from keypose.app.cli.import_camera import add_camera, import_camera
 from keypose.app.cli.json_output import print_json
-from keypose.app.export.import_choices import EVERY, LEAST_TRACKED, KeypointChoices, MotionChoices
+from keypose.app.orders.imports import LEAST_TRACKED, ImportCamera, ImportKeypoints, ImportMotion
 from keypose.app.words.imports import note_words
 from keypose.tracker.errors import FormatError
-from keypose.tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
     from keypose.app.export.importing import DraftImport, MotionImport
-    from keypose.tracker.formats.joint_motion import World
     from keypose.tracker.session import Session
 
-WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "z up"}
+ORDERS = {"motion": ImportMotion, "keypoints": ImportKeypoints}
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
@@ -47,7 +46,6 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Import a motion recorded elsewhere, 2D keypoints, or a camera"
     details = (
         "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
         "is fitted to the session's body, aligned with its keyframes and saved as an initial "
@@ -55,64 +53,12 @@ def add(commands: Subcommands) -> None:
         "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. "
         "Keyframes are never changed."
     )
-    command = add_command(commands, "import", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "import", run, details, _EXAMPLES)
     add_session(command)
     what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
-    both = command.add_argument_group("motion and keypoints")
-    both.add_argument(
-        "--map",
-        metavar="NAME=PLACE",
-        type=_pair,
-        action="append",
-        help="where on the body a joint or keypoint is, if its name does not say: a part, PART.end "
-        "or a landmark; may be repeated",
-    )
-    both.add_argument(
-        "--offset-frames",
-        metavar="N",
-        type=int,
-        help="video frame at the file's time or frame 0; may be negative, as -1 is for pictures "
-        "counted from 1",
-    )
-    both.add_argument("--individual", metavar="NAME", help="which of several subjects to read")
-    motion = command.add_argument_group("motion")
-    motion.add_argument(
-        "--names", metavar="MAP.json", type=file_name, help='{"their name": "our joint", …}'
-    )
-    motion.add_argument(
-        "--offset-s", metavar="S", type=_seconds, help="video time at the file's time 0, in seconds"
-    )
-    motion.add_argument(
-        "--unit",
-        choices=("m", "cm", "mm", "auto"),
-        help="unit of the file's lengths; auto scales them to the body; default: the file's "
-        "unit, else auto",
-    )
-    motion.add_argument(
-        "--world",
-        choices=tuple(WORLDS),
-        help="the file's frame, where no keyframe overlaps and it does not say: the camera's, or "
-        "a world with y or z up",
-    )
-    motion.add_argument("--fps", metavar="X", type=_rate, help="frames per second of the file")
-    points = command.add_argument_group("keypoints")
-    points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
-    points.add_argument(
-        "--layout",
-        metavar="NAME",
-        type=str.upper,
-        choices=tuple(LAYOUTS),
-        help=f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
-    )
-    points.add_argument("--exchange", action="store_true", help="swap left and right keypoints")
-    points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to draft")
-    points.add_argument(
-        "--every",
-        metavar="N",
-        type=whole_number(1),
-        help=f"frames from one draft to the next; default: {EVERY}",
-    )
+    command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
+    add_orders(command, ORDERS)
     add_camera(command)
     add_json(command)
 
@@ -128,11 +74,16 @@ def run(arguments: argparse.Namespace) -> int:
     # Reading it reports one that is not there.
     alone = locked(path, "close it there first") if path.is_file() else nullcontext()
     if arguments.camera:
-        require_no_other(arguments, ("keypoints", *_MOTION, *_KEYPOINTS, *_BOTH))
+        if arguments.keypoints:
+            raise FormatError("--keypoints is not for --camera.")
+        require_of(ImportCamera, ORDERS, arguments, "--camera")
         with alone:
             import_camera(arguments)
         return 0
-    _require_of_a_kind(arguments)
+    if arguments.keypoints:
+        require_of(ImportKeypoints, ORDERS, arguments, "--keypoints")
+    else:
+        require_of(ImportMotion, ORDERS, arguments, "motion")
     file: Path = arguments.file
     reader: Callable[..., Any] = read_people if arguments.keypoints else load_motion
     with reading_apart(reader) as read, alone:
@@ -147,11 +98,12 @@ def run(arguments: argparse.Namespace) -> int:
         with open_video_of(session, arguments.session) as video:
             info = video.info
         if arguments.keypoints:
-            chosen, people = _keypoint_choices(arguments), read(file, arguments.individual)
+            chosen = order_of(ImportKeypoints, arguments)
+            people = read(file, chosen.individual)
             drafts = import_keypoints(session, people, file.name, chosen, info)
             _keep_drafts(session, drafts, arguments)
         else:
-            choices = _motion_choices(arguments)
+            choices = order_of(ImportMotion, arguments)
             motion = as_chosen(file.name, read(file), choices)
             times_s = session.evidence.times_s(info.times_s)
             made = import_motion(session, motion, file.name, choices, times_s)
@@ -162,41 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-_MOTION = ("names", "offset_s", "unit", "world", "fps")
-_KEYPOINTS = ("layout", "exchange", "frames", "every")
-_BOTH = ("map", "offset_frames", "individual")
-"""Options of a motion, of keypoints, of both."""
-
-
-def _require_of_a_kind(arguments: argparse.Namespace) -> None:
-    """An option of the other kind would be ignored in silence."""
-    others = _MOTION if arguments.keypoints else _KEYPOINTS
-    given = [name for name in others if getattr(arguments, name) not in (None, False)]
-    if given:
-        kind = "motion, not for --keypoints" if arguments.keypoints else "--keypoints"
-        raise FormatError(f"--{given[0].replace('_', '-')} is for {kind}.")
-    for one, other in (("offset_frames", "offset_s"), ("frames", "every")):
-        if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
-            names = (f"--{name.replace('_', '-')}" for name in (one, other))
-            raise FormatError(f"{' and '.join(names)} mean the same; give one of them.")
-
-
 # --- motion
-
-
-def _motion_choices(arguments: argparse.Namespace) -> MotionChoices:
-    from keypose.tracker.formats.joint_names import load_names
-
-    return MotionChoices(
-        names=None if arguments.names is None else load_names(arguments.names),
-        places=_places(arguments),
-        offset_frames=arguments.offset_frames,
-        offset_s=arguments.offset_s,
-        unit=arguments.unit,
-        world=None if arguments.world is None else WORLDS[arguments.world],
-        fps=arguments.fps,
-        individual=arguments.individual,
-    )
 
 
 def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
@@ -275,18 +193,6 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 # --- keypoints
 
 
-def _keypoint_choices(arguments: argparse.Namespace) -> KeypointChoices:
-    return KeypointChoices(
-        layout=arguments.layout,
-        places=_places(arguments),
-        individual=arguments.individual,
-        exchange=arguments.exchange,
-        frames=arguments.frames,
-        every=arguments.every,
-        offset_frames=arguments.offset_frames,
-    )
-
-
 def _keep_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
     from keypose.tracker.storage.files import save_session
 
@@ -338,14 +244,6 @@ def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Name
 # --- names
 
 
-def _places(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return what --map says."""
-    wanted = dict(arguments.map or ())
-    if len(wanted) < len(arguments.map or ()):
-        raise FormatError("--map names a keypoint twice.")
-    return wanted
-
-
 def _print_names(facts: dict[str, Any], what: str) -> None:
     matched = facts["matched"].items()
     pairs = ", ".join(f"{theirs[:LONGEST_NAME]} = {ours}" for theirs, ours in matched)
@@ -354,36 +252,3 @@ def _print_names(facts: dict[str, Any], what: str) -> None:
         count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
         names = (name[:LONGEST_NAME] for name in facts["left_out"][:MOST_NAMES])
         print(f"Left out {count}: {', '.join(names)}{more}")
-
-
-# --- arguments
-
-
-def _pair(text: str) -> tuple[str, str]:
-    name, sign, place = text.rpartition("=")
-    if not (name and sign and place):
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=PLACE, such as tailtip=tail.end")
-    return name, place
-
-
-def _seconds(text: str) -> float:
-    return _number(text, -1e6, 1e6)
-
-
-def _rate(text: str) -> float:
-    return _number(text, 1e-3, 1e5)
-
-
-def _number(text: str, least: float, most: float) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not least <= number <= most:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
-    return number
-
-
-def _frames(text: str) -> list[int]:
-    parse = whole_number(0)
-    return [parse(word) for word in text.split(",")]

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 from keypose.app.cli.json_output import print_json
-from keypose.tracker.errors import FormatError
 
 
 def add_camera(command: argparse.ArgumentParser) -> None:
@@ -17,13 +16,6 @@ def add_camera(command: argparse.ArgumentParser) -> None:
         help="the file holds a camera that stands still: .json or .chan as export writes them, "
         ".glb or .gltf; sets the lens, what is up and, where the file has it, the floor",
     )
-
-
-def require_no_other(arguments: argparse.Namespace, names: tuple[str, ...]) -> None:
-    """An option of another kind would be ignored in silence."""
-    given = [name for name in names if getattr(arguments, name) not in (None, False)]
-    if given:
-        raise FormatError(f"--{given[0].replace('_', '-')} is not for --camera.")
 
 
 def import_camera(arguments: argparse.Namespace) -> None:

@@ -28,12 +28,11 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Show size, frames, rate and fingerprint of a video file or a folder of images"
     details = (
         "For a folder of meshes, one per time step: the number of steps, their size, whether "
         "the first one has holes, and which steps have no file."
     )
-    command = add_command(commands, "info", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "info", run, details, _EXAMPLES)
     command.add_argument(
         "video",
         metavar="VIDEO|MESHES",

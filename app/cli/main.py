@@ -16,32 +16,11 @@ import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
+from importlib import import_module
 from importlib.metadata import version
 from typing import NoReturn
 
-from keypose.app.cli import (
-    batch,
-    completion,
-    config,
-    doctor,
-    draft,
-    evaluate,
-    export,
-    film,
-    fit,
-    hull,
-    import_,
-    info,
-    models,
-    open,
-    reduce,
-    report,
-    review,
-    schema,
-    sheet,
-    shot,
-    track,
-)
+from keypose.app.cli.arguments import COMMANDS
 from keypose.app.cli.long_work import sigterm_as_ctrl_c
 from keypose.tracker.errors import ChoiceError, KeyposeError
 
@@ -109,8 +88,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parsed(argv: list[str]) -> argparse.Namespace:
     """The arguments; a name that is not known is refused with the nearest one that is."""
-    top, commands = grammar()
     given = next((word for word in argv if not word.startswith("-")), None)
+    top, commands = grammar(given or "none")
     if given is None:
         return top.parse_args(argv)
     if given not in commands:
@@ -154,8 +133,9 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def grammar() -> tuple[_Parser, Mapping[str, _Parser]]:
-    """The grammar of the command line, and those of its commands by name."""
+def grammar(*asked: str) -> tuple[_Parser, Mapping[str, _Parser]]:
+    """The grammar of the command line, and those of its commands by name; of those that are not
+    asked for, where some are, the names alone."""
     top = _Parser(
         prog="keypose",
         description="3D motion from ordinary video: pose a body at a few frames, the tracker "
@@ -168,31 +148,13 @@ def grammar() -> tuple[_Parser, Mapping[str, _Parser]]:
     )
     top.set_defaults(run=lambda _: _introduce(top))
     commands = top.add_subparsers(metavar="COMMAND")
-    for command in (
-        open,
-        draft,
-        track,
-        review,
-        reduce,
-        fit,
-        batch,
-        evaluate,
-        shot,
-        film,
-        sheet,
-        report,
-        export,
-        import_,
-        hull,
-        info,
-        models,
-        schema,
-        config,
-        doctor,
-        completion,
-    ):
-        command.add(commands)
-    commands.choices["completion"].set_defaults(grammar=top)
+    for name, summary in COMMANDS.items():
+        if asked and name not in asked:
+            commands.add_parser(name, help=summary)
+            continue
+        module = import_module(f"keypose.app.cli.{'import_' if name == 'import' else name}")
+        module.add(commands)
+    commands.choices["completion"].set_defaults(grammar=grammar)
     return top, commands.choices
 
 

@@ -24,9 +24,8 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "List the networks that find keypoints, or add one"
     about = "Without arguments, lists them. `add` downloads one or copies it from a file."
-    command = add_command(commands, "models", run, summary, about, _EXAMPLES)
+    command = add_command(commands, "models", run, about, _EXAMPLES)
     command.add_argument(
         "what", nargs="?", choices=("list", "add"), default="list", help="list (default) or add"
     )

@@ -54,15 +54,11 @@ and open the address below without --host. To serve {host} all the same, add --l
 
 
 def add(commands: Subcommands) -> None:
-    summary = (
-        "Open a video, a folder of meshes or a session in the browser: pose keyframes over the "
-        "picture, track, correct, export"
-    )
     details = (
         "Without a name, the page lets you choose. A new session is kept beside its video or "
         "meshes, and every change is saved at once. Ctrl+C ends the server."
     )
-    command = add_command(commands, "open", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "open", run, details, _EXAMPLES)
     command.add_argument(
         "path",
         metavar="VIDEO|MESHES|SESSION",

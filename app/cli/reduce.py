@@ -42,7 +42,6 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Reduce a dense motion to a few keyframes"
     details = (
         "The motion that was tracked, drafted or imported becomes keyframes to edit it by: one in "
         "20 frames, where it bends most. What lies between stays as it is, beside the session: a "
@@ -51,7 +50,7 @@ def add(commands: Subcommands) -> None:
         "the fewest from which interpolation alone gives the motion back, for programs that know "
         "nothing else. Keyframes that are there stay."
     )
-    command = add_command(commands, "reduce", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "reduce", run, details, _EXAMPLES)
     add_session(command)
     goal = command.add_mutually_exclusive_group()
     goal.add_argument(

@@ -15,14 +15,13 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Write a report on the tracking as one HTML file"
     details = (
         "It has the verdicts in words, rank and observability over time, the score of every "
         "pass, joint angles, the gait of one who walks, keyframes with their intervals, and "
         "pictures. The file is self-contained and needs no network. Without the video the "
         "pictures are left out."
     )
-    command = add_command(commands, "report", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "report", run, details, _EXAMPLES)
     add_session(command)
     add_output(command, "FILE.html")
 

@@ -22,12 +22,11 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "List the places of the motion to look at, the worst first"
     details = (
         "Each with its frame, its part, the error expected there and the reason; what a person has "
         "answered on the page is left out. Drafts to confirm come first."
     )
-    command = add_command(commands, "review", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "review", run, details, _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--above",

@@ -14,8 +14,7 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Print the JSON Schema of a body file or a session file"
-    command = add_command(commands, "schema", run, summary, "", _EXAMPLES)
+    command = add_command(commands, "schema", run, "", _EXAMPLES)
     command.add_argument("kind", choices=("body", "session"), help="which file")
 
 

@@ -29,14 +29,13 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Track the motion between the keyframes"
     details = (
         "Results are written beside the session. With --out, a copy of the session and the "
         "results are written to that folder and the session is not changed. Ctrl+C or SIGTERM "
         "keeps finished segments. A session that is open in the page is not tracked. The exit "
         "code is 1 when tracking was lost somewhere."
     )
-    command = add_command(commands, "track", run, summary, details, _EXAMPLES)
+    command = add_command(commands, "track", run, details, _EXAMPLES)
     add_session(command)
     of_session = "; default: the session's setting"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")

@@ -9,9 +9,6 @@ from keypose.tracker.errors import FormatError, SessionError
 if TYPE_CHECKING:
     from keypose.tracker.session import Session
 
-SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
-"""Of a picture or film, pixels."""
-
 
 def require_tint(session: Session, tint: str) -> None:
     """Refused where there is nothing to colour, or nothing that colours it."""

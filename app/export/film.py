@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
-from keypose.app.render.films import Film, FilmView, film_pictures, film_size, posed_frames
+from keypose.app.orders.drawing import FilmOrder
+from keypose.app.render.films import Film, film_pictures, film_size, posed_frames
 from keypose.app.render.palette import Picture
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.studio import Paint, Size
-from keypose.app.render.tints import Tint
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import sweep
 from keypose.tracker.storage.outdated import outdated_words
-from keypose.tracker.storage.results import Span
 from keypose.tracker.video import Video
 from keypose.tracker.video.encode import FilmWriter, film_file
 
@@ -26,19 +24,6 @@ USUAL_FPS = 25.0
 
 Seen: TypeAlias = Callable[[Iterator[Picture], int], Iterator[Picture]]
 """Lets somebody count the pictures that go by; their number is known before."""
-
-
-@dataclass(frozen=True)
-class FilmOrder:
-    """What is asked for. frames: None for all from the first pose to the last. fps: None for the
-    video's own times."""
-
-    view: FilmView = "main"
-    frames: Span | None = None
-    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
-    size: Size | None = None
-    tint: Tint = "clay"
-    fps: Fraction | None = None
 
 
 @dataclass(frozen=True)

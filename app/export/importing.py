@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import with_drafts
-from keypose.app.export.import_choices import EVERY, Choices, KeypointChoices, MotionChoices
 from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
 from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pose_draft
+from keypose.app.orders.imports import EVERY, ImportKeypoints, ImportMotion, ImportOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import Matched
@@ -74,49 +74,49 @@ Import: TypeAlias = MotionImport | DraftImport | CameraFile
 def import_file(
     session: Session,
     path: Path,
-    choices: Choices,
+    order: ImportOrder,
     video: VideoInfo,
     progress: Progress | None = None,
 ) -> Import:
     """Return what the file holds, brought to the session; FormatError in one sentence where it does
     not suit it. progress: receives how many frames of how many are done.
     """
-    if isinstance(choices, MotionChoices):
-        motion = as_chosen(path.name, load_motion(path), choices)
+    if isinstance(order, ImportMotion):
+        motion = as_chosen(path.name, load_motion(path), order)
         times_s = session.evidence.times_s(video.times_s)
-        return import_motion(session, motion, path.name, choices, times_s, progress)
-    if isinstance(choices, KeypointChoices):
-        people = read_people(path, choices.individual)
-        return import_keypoints(session, people, path.name, choices, video, progress)
+        return import_motion(session, motion, path.name, order, times_s, progress)
+    if isinstance(order, ImportKeypoints):
+        people = read_people(path, order.individual)
+        return import_keypoints(session, people, path.name, order, video, progress)
     return load_camera(path, (session.camera.width, session.camera.height))
 
 
 # --- motion
 
 
-def as_chosen(file: str, motion: JointMotion, choices: MotionChoices) -> JointMotion:
+def as_chosen(file: str, motion: JointMotion, order: ImportMotion) -> JointMotion:
     """The motion of a file, as it is chosen to be read."""
-    motion = motion.of_individual(file, choices.individual)
-    if choices.fps is not None:
-        motion = motion.at_rate(choices.fps)
-    if choices.world is not None:
-        motion = replace(motion, world=choices.world, rest_m=None)
-    if choices.unit == "auto":
+    motion = motion.of_individual(file, order.individual)
+    if order.fps is not None:
+        motion = motion.at_rate(float(order.fps))
+    if order.world is not None:
+        motion = replace(motion, world=order.world, rest_m=None)
+    if order.unit == "auto":
         return replace(motion, unit=None)
-    return motion if choices.unit is None else motion.in_unit(choices.unit)
+    return motion if order.unit is None else motion.in_unit(order.unit)
 
 
 def import_motion(
     session: Session,
     motion: JointMotion,
     file: str,
-    choices: MotionChoices,
+    order: ImportMotion,
     times_s: Array,
     progress: Progress | None = None,
 ) -> MotionImport | DraftImport:
     """Fit a motion to the session's body at the video's frames; one of one frame is a draft."""
-    offset_s = _offset_s(choices, times_s)
-    given = (choices.names, choices.places, progress)
+    offset_s = _offset_s(order, times_s)
+    given = (order.names, dict(order.places), progress)
     found = fit_to_session(session, motion, file, times_s, offset_s, *given)
     if len(found.fit.trajectory) > 1:
         return MotionImport(found, motion.names)
@@ -124,12 +124,12 @@ def import_motion(
     return DraftImport((draft,), found.matched, motion.names, (draft.keyframe.frame,), found.notes)
 
 
-def _offset_s(choices: MotionChoices, times_s: Array) -> float | None:
+def _offset_s(order: ImportMotion, times_s: Array) -> float | None:
     """The video's time at which the file's time 0 lies; beyond the video at its mean rate; None
     where that is left open."""
-    if choices.offset_frames is None:
-        return choices.offset_s
-    frame, last = choices.offset_frames, len(times_s) - 1
+    if order.offset_frames is None:
+        return order.offset_s
+    frame, last = order.offset_frames, len(times_s) - 1
     if 0 <= frame <= last:
         return float(times_s[frame])
     return float(frame * (times_s[-1] - times_s[0]) / max(last, 1))
@@ -142,18 +142,18 @@ def import_keypoints(
     session: Session,
     people: People,
     file: str,
-    choices: KeypointChoices,
+    order: ImportKeypoints,
     video: VideoInfo,
     progress: Progress | None = None,
 ) -> DraftImport:
     """Draft poses from the keypoints in a file, at the frames that are asked for."""
     facts = video_facts(session, video)
-    people, notes = on_video(file, people, facts, choices.offset_frames or 0)
-    keypoints = keypoints_of(file, people, choices.layout, facts)
-    if choices.exchange:
+    people, notes = on_video(file, people, facts, order.offset_frames or 0)
+    keypoints = keypoints_of(file, people, order.layout, facts)
+    if order.exchange:
         keypoints = keypoints.exchanged()
-    known = match_keypoints(session, keypoints, file, choices.places)
-    frames = _wanted_frames(session, keypoints, choices)
+    known = match_keypoints(session, keypoints, file, dict(order.places))
+    frames = _wanted_frames(session, keypoints, order)
     times_s = session.evidence.times_s(video.times_s)
     drafts = drafts_of(session, keypoints, known, frames, times_s, progress)
     return DraftImport(drafts, known, keypoints.names, tuple(frames), notes)
@@ -166,18 +166,18 @@ def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
     return VideoFacts(video.frame_count, video.width, video.height, info.fps if has_rate else None)
 
 
-def _wanted_frames(session: Session, keypoints: Keypoints, choices: KeypointChoices) -> list[int]:
+def _wanted_frames(session: Session, keypoints: Keypoints, order: ImportKeypoints) -> list[int]:
     count = session.video.frame_count
-    if choices.frames is not None:
-        beyond = [frame for frame in choices.frames if frame >= count]
+    if order.frames is not None:
+        beyond = [frame for frame in order.frames if frame >= count]
         if beyond:
             raise FormatError(
                 f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
             )
-        return sorted(set(choices.frames))
+        return sorted(set(order.frames))
     frames: list[int] = []
     for n in np.flatnonzero(keypoints.visibility.any(axis=1)).tolist():
-        if not frames or keypoints.first_frame + n - frames[-1] >= (choices.every or EVERY):
+        if not frames or keypoints.first_frame + n - frames[-1] >= (order.every or EVERY):
             frames.append(keypoints.first_frame + n)
     return frames
 

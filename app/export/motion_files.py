@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from keypose.app.editor.state import EditorState
-from keypose.app.export.motion_formats import FORMATS, Bones, MotionFormat
+from keypose.app.export.motion_formats import FORMATS, MotionFormat
+from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.formats.conventions import with_floor
-from keypose.tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
-from keypose.tracker.formats.rigs import OWN
+from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
-from keypose.tracker.formats.units import FileUnit
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span
@@ -38,46 +37,20 @@ class File:
     left_out: str = ""
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """What a person may ask for besides a format.
-
-    rate: frames a second, those of the film when None; where these vary, formats that are read at
-        a constant rate get their mean.
-    filter_hz: cut-off of the low-pass filter, none when None.
-    frames: first and last frame of the film, all when None.
-    rig: whose bones a format has that has bones, by name (`keypose.tracker.formats.rigs`).
-    unit: of lengths in a format that names none.
-    marker_set: which markers files of markers have.
-    from_zero: whether times and frames begin at 0 instead of where they are in the film.
-    """
-
-    rate: float | None = None
-    filter_hz: float | None = None
-    frames: Span | None = None
-    rig: str = OWN
-    unit: FileUnit = "m"
-    marker_set: MarkerSetName = "keypose"
-    from_zero: bool = False
-
-
-AS_TRACKED = Sampling()
-
-
-def sampled(recording: Recording, sampling: Sampling, own_times: bool) -> Recording:
+def sampled(recording: Recording, order: MotionOrder, own_times: bool) -> Recording:
     """The recording as it is asked for; `own_times` where a varying rate may stay.
 
     It is filtered before frames are left out, and at the film's rate, whatever rate it gets.
     """
-    made = replace(recording, marker_set=sampling.marker_set)
-    if sampling.filter_hz is not None:
-        made = low_passed(made, sampling.filter_hz)
-    if sampling.rate is not None:
-        made = at_rate(made, sampling.rate)
+    made = replace(recording, marker_set=order.markers)
+    if order.filter_hz is not None:
+        made = low_passed(made, order.filter_hz)
+    if order.fps is not None:
+        made = at_rate(made, float(order.fps))
     elif not own_times and not made.is_even:
         made = at_rate(made, made.rate or made.frames_per_second)
-    made = made if sampling.frames is None else _between(made, sampling.frames)
-    return from_zero(made) if sampling.from_zero else made
+    made = made if order.frames is None else _between(made, order.frames)
+    return from_zero(made) if order.from_zero else made
 
 
 def _between(recording: Recording, frames: Span) -> Recording:
@@ -94,23 +67,23 @@ def _between(recording: Recording, frames: Span) -> Recording:
 
 
 def sampling_words(
-    recording: Recording, sampling: Sampling, formats: Sequence[MotionFormat]
+    recording: Recording, order: MotionOrder, formats: Sequence[MotionFormat]
 ) -> str | None:
     """Return what a person should know of files in these formats; None if as tracked."""
     sentences = []
-    if sampling.filter_hz is not None:
-        metres, radians = moved_at_keyframes(low_passed(recording, sampling.filter_hz), recording)
+    if order.filter_hz is not None:
+        metres, radians = moved_at_keyframes(low_passed(recording, order.filter_hz), recording)
         sentences.append(
-            f"Filtered at {sampling.filter_hz:g} Hz, which moves keyframes by up to "
+            f"Filtered at {order.filter_hz:g} Hz, which moves keyframes by up to "
             f"{metres * 1000:.1f} mm and {np.degrees(radians):.1f}°."
         )
-    even = [name for name in formats if sampling.filter_hz or not FORMATS[name].own_times]
-    if sampling.rate is None and even and not recording.is_even:
+    even = [name for name in formats if order.filter_hz or not FORMATS[name].own_times]
+    if order.fps is None and even and not recording.is_even:
         rate = recording.rate or recording.frames_per_second
         names = listed([name.upper() for name in even])
         verb = "has" if len(even) == 1 else "have"
         sentences.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
-    first = recording.frames[0] if sampling.frames is None else sampling.frames[0]
+    first = recording.frames[0] if order.frames is None else order.frames[0]
     untimed = [name.upper() for name in formats if not FORMATS[name].timed]
     if first and untimed:
         verb = "begins" if len(untimed) == 1 else "begin"
@@ -121,12 +94,12 @@ def sampling_words(
 
 
 def motion_files(
-    format_name: MotionFormat, recording: Recording, sampling: Sampling = AS_TRACKED
+    format_name: MotionFormat, recording: Recording, order: MotionOrder = AS_TRACKED
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    made = sampled(with_floor(recording), sampling, kind.own_times)
-    contents = kind.write(made, Bones(sampling.rig, sampling.unit))
+    made = sampled(with_floor(recording), order, kind.own_times)
+    contents = kind.contents(made, order)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -135,22 +108,22 @@ def _bytes(content: str | bytes) -> bytes:
 
 
 def motion_archive(
-    format_name: MotionFormat, edit: EditorState, sampling: Sampling = AS_TRACKED
+    format_name: MotionFormat, edit: EditorState, order: MotionOrder = AS_TRACKED
 ) -> File:
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
-    files = motion_files(format_name, shown_motion(edit), sampling)
+    files = motion_files(format_name, shown_motion(edit), order)
     if len(files) == 1:
         ((name, content),) = files.items()
         return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 
-def every_format(edit: EditorState, sampling: Sampling = AS_TRACKED) -> File:
+def every_format(edit: EditorState, order: MotionOrder = AS_TRACKED) -> File:
     """The motion in every format that can hold it, in one zip; FormatError where none can."""
     recording, files, left_out = shown_motion(edit), dict[str, bytes](), []
     for name in FORMATS:
         try:
-            files |= motion_files(name, recording, sampling)
+            files |= motion_files(name, recording, order)
         except FormatError as error:
             left_out.append(f"{name.upper()}: {error}")
     if not files:

@@ -7,83 +7,90 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from importlib import import_module
+from typing import TYPE_CHECKING, Final, TypeAlias
 
-from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.rigs import OWN
-from keypose.tracker.formats.units import FileUnit
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import options_of
+from keypose.tracker.errors import FormatError, listed
 
 if TYPE_CHECKING:
     from keypose.tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal[
-    "bvh", "glb", "usd", "trc", "mot", "c3d", "csv", "npz", "amass", "camera", "chan"
-]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Bones:
-    """How bones are written: of which rig, by its name (`keypose.tracker.formats.rigs`), and in
-    which unit where the format names none."""
-
-    rig: str = OWN
-    unit: FileUnit = "m"
-
-
-MARKER_SETS: Final = ("keypose", "halpe26")
-"""As in tracker.formats.recording, which would load more than help needs."""
+MotionFormat: TypeAlias = str
+"""A name of `FORMATS`."""
+Write: TypeAlias = "Callable[[Recording, MotionOrder], Sequence[str | bytes]]"
 
 
 @dataclass(frozen=True)
 class Format:
-    """A file format of motion. Its name is in `MotionFormat`; in the page it is one entry of
-    `static/actions/table/export.js`.
+    """A file format of motion.
 
-    words: what it is for, and in which units and axes.  write: one recording as it, with bones as
-    they are asked for, which formats without bones pass over.
+    words: what it is for, and in which units and axes.  write: one recording as it; or the dotted
+    name of what writes a recording where no option matters.
     names: of its files, "motion" and what follows the session's name where the page saves one of
     them; of several it makes one zip.  media_type: of the one file.
+    reader, icon, search, remark: in the page who reads it, its sign, words it is found by, and what
+    a person should know.  title: what its action is called in lists; label: its short name.
+    library: the package and the module that it needs, which an extra of its name installs.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
     read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
-    rigged: whether it has bones, which may be another rig's.
+    rigged: whether it has bones, which may be another rig's; unitless: whether it cannot name its
+    unit of length; marked: whether it has markers.
     timed: whether its file says when in the film it begins.
     """
 
     words: str
-    write: Callable[[Recording, Bones], Sequence[str | bytes]]
+    write: Write | str
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
+    reader: str = ""
+    icon: str = ""
+    search: str = ""
+    title: str = ""
+    label: str = ""
+    remark: str = ""
+    library: tuple[str, str] | None = None
     own_times: bool = False
     gaps: bool = True
     rigged: bool = False
+    unitless: bool = False
+    marked: bool = False
     timed: bool = True
 
+    def contents(self, recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
+        """Return what its files hold; FormatError when it cannot hold the motion."""
+        if not isinstance(self.write, str):
+            return self.write(recording, order)
+        module, name = self.write.rsplit(".", 1)
+        return (getattr(import_module(f"keypose.tracker.formats.{module}"), name)(recording),)
 
-def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
+
+def _bvh(recording: Recording, order: MotionOrder) -> Sequence[str]:
     from keypose.tracker.formats.bvh import bvh
     from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
     from keypose.tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")
-    rig = rig_of(whole.skeleton, bones.rig, parallel=True)
+    rig = rig_of(whole.skeleton, order.rig, parallel=True)
     Ts_world_part = parts_in_world(whole, floor_from_camera(whole))
-    return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, bones.unit),)
+    return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, order.unit),)
 
 
-def _glb(recording: Recording, bones: Bones) -> Sequence[bytes]:
+def _glb(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
     from keypose.tracker.formats.glb import glb
 
-    return (glb(recording, *_colours(recording), bones.rig),)
+    return (glb(recording, *_colours(recording), order.rig),)
 
 
-def _usd(recording: Recording, bones: Bones) -> Sequence[bytes]:
+def _usd(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
     try:
         from keypose.tracker.formats.usd import usd
     except ModuleNotFoundError as error:
         if error.name != "pxr":
             raise
         raise FormatError("USD files need usd-core: pip install 'keypose[usd]'.") from None
-    return (usd(recording, *_colours(recording), bones.rig),)
+    return (usd(recording, *_colours(recording), order.rig),)
 
 
 def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
@@ -94,7 +101,7 @@ def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int,
     return [str(side) for side in part_sides(recording.skeleton.body)], colours
 
 
-def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
+def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
     from keypose.tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
@@ -102,109 +109,102 @@ def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
     return joints_csv(*motion), angles, frames_csv(recording)
 
 
-def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from keypose.tracker.formats.marker_files import trc
-
-    return (trc(recording, "motion.trc"),)
-
-
-def _mot(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from keypose.tracker.formats.opensim.mot import mot
-
-    return (mot(recording),)
-
-
-def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from keypose.tracker.formats.marker_files import c3d
-
-    return (c3d(recording),)
-
-
-def _npz(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from keypose.tracker.formats.npz import npz
-
-    return (npz(recording),)
-
-
-def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
-    from keypose.tracker.formats.smpl import amass
-
-    return (amass(recording),)
-
-
-def _camera(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from keypose.tracker.formats.camera_files import camera_json
-
-    return (camera_json(recording),)
-
-
-def _chan(recording: Recording, _bones: Bones) -> Sequence[str]:
-    from keypose.tracker.formats.camera_files import chan
-
-    return (chan(recording),)
-
-
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
         "the floor at zero",
-        _bvh, ("motion.bvh",), "text/plain", gaps=False, rigged=True, timed=False,
+        _bvh, ("motion.bvh",), "text/plain", "Blender, MotionBuilder, Daz", "bone",
+        "blender maya motionbuilder unreal unity animation mocap fbx",
+        remark="The file cannot say where in the video it begins",
+        gaps=False, rigged=True, unitless=True, timed=False,
     ),
     "glb": Format(
         "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
         "y up, the floor at zero",
-        _glb, ("motion.glb",), "model/gltf-binary", gaps=False, rigged=True,
+        _glb, ("motion.glb",), "model/gltf-binary", "Blender, Unreal, Unity, web", "both",
+        "blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman "
+        "vrm fbx",
+        gaps=False, rigged=True,
     ),
     "usd": Format(
         "the same rig, motion and camera for film and game studios, metres; y up, the floor at "
         "zero; needs usd-core",
-        _usd, ("motion.usd",), gaps=False, rigged=True,
+        _usd, ("motion.usd",), reader="Omniverse, Houdini, Maya", icon="both",
+        search="usdz usdc openusd universal scene description omniverse houdini maya unreal "
+        "animation",
+        remark="In Blender, set the frame rate to the video’s",
+        library=("usd-core", "pxr"), gaps=False, rigged=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres, metres with --markers halpe26; x ahead, y up, "
         "z right, on the floor",
-        _trc, ("motion.trc",), "text/plain",
+        "marker_files.trc", ("motion.trc",), "text/plain", "OpenSim", "trail",
+        "opensim markers biomechanics", marked=True,
     ),
     "mot": Format(
         "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal; x ahead, y "
         "up, z right, on the floor",
-        _mot, ("motion.mot",), "text/plain", gaps=False,
+        "opensim.mot.mot", ("motion.mot",), "text/plain", "OpenSim joint angles", "rot",
+        title="Export joint angles as MOT", gaps=False,
     ),
     "c3d": Format(
         "joints as markers for motion laboratories, millimetres; x ahead, y up, z right, on the "
         "floor",
-        _c3d, ("motion.c3d",),
+        "marker_files.c3d", ("motion.c3d",), reader="motion laboratories", icon="ghost",
+        search="vicon qualisys biomechanics lab markers", library=("ezc3d", "ezc3d"), marked=True,
     ),
     "csv": Format(
         "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, a "
         "person's by clinical names too, and how far to trust every frame",
-        _csv, ("joints.csv", "angles.csv", "frames.csv"), own_times=True,
+        _csv, ("joints.csv", "angles.csv", "frames.csv"),
+        reader="joints, angles, verdicts", icon="copy",
+        search="table excel spreadsheet angles positions data", title="Export CSV tables",
+        own_times=True,
     ),
     "npz": Format(
         "all of this and the camera for NumPy, metres and radians",
-        _npz, ("motion.npz",), own_times=True,
+        "npz.npz", ("motion.npz",), reader="NumPy", icon="quad",
+        search="numpy python arrays data", own_times=True,
     ),
     "amass": Format(
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
         "z up, on the floor",
-        _amass, ("motion_poses.npz",), gaps=False, timed=False,
+        "smpl.amass", ("motion_poses.npz",), reader="SMPL, motion research", icon="ghost",
+        search="smpl smplh smplx research npz poses", title="Export AMASS, SMPL poses",
+        gaps=False, timed=False,
     ),
     "camera": Format(
         "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
-        _camera, ("motion_camera.json",), "application/json", own_times=True,
+        "camera_files.camera_json", ("motion_camera.json",), "application/json",
+        "rotomation, JSON", "camcorder", "rotomation matchmove json lens",
+        title="Export the camera as JSON", label="Camera", own_times=True,
     ),
     "chan": Format(
         "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
         "zero",
-        _chan, ("motion_camera.chan",), "text/plain", own_times=True,
+        "camera_files.chan", ("motion_camera.chan",), "text/plain", "the camera for Nuke",
+        "camcorder", "camera nuke rotomation matchmove compositing",
+        title="Export the camera for Nuke", own_times=True,
     ),
 }  # fmt: skip
 
 
+def require_meant(order: MotionOrder, formats: Sequence[MotionFormat]) -> None:
+    """FormatError for an option that none of the formats heeds: it would be ignored."""
+    for name, one in options_of(MotionOrder).items():
+        if one.only is None or getattr(order, name) == getattr(MotionOrder(), name):
+            continue
+        heeding = [known for known, kind in FORMATS.items() if getattr(kind, one.only)]
+        if not set(heeding) & set(formats):
+            raise FormatError(f"{one.label} is for {listed(heeding)} alone.")
+
+
 def formats_of(text: str) -> tuple[MotionFormat, ...]:
-    """The formats in a list with commas between, each once; ValueError names one that is none."""
+    """The formats in a list with commas between, each once; FormatError names one that is none."""
     asked = [name.strip().lower() for name in text.split(",")]
     for name in asked:
         if name not in FORMATS:
-            raise ValueError(f"{name[:40]!r} (choose from {', '.join(FORMATS)})")
+            raise FormatError(
+                f"There is no format {name[:40]!r}; choose from {', '.join(FORMATS)}."
+            )
     return tuple(name for name in FORMATS if name in asked)

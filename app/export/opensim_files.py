@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from keypose.app.export.motion_files import Sampling, sampled
+from keypose.app.export.motion_files import sampled
+from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.formats.apart import read_apart
 from keypose.tracker.formats.marker_files import trc
 from keypose.tracker.formats.marker_sets import markers_of
@@ -44,7 +45,7 @@ class ForModel:
 
 
 def files_for_model(
-    recording: Recording, sampling: Sampling, model_path: Path, out: Path
+    recording: Recording, order: MotionOrder, model_path: Path, out: Path
 ) -> ForModel:
     """The motion as markers and coordinates, the model's scaling and inverse kinematics.
 
@@ -52,7 +53,7 @@ def files_for_model(
     person's, or where the motion has gaps.
     """
     model = read_apart(read_model, model_path)
-    made = sampled(recording, sampling, own_times=False).whole("MOT")
+    made = sampled(recording, order, own_times=False).whole("MOT")
     body = made.skeleton.body
     markers = markers_of(body, made.marker_set)
     sizes = scaled(model, body, markers)
@@ -60,7 +61,7 @@ def files_for_model(
     times_s = (float(made.times_s[0]), float(made.times_s[-1]))
     bend = None if sizes.shows_tilt else trunk_flexion(model)
     texts = {
-        "motion.trc": trc(made, "motion.trc"),
+        "motion.trc": trc(made),
         MOTION_FILE: mot(made, model),
         MARKERS_FILE: markers_xml(sizes),
         SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),

@@ -13,10 +13,11 @@ import numpy as np
 
 from keypose.app.editor.part_keyframes import keyed_words
 from keypose.app.export.report.subject import Subject, subject_of
+from keypose.app.orders.drawing import PictureOrder, SheetOrder
 from keypose.app.render.lettering import write, written_width
 from keypose.app.render.palette import PAPER, TEXT, Colour, Picture
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.stills import Still, still
+from keypose.app.render.stills import still
 from keypose.app.render.studio import ViewStyle, png, rectified, snapshot
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.schema import Session
@@ -128,13 +129,12 @@ def sheet_png(
     session: Session,
     session_path: Path,
     video: Video,
-    look: ViewStyle,
-    columns: int | None = None,
+    order: SheetOrder,
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> tuple[bytes, str | None]:
     """The PNG file's bytes, and what a person should know of it, a sentence.
 
-    columns: None as it fits.  drawn: receives how many of how many keyframes are drawn.
+    drawn: receives how many of how many keyframes are drawn.
     """
     keyed, count = len(session.keyframes), len(session.keyframes) + len(session.part_keyframes)
     if not keyed or count > MOST_KEYFRAMES:
@@ -142,8 +142,9 @@ def sheet_png(
         raise SessionError(f"{session_path.name} has {words} keyframes to draw.")
     fitting, size = sheet_layout(count, session.video.width / session.video.height)
     subject = subject_of(session, session_path, video.info)
+    look = ViewStyle("main", order.style, order.opacity, order.tint)
     cells = _cells(subject, video, size, look, lambda done: drawn(done, count))
-    return png(sheet(cells, columns or fitting, size)), subject.problem
+    return png(sheet(cells, order.columns or fitting, size)), subject.problem
 
 
 def _cells(
@@ -179,7 +180,7 @@ def write_pictures(
     video: Video,
     poses: KnownPoses,
     frames: Sequence[int],
-    wanted: Still,
+    wanted: PictureOrder,
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
     """A zip with frame0001.png and so on; `drawn` receives how many of how many are done."""

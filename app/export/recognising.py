@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
 from keypose.app.export.import_camera import turned_deg, with_camera_file
-from keypose.app.export.import_choices import EVERY
 from keypose.app.export.importing import names_of, video_facts
+from keypose.app.orders.imports import EVERY
 from keypose.app.words.imports import note_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import ChoiceError, FormatError
@@ -40,7 +40,9 @@ _PROGRAMS: Final[Mapping[str, str]] = {
 }  # fmt: skip
 _CAMERAS: Final = (".chan", ".glb", ".gltf")
 _KEYPOINTS: Final = (".h5", ".hdf5", ".slp")
-_MOTION: Final = (".bvh", ".trc", ".c3d", ".npz", ".pt", ".pth", ".pkl", ".pickle")
+PICKLED: Final = (".pkl", ".pickle")
+"""Endings of what is refused with the remedy, and not offered."""
+_MOTION: Final = (".bvh", ".trc", ".c3d", ".npz", ".pt", ".pth", *PICKLED)
 ENDINGS: Final = (*_MOTION, ".csv", *_KEYPOINTS, ".json", *_CAMERAS)
 """Of the names of files that can be imported."""
 

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from keypose.app.jobs.side_process import Progress
+from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
 from keypose.tracker.formats.apart import LARGEST_COPY_BYTES, MEMORY_BYTES, SECONDS, died_words
 from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.session import Session
 
 if TYPE_CHECKING:
-    from keypose.app.export.film import FilmOrder
-    from keypose.app.export.import_choices import Choices
     from keypose.app.export.importing import Import
     from keypose.app.export.recognising import Recognised
-    from keypose.app.render.palette import Picture
-    from keypose.app.render.stills import Still
-    from keypose.app.render.studio import ViewStyle
+    from keypose.app.orders.imports import ImportOrder
     from keypose.tracker.video.info import VideoInfo
 
 
@@ -55,7 +50,7 @@ class ImportWork:
     session: bytes
     file: Path
     video: VideoInfo
-    choices: Choices
+    order: ImportOrder
 
     @property
     def died(self) -> str:
@@ -66,7 +61,7 @@ class ImportWork:
 
         session = Session.model_validate_json(self.session)
         _limit(SECONDS_TO_FIT)
-        return import_file(session, self.file, self.choices, self.video, progress)
+        return import_file(session, self.file, self.order, self.video, progress)
 
 
 def _limit(seconds: int) -> None:
@@ -74,82 +69,16 @@ def _limit(seconds: int) -> None:
     limit_time(seconds)
 
 
-@dataclass(frozen=True)
-class FilmExport:
-    """A film, as `keypose film` writes it."""
-
-    order: FilmOrder
-    suffix: str = ".mp4"
-
-    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
-        from keypose.app.export.film import film_of, film_words, write_film
-        from keypose.app.render.poses import KnownPoses
-        from keypose.tracker.storage.files import open_video_of
-
-        poses = KnownPoses.of(session, path)
-        film = film_of(path.name, poses, self.order)
-
-        def seen(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
-            for done, picture in enumerate(pictures, start=1):
-                yield picture
-                progress(done, count)
-
-        with open_video_of(session, path) as video:
-            write_film(out, session, video, poses, film, self.order.fps, seen=seen)
-        return " ".join(film_words(session, poses, film))
+Export: TypeAlias = FilmOrder | SheetOrder | PicturesOrder
 
 
-@dataclass(frozen=True)
-class SheetExport:
-    """All keyframes on one picture, as `keypose sheet` writes it."""
-
-    look: ViewStyle
-    columns: int | None = None
-    suffix: str = "-keyframes.png"
-
-    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
-        from keypose.app.export.pictures import sheet_png
-        from keypose.tracker.storage.files import open_video_of
-
-        with open_video_of(session, path) as video:
-            content, problem = sheet_png(session, path, video, self.look, self.columns, progress)
-        out.write_bytes(content)
-        return problem or ""
-
-
-@dataclass(frozen=True)
-class PicturesExport:
-    """A picture of every keyframe, or of every frame that has a pose, in one zip; or of one frame
-    alone. As `keypose shot` draws them."""
-
-    still: Still
-    frames: Literal["keyframes", "posed"] | int = "keyframes"
-
-    @property
-    def suffix(self) -> str:
-        """Return the ending of the file's name."""
-        return f"-{self.frames}.png" if isinstance(self.frames, int) else "-pictures.zip"
-
-    def write(self, session: Session, path: Path, out: Path, progress: Progress) -> str:
-        from keypose.app.export.pictures import write_pictures
-        from keypose.app.render.poses import KnownPoses
-        from keypose.app.render.stills import still
-        from keypose.app.render.studio import png
-        from keypose.tracker.storage.files import open_video_of
-
-        poses = KnownPoses.of(session, path)
-        if isinstance(self.frames, int):
-            with open_video_of(session, path) as video:
-                out.write_bytes(png(still(session, video, self.frames, poses, self.still)))
-            return ""
-        keys = [keyframe.frame for keyframe in session.keyframes]
-        frames = keys if self.frames == "keyframes" else list(poses.frames)
-        with open_video_of(session, path) as video:
-            write_pictures(out, session, video, poses, frames, self.still, progress)
-        return ""
-
-
-Export: TypeAlias = FilmExport | SheetExport | PicturesExport
+def suffix_of(order: Export) -> str:
+    """Return what follows the session's name in that of the file."""
+    if isinstance(order, FilmOrder):
+        return ".mp4"
+    if isinstance(order, SheetOrder):
+        return "-keyframes.png"
+    return f"-{order.frames}.png" if isinstance(order.frames, int) else "-pictures.zip"
 
 
 @dataclass(frozen=True)
@@ -157,18 +86,14 @@ class ExportWork:
     """An export of a saved session to a file; its result is what should be known of what was
     written."""
 
-    export: Export
+    order: Export
     session_path: Path
     out: Path
     died: str = "The export stopped unexpectedly. Try again."
 
     def do(self, progress: Progress) -> str:
+        from keypose.app.export.drawn import write_drawn
         from keypose.tracker.storage.files import load_session
 
         session = load_session(self.session_path)
-        return self.export.write(session, self.session_path, self.out, progress)
-
-
-def fps_of(value: float | None) -> Fraction | None:
-    """Frames a second as a film counts them."""
-    return None if value is None else Fraction(str(value)).limit_denominator(100_000)
+        return write_drawn(session, self.session_path, self.order, self.out, progress)

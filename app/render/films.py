@@ -12,32 +12,24 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from keypose.app.orders.drawing import FilmView, Paint, Size, Tint, View, Viewpoint
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import natural_size
-from keypose.app.render.studio import Paint, Size, Studio, View
+from keypose.app.render.studio import Studio
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
-from keypose.app.render.tints import Tint
-from keypose.app.render.viewpoints import (
-    Ground,
-    Viewpoint,
-    least_distance,
-    round_trip,
-    smoothed,
-    view_from,
-)
+from keypose.app.render.viewpoints import Ground, least_distance, round_trip, smoothed, view_from
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
 from keypose.tracker.video import Video
 
-FilmView: TypeAlias = View | Viewpoint | Literal["orbit"]
 Draw: TypeAlias = Callable[[int, Picture | None], Picture]
 """The picture of a frame; the video's own is given where it is seen."""
 

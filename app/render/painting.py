@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
 
+from keypose.app.orders.drawing import Style
 from keypose.app.render.palette import Canvas, CutOut, Picture, Side, part_colours, part_sides
 from keypose.app.render.shading import paint_solid, part_borders, shade, smooth_normal_maps
 from keypose.app.render.strokes import BodyEdges, body_lines, paint_dots, paint_lines
@@ -45,8 +45,6 @@ def form_of(skeleton: Skeleton) -> Form:
         part_sides(skeleton.body),
     )
 
-
-Style: TypeAlias = Literal["wire", "solid", "both"]
 
 FINE = 2
 """Painted this many times as large as wanted."""

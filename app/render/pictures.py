@@ -9,8 +9,9 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 
+from keypose.app.orders.drawing import Style
 from keypose.app.render.lettering import axes, plate, round_length, scale_bar, write_name
-from keypose.app.render.painting import Style, form_of, paint_over
+from keypose.app.render.painting import form_of, paint_over
 from keypose.app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
 from keypose.app.render.surfaces import SurfaceLayer, draw_surface
 from keypose.tracker.body.pose import Pose, pose_transforms

@@ -5,15 +5,13 @@ What is asked for plainly is the page's own picture.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
+from keypose.app.orders.drawing import PictureOrder, Size, Viewpoint
 from keypose.app.render.palette import CutOut, Picture
 from keypose.app.render.pictures import FourViewLayout, middle, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.studio import Paint, Size, Studio, View, ViewStyle, background, snapshot
+from keypose.app.render.studio import Studio, ViewStyle, background, snapshot
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
-from keypose.app.render.tints import Tint
-from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
+from keypose.app.render.viewpoints import Ground, least_distance, view_from
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
@@ -23,44 +21,15 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.video import Video
 
 
-@dataclass(frozen=True)
-class Still:
-    """What is asked for. size: None for the video's, or what it gives with four views.
-
-    scale: so many times that size. on_nothing: the body alone, without video, observed surface,
-    floor and letters. tint: of observed surfaces.
-    """
-
-    view: View | Viewpoint = "main"
-    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
-    size: Size | None = None
-    scale: float = 1.0
-    on_nothing: bool = False
-    tint: Tint = "clay"
-
-    @property
-    def needs_video(self) -> bool:
-        return self.view in ("main", "all") and not self.on_nothing
-
-    @property
-    def has_floor(self) -> bool:
-        return isinstance(self.view, Viewpoint) and not self.on_nothing
-
-    @property
-    def is_plain(self) -> bool:
-        """Return whether the page draws it, too."""
-        return self.size is None and self.scale == 1.0 and not self.on_nothing
-
-
 def still(
-    session: Session, video: Video | None, frame: int, poses: KnownPoses, wanted: Still
+    session: Session, video: Video | None, frame: int, poses: KnownPoses, wanted: PictureOrder
 ) -> Picture | CutOut:
     """The picture at a frame that has a pose."""
     pose = poses.pose(frame)
     if pose is None:
         raise SessionError(f"Frame {frame} has no pose.")
     if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
-        look = ViewStyle(wanted.view, wanted.paint.style, wanted.paint.opacity, wanted.tint)
+        look = ViewStyle(wanted.view, wanted.style, wanted.opacity, wanted.tint)
         return snapshot(session, video, frame, pose, look)
     studio = Studio.of(session, poses.skeleton)
     size = _size(studio, wanted)
@@ -87,14 +56,14 @@ def natural_size(studio: Studio, view: object) -> Size:
     return camera.width, camera.height
 
 
-def _size(studio: Studio, wanted: Still) -> Size:
+def _size(studio: Studio, wanted: PictureOrder) -> Size:
     if wanted.size is not None:
         return wanted.size
     width, height = natural_size(studio, wanted.view)
     return max(1, round(width * wanted.scale)), max(1, round(height * wanted.scale))
 
 
-def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut:
+def _on_nothing(studio: Studio, pose: Pose, wanted: PictureOrder, size: Size) -> CutOut:
     if isinstance(wanted.view, Viewpoint):
         return studio.cut_out_by(_view(studio, pose, wanted.view, size)[0], pose)
     if wanted.view == "main":

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
 
+from keypose.app.orders.drawing import Paint, Size, Style, Tint, View
 from keypose.app.posing import view_rotations
 from keypose.app.render.lettering import plate, written_width
-from keypose.app.render.painting import Form, Style, cut_out, form_of, paint_over
+from keypose.app.render.painting import Form, cut_out, form_of, paint_over
 from keypose.app.render.palette import GAP, CutOut, Picture
 from keypose.app.render.pictures import (
     OPACITY,
@@ -25,7 +25,6 @@ from keypose.app.render.pictures import (
     posed_points,
 )
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers, draw_surface
-from keypose.app.render.tints import Tint
 from keypose.app.render.viewpoints import Ground, floor_picture
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -35,8 +34,6 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewCamera, ViewName
 from keypose.tracker.session.schema import Session
 from keypose.tracker.video import MissingFrame, Video
-
-View: TypeAlias = Literal["main", "top", "side", "front", "all"]
 
 
 @dataclass(frozen=True)
@@ -129,18 +126,6 @@ def _with_plate(picture: Picture, words: str) -> Picture:
     height_px = min(max(10.0, height / 40), widest)
     plate(picture, words, *(round(0.8 * height_px),) * 2, height_px)
     return picture
-
-
-Size = tuple[int, int]
-"""Width and height, pixels."""
-
-
-@dataclass(frozen=True)
-class Paint:
-    """How the body is drawn over the video."""
-
-    style: Style
-    opacity: float
 
 
 SOLID = Paint("solid", 1.0)

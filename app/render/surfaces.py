@@ -14,9 +14,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.orders.drawing import Tint
 from keypose.app.render.painting import FINE, Form, box_of
 from keypose.app.render.palette import INK, Canvas, Picture
-from keypose.app.render.tints import Colours, Tint, clay, colours_for_tint
+from keypose.app.render.tints import Colours, clay, colours_for_tint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.raster import raster
 from keypose.tracker.body.skeleton import Skeleton

@@ -7,15 +7,15 @@ colour of a verdict, of a side of the body or of what is selected.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.orders.drawing import Tint
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.surface.painting import CLAY
 
-Tint: TypeAlias = Literal["clay", "contact", "photo", "distance"]
 Colours: TypeAlias = NDArray[np.uint8]
 """(V, 3) RGB."""
 

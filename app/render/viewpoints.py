@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from keypose.app.orders.drawing import Viewpoint
 from keypose.app.posing import eye_rotation
 from keypose.app.render.lettering import length_name, round_length, write
 from keypose.app.render.painting import Form
@@ -24,22 +25,10 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, apply_transform, frozen, transform
 from keypose.tracker.geometry.view import ViewCamera
 
-ELEVATION_DEG = 12.0
-"""A little above, so that the floor is seen to lie."""
-
 FOCAL = 1.5
 """Of the shorter side of the picture: an angle of view of 37°."""
 MARGIN = 1.12
 NEAREST_M, FARTHEST_M = 0.1, 1e5
-
-
-@dataclass(frozen=True)
-class Viewpoint:
-    """Where a camera stands about the body. distance_m None: as near as all of it is seen."""
-
-    azimuth_deg: float = 0.0
-    elevation_deg: float = ELEVATION_DEG
-    distance_m: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

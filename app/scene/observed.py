@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.orders.drawing import Tint
 from keypose.app.render.surfaces import SurfaceLayer, colours_of, model_of
-from keypose.app.render.tints import Tint
 from keypose.tracker.errors import SurfaceError, VideoError
 from keypose.tracker.formats.glb_file import Numbers
 from keypose.tracker.geometry.rotations import Array

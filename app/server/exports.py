@@ -5,143 +5,55 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Any
 
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError, model_validator
+from pydantic import TypeAdapter, ValidationError
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, Response
 from starlette.routing import Route
 
-from keypose.app.editor.message import Degrees, Message
-from keypose.app.export.drawable import (
-    LARGEST_SIDE,
-    MOST_PIXELS,
-    SMALLEST_SIDE,
-    require_frame,
-    require_tint,
-)
-from keypose.app.export.film import FilmOrder
-from keypose.app.jobs.exchange import (
-    Export,
-    ExportWork,
-    FilmExport,
-    PicturesExport,
-    SheetExport,
-    fps_of,
-)
+from keypose.app.export.drawable import require_frame, require_tint
+from keypose.app.export.motion_formats import FORMATS
+from keypose.app.jobs.exchange import Export, ExportWork, suffix_of
 from keypose.app.jobs.side_process import SideProcess, WorkState
-from keypose.app.render.films import FilmView
-from keypose.app.render.stills import Still
-from keypose.app.render.studio import Paint, ViewStyle
-from keypose.app.render.tints import Tint
-from keypose.app.render.viewpoints import Viewpoint
+from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
+from keypose.app.orders.order import read_order
 from keypose.app.server.headers import headers_for, json_answer, read_body
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.scratch import Scratch
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.video.encode import can_write_films
 
 LARGEST_ORDER = 1 << 14
 TOO_LONG = "The order of an export is too long."
-LIBRARIES = {"c3d": "ezc3d", "usd": "pxr"}
-"""By format of motion, the module that it needs, which an extra of the same name installs."""
 FILM_REMEDY = "pip install --force-reinstall av"
 
-Side: TypeAlias = Annotated[int, Field(ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
+ORDERS: Mapping[str, type[Export]] = {
+    "film": FilmOrder, "sheet": SheetOrder, "pictures": PicturesOrder,
+}  # fmt: skip
+TEXTS: TypeAdapter[dict[str, str]] = TypeAdapter(dict[str, str])
 
 
-class _Drawn(Message):
-    """How the body is drawn over the video."""
-
-    style: Literal["wire", "solid", "both"] = "both"
-    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] = 0.5
-    tint: Tint = "clay"
-
-    @property
-    def paint(self) -> Paint:
-        return Paint(self.style, self.opacity)
-
-    def require(self, session: Session) -> None:
-        """KeyposeError where it cannot be drawn of this session."""
-        require_tint(session, self.tint)
+def read_export(content: bytes) -> Export:
+    """The order in a request; ValidationError or FormatError where it is none."""
+    texts = TEXTS.validate_json(content)
+    what = texts.pop("what", "")
+    if what not in ORDERS:
+        raise FormatError(f"There is no export {what[:40]!r}; choose from {', '.join(ORDERS)}.")
+    return read_order(ORDERS[what], texts)
 
 
-class _Sized(_Drawn):
-    """With a view and a size; `camera` and `orbit` of a picture look from azimuth and elevation."""
-
-    view: Literal["main", "top", "side", "front", "all", "orbit", "camera"] = "main"
-    azimuth: Degrees = 0.0
-    elevation: Annotated[FiniteFloat, Field(ge=-90, le=90)] = 12.0
-    size: tuple[Side, Side] | None = None
-
-    @property
-    def viewpoint(self) -> Viewpoint:
-        return Viewpoint(self.azimuth % 360.0, self.elevation)
-
-    @model_validator(mode="after")
-    def _is_not_too_large(self) -> _Sized:
-        if self.size is not None and self.size[0] * self.size[1] > MOST_PIXELS:
-            raise ValueError(f"more than {MOST_PIXELS // 10**6} million pixels")
-        return self
-
-
-class Film(_Sized):
-    """The motion as a film; without frames from the first pose to the last."""
-
-    what: Literal["film"]
-    frames: tuple[FrameIndex, FrameIndex] | None = None
-    fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
-
-    @property
-    def export(self) -> Export:
-        view: FilmView = self.viewpoint if self.view == "camera" else self.view
-        order = (view, self.frames, self.paint, self.size, self.tint, fps_of(self.fps))
-        return FilmExport(FilmOrder(*order))
-
-    def require(self, session: Session) -> None:
-        super().require(session)
-        if self.frames is not None:
-            if self.frames[0] > self.frames[1]:
-                raise FormatError("The last frame of a film comes after its first.")
-            require_frame(session, self.frames[1])
-
-
-class Sheet(_Drawn):
-    """All keyframes on one picture."""
-
-    what: Literal["sheet"]
-    columns: Annotated[int, Field(ge=1, le=100)] | None = None
-
-    @property
-    def export(self) -> Export:
-        return SheetExport(ViewStyle("main", self.style, self.opacity, self.tint), self.columns)
-
-
-class Pictures(_Sized):
-    """A picture of every keyframe, of every frame that has a pose, or of one frame."""
-
-    what: Literal["pictures"]
-    frames: Literal["keyframes", "posed"] | FrameIndex = "keyframes"
-    background: Literal["video", "none"] = "video"
-
-    @property
-    def export(self) -> Export:
-        view: Any = self.viewpoint if self.view in ("orbit", "camera") else self.view
-        nothing = self.background == "none"
-        still = Still(view, self.paint, self.size, on_nothing=nothing, tint=self.tint)
-        return PicturesExport(still, self.frames)
-
-    def require(self, session: Session) -> None:
-        super().require(session)
-        if isinstance(self.frames, int):
-            require_frame(session, self.frames)
-
-
-Order: TypeAlias = Annotated[Film | Sheet | Pictures, Field(discriminator="what")]
-ORDER: TypeAdapter[Film | Sheet | Pictures] = TypeAdapter(Order)
+def require_drawable(order: Export, session: Session) -> None:
+    """KeyposeError where it cannot be drawn of this session."""
+    require_tint(session, order.tint)
+    frames = getattr(order, "frames", None)
+    if isinstance(frames, tuple):
+        require_frame(session, frames[1])
+    elif isinstance(frames, int):
+        require_frame(session, frames)
 
 
 class Exports:
@@ -180,7 +92,7 @@ class Exports:
 
     async def _begin(self, request: Request) -> Response:
         try:
-            order = ORDER.validate_json(await read_body(request, LARGEST_ORDER, TOO_LONG))
+            order = read_export(await read_body(request, LARGEST_ORDER, TOO_LONG))
             async with self._beginning:
                 return await self._start(order)
         except ValidationError as error:
@@ -188,7 +100,7 @@ class Exports:
         except (KeyposeError, ClientDisconnect, OSError) as error:
             return json_answer({"words": str(error)}, 400)
 
-    async def _start(self, order: Film | Sheet | Pictures) -> Response:
+    async def _start(self, order: Export) -> Response:
         if self._process is not None and self._process.state.state == "running":
             words = "Another export is under way. Wait for it or cancel it."
             return json_answer({"words": words}, 409)
@@ -196,15 +108,15 @@ class Exports:
         edit, opened = self._store.app_state.edit, self._store.opened
         if edit is None or opened is None:
             raise FormatError("Open a video first.")
-        order.require(edit.doc)
+        require_drawable(order, edit.doc)
         await self.close()
         self._scratch = await asyncio.to_thread(Scratch, "export")
-        export = order.export
-        self._out = self._scratch.path / f"export{Path(export.suffix).suffix}"
-        work = ExportWork(export, path, self._out)
+        suffix = suffix_of(order)
+        self._out = self._scratch.path / f"export{Path(suffix).suffix}"
+        work = ExportWork(order, path, self._out)
         self._process = await asyncio.to_thread(SideProcess, work)
         self._id = secrets.token_hex(8)
-        self._name = f"{self._store.name}{export.suffix}"
+        self._name = f"{self._store.name}{suffix}"
         return json_answer({"id": self._id})
 
     def _under_way(self, request: Request) -> SideProcess | None:
@@ -237,8 +149,8 @@ def missing_here() -> dict[str, str]:
     """Return what cannot be exported by this installation, with the command that mends it."""
     missing = {
         name: f"pip install 'keypose[{name}]'"
-        for name, module in LIBRARIES.items()
-        if importlib.util.find_spec(module) is None
+        for name, kind in FORMATS.items()
+        if kind.library is not None and importlib.util.find_spec(kind.library[1]) is None
     }
     if not can_write_films():
         missing["film"] = FILM_REMEDY

@@ -22,6 +22,9 @@ from starlette.datastructures import MutableHeaders
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from keypose.app.orders.drawing import PicturesOrder
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import said_by_page
 from keypose.app.server.addresses import parse
 from keypose.app.server.admission import LONGEST_S, Browsers, OneTimeTokens
 from keypose.app.server.headers import headers_for
@@ -43,8 +46,8 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/", {TOKEN, SESSION}),
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
-        (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
-        (r"/motion", {"format", "filter_hz", "fps", "first", "last", "rig", "unit", "from_zero"}),
+        (r"/picture\.png", said_by_page(PicturesOrder)),
+        (r"/motion", {"format"} | said_by_page(MotionOrder)),
         (r"/upload|/imports", {"name"}),
         (r"/folder|/file\.jpg", {"at"}),
     )

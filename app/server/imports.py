@@ -4,84 +4,46 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Any, Literal
 
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.routing import Route
 
 from keypose.app.document.library.names import clean_name
-from keypose.app.editor.message import Message
-from keypose.app.export.import_choices import CameraChoices, Choices, KeypointChoices, MotionChoices
 from keypose.app.jobs.exchange import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import SideProcess, WorkState
 from keypose.app.jobs.wire import failure_message
+from keypose.app.orders.imports import ImportCamera, ImportKeypoints, ImportMotion, ImportOrder
+from keypose.app.orders.order import read_order
 from keypose.app.server.headers import json_answer, read_body
 from keypose.app.store.imported import ImportOutcome, ImportTarget
 from keypose.app.store.store import Store
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
 from keypose.tracker.scratch import Scratch
-from keypose.tracker.session.settings import FrameIndex
 
 LARGEST_ORDER = 1 << 16
 TOO_LONG = "The order of an import is too long."
 TOO_LARGE = f"More than {LARGEST_KEYPOINT_BYTES // 2**20} MB cannot be imported."
-MOST_PLACES = 400
 
-Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=200)]
-Offset: TypeAlias = Annotated[int, Field(ge=-1_000_000, le=1_000_000)]
-Places: TypeAlias = Annotated[dict[Name, Name], Field(max_length=MOST_PLACES)]
-
-
-class Motion(Message):
-    """How a motion is imported."""
-
-    kind: Literal["motion"]
-    places: Places = Field(default_factory=dict)
-    offset_frames: Offset | None = None
-    unit: Literal["m", "cm", "mm", "auto"] | None = None
-    world: Literal["camera", "y up", "z up"] | None = None
-    fps: Annotated[FiniteFloat, Field(ge=1e-3, le=1e5)] | None = None
-    individual: Name | None = None
-
-    @property
-    def choices(self) -> Choices:
-        return MotionChoices(**self.model_dump(exclude={"kind"}))
+ORDERS: Mapping[str, type[ImportOrder]] = {
+    "motion": ImportMotion, "keypoints": ImportKeypoints, "camera": ImportCamera,
+}  # fmt: skip
+TEXTS: TypeAdapter[dict[str, str | list[str]]] = TypeAdapter(dict[str, str | list[str]])
 
 
-class KeypointDrafts(Message):
-    """How keypoints are read, and where poses are drafted from them."""
-
-    kind: Literal["keypoints"]
-    places: Places = Field(default_factory=dict)
-    offset_frames: Offset | None = None
-    layout: Name | None = None
-    individual: Name | None = None
-    exchange: bool = False
-    frames: Annotated[list[FrameIndex], Field(min_length=1, max_length=2000)] | None = None
-    every: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
-
-    @property
-    def choices(self) -> Choices:
-        return KeypointChoices(**self.model_dump(exclude={"kind"}))
-
-
-class CameraFile(Message):
-    """A camera leaves nothing to choose."""
-
-    kind: Literal["camera"]
-
-    @property
-    def choices(self) -> Choices:
-        return CameraChoices()
-
-
-Order: TypeAlias = Annotated[Motion | KeypointDrafts | CameraFile, Field(discriminator="kind")]
-ORDER: TypeAdapter[Motion | KeypointDrafts | CameraFile] = TypeAdapter(Order)
+def read_import(content: bytes) -> ImportOrder:
+    """The order in a request; ValidationError or FormatError where it is none."""
+    texts = TEXTS.validate_json(content)
+    kind = texts.pop("kind", "")
+    if not isinstance(kind, str) or kind not in ORDERS:
+        raise FormatError(f"There is no import of that kind; choose from {', '.join(ORDERS)}.")
+    return read_order(ORDERS[kind], texts)
 
 
 class Imports:
@@ -148,10 +110,10 @@ class Imports:
         if request.path_params["id"] != self._id or self._is_running():
             return _gone()
         try:
-            order = ORDER.validate_json(await read_body(request, LARGEST_ORDER, TOO_LONG))
+            order = read_import(await read_body(request, LARGEST_ORDER, TOO_LONG))
             async with self._beginning:
                 target = self._store.import_target()
-                work = ImportWork(target.content, self._file, target.video, order.choices)
+                work = ImportWork(target.content, self._file, target.video, order)
                 self._stage, self._outcome = "importing", None
                 self._process = await asyncio.to_thread(SideProcess, work)
                 self._taking = asyncio.ensure_future(self._take(self._process, target))

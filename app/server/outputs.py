@@ -7,30 +7,29 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from keypose.app.editor.copied import copied_from
-from keypose.app.editor.message import Degrees, Message
+from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState, pointer_views
-from keypose.app.export.motion_files import File, Sampling, every_format, motion_archive
-from keypose.app.export.motion_formats import MotionFormat
+from keypose.app.export.motion_files import File, every_format, motion_archive
+from keypose.app.export.motion_formats import formats_of, require_meant
+from keypose.app.orders.drawing import PicturesOrder, Viewpoint
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import read_order
 from keypose.app.posing import InView, outline, parts_at
 from keypose.app.posing.gesture import Spot
 from keypose.app.render.stills import from_viewpoint
-from keypose.app.render.studio import View, ViewStyle, png, snapshot
-from keypose.app.render.tints import Tint
-from keypose.app.render.viewpoints import Viewpoint
+from keypose.app.render.studio import ViewStyle, png, snapshot
 from keypose.app.server.headers import headers_for
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.store import Store
 from keypose.tracker.errors import KeyposeError, one_sentence
-from keypose.tracker.formats.rigs import OWN
-from keypose.tracker.formats.units import FileUnit
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.video import Video
@@ -52,19 +51,6 @@ class CopiedText(Message):
     frames: Annotated[tuple[FrameIndex, ...], Field(max_length=10_000)] = ()
 
 
-class Shot(Message):
-    """A picture of the body at a frame; what is left out is as the page shows it. The free view is
-    seen from an azimuth and an elevation."""
-
-    view: View | Literal["free"] = "main"
-    azimuth: Degrees = 0.0
-    elevation: Degrees = 0.0
-    frame: FrameIndex | None = None
-    mode: Literal["wire", "solid", "both"] | None = None
-    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
-    tint: Tint | None = None
-
-
 LEFT_OUT = "X-Keypose-Left-Out"
 """The header that says, percent-encoded, which formats an archive lacks and why."""
 
@@ -72,32 +58,9 @@ FREE_SIZE = (1600, 1200)
 """Pixels of a picture of the free view."""
 
 
-class Motion(Message):
-    """The tracked motion as a file, in one format or in all, from the frame `first` to `last` where
-    both are given; the others as of `Sampling`."""
-
-    format: MotionFormat | Literal["all"]
-    first: FrameIndex | None = None
-    last: FrameIndex | None = None
-    filter_hz: Annotated[FiniteFloat, Field(gt=0, le=1000)] | None = None
-    fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
-    rig: str = OWN
-    unit: FileUnit = "m"
-    from_zero: bool = False
-
-    @property
-    def sampling(self) -> Sampling:
-        ends = None if self.first is None or self.last is None else (self.first, self.last)
-        return Sampling(
-            self.fps, self.filter_hz, ends, self.rig, self.unit, from_zero=self.from_zero
-        )
-
-
 QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(
     Annotated[Pick | CopiedText, Field(discriminator="ask")]
 )
-SHOT: TypeAdapter[Shot] = TypeAdapter(Shot)
-MOTION: TypeAdapter[Motion] = TypeAdapter(Motion)
 
 
 class Outputs:
@@ -130,19 +93,22 @@ class Outputs:
 
     async def _picture(self, request: Request) -> Response:
         try:
-            shot = SHOT.validate_strings(dict(request.query_params))
+            order = read_order(PicturesOrder, dict(request.query_params))
             (edit, video), name = await self._require_open(), self._store.name
-            frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
-            content = await asyncio.to_thread(_png, edit, video, frame, shot)
+            asked = order.frames if isinstance(order.frames, int) else edit.frame
+            frame = min(asked, edit.frame_count - 1)
+            content = await asyncio.to_thread(_png, edit, video, frame, order)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
-        return _download(content, "image/png", f"{name}-{frame}-{shot.view}.png")
+        return _download(content, "image/png", f"{name}-{frame}-{_named(order)}.png")
 
     async def _motion(self, request: Request) -> Response:
         try:
-            wanted = MOTION.validate_strings(dict(request.query_params))
+            texts = dict(request.query_params)
+            name_of_format = texts.pop("format", "")
+            order = read_order(MotionOrder, texts)
             edit, name = self._edit(), self._store.name
-            file = await asyncio.to_thread(_motion_of, wanted, edit)
+            file = await asyncio.to_thread(_motion_of, name_of_format, order, edit)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
         response = _download(file.content, file.media_type, f"{name}{file.suffix}")
@@ -187,22 +153,25 @@ def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
     return {"parts": list(parts), "outline": edge}
 
 
-def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
-    looks = edit.display
-    if shot.view == "free":
-        viewpoint = Viewpoint(shot.azimuth, min(max(shot.elevation, -90.0), 90.0))
+def _named(order: PicturesOrder) -> str:
+    return "free" if isinstance(order.view, Viewpoint) else order.view
+
+
+def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> bytes:
+    pose = shown_pose(edit, frame).pose
+    if isinstance(order.view, Viewpoint):
         floor = feet_paths(edit).floor_m
-        pose = shown_pose(edit, frame).pose
-        return png(from_viewpoint(edit.doc, pose, viewpoint, floor, FREE_SIZE))
-    opacity = looks.opacity if shot.opacity is None else shot.opacity
-    look = ViewStyle(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
-    return png(snapshot(edit.doc, video, frame, shown_pose(edit, frame).pose, look))
+        return png(from_viewpoint(edit.doc, pose, order.view, floor, FREE_SIZE))
+    look = ViewStyle(order.view, order.style, order.opacity, order.tint)
+    return png(snapshot(edit.doc, video, frame, pose, look))
 
 
-def _motion_of(wanted: Motion, edit: EditorState) -> File:
-    if wanted.format == "all":
-        return every_format(edit, wanted.sampling)
-    return motion_archive(wanted.format, edit, wanted.sampling)
+def _motion_of(name: str, order: MotionOrder, edit: EditorState) -> File:
+    if name == "all":
+        return every_format(edit, order)
+    (format_name,) = formats_of(name)
+    require_meant(order, [format_name])
+    return motion_archive(format_name, edit, order)
 
 
 def _report_of(path: Path, video: Video) -> bytes:

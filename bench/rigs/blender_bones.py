@@ -15,7 +15,8 @@ from bench.keeping import ROOT
 from bench.rigs.blender import TO_Y_UP, python_with_bpy
 from bench.rigs.material import FRAMES, RIGS, SECONDS, Written
 from bench.table import Expected, Report, Table
-from keypose.app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import motion_files
+from keypose.app.orders.motion import MotionOrder
 
 SCRIPT = Path(__file__).with_name("in_blender_bones.py")
 FIRST = {"bvh": 1, "usd": 0, "fbx": 1}
@@ -46,7 +47,7 @@ def _found(python: Path, kind: str, made: Written) -> dict[str, Any]:
             made.glb(Path(folder)).rename(file.with_suffix(".glb"))
             recipe = fbx_recipe()
         else:
-            sampling = Sampling(rig=made.rig_name)
+            sampling = MotionOrder(rig=made.rig_name)
             (content,) = motion_files(kind, made.recording, sampling).values()  # type: ignore[arg-type]
             file.write_bytes(content)
         frames = [str(frame + FIRST[kind]) for frame in FRAMES]

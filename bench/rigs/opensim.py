@@ -20,8 +20,8 @@ import pandas as pd
 
 from bench.keeping import Absent
 from bench.table import Expected, Report, Table
-from keypose.app.export.motion_files import Sampling
 from keypose.app.export.opensim_files import files_for_model
+from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -79,7 +79,7 @@ def followed(
     recording = recordings.recorded(skeleton, motion, fps)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        made = files_for_model(recording, Sampling(marker_set=marker_set), model, folder)
+        made = files_for_model(recording, MotionOrder(markers=marker_set), model, folder)
         for file, content in made.files.items():
             (folder / file).write_bytes(content)
         command = [sys.executable, "-c", _FOLLOW, IK_FILE]

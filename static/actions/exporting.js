@@ -1,6 +1,9 @@
 // Pictures, motion and films out of the page: saved as files, copied, or made by a job.
 
+import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
+import { count, joined } from '../controls/words.js';
+import { EXPORTS, FORMATS } from '../store/orders.js';
 import { fetchOwn } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
@@ -62,17 +65,7 @@ export async function copyPath() {
 }
 
 function pictureAddress(view) {
-  const { mode, opacity, tint } = server.view;
-  const query = new URLSearchParams({ view, frame: frame() });
-  if (view === 'free') {
-    const { azimuth, elevation } = viewNamed('free').state;
-    query.set('azimuth', azimuth.toFixed(2));
-    query.set('elevation', elevation.toFixed(2));
-  }
-  if (mode !== undefined) query.set('mode', mode);
-  if (opacity !== undefined) query.set('opacity', String(opacity));
-  if (server.surface && tint !== undefined) query.set('tint', tint);
-  return `/picture.png?${query}`;
+  return `/picture.png?${new URLSearchParams({ frames: String(frame()), ...painted(), ...seenFrom(view, viewNamed('free')?.state, 'orbit') })}`;
 }
 
 /** Save what the server answers, or say why nothing was saved. */
@@ -131,103 +124,101 @@ const sentence = (words) => (/[.?!]$/.test(words) ? words : `${words}.`);
 const LOOK_MS = 400;
 const PATIENCE = 20; // looks in a row without an answer, before it is given up
 
-/**
- * @typedef {object} Options  What is chosen in the dialog.
- * @property {'film' | 'pictures' | 'sheet' | 'motion'} what
- * @property {string} view
- * @property {string} size  'own', or such as '1280x720'.
- * @property {'wire' | 'solid' | 'both'} style
- * @property {string} first
- * @property {string} last
- * @property {string} fps  Empty: the film's own.
- * @property {'this' | 'keyframes' | 'posed'} frames
- * @property {'video' | 'none'} background
- * @property {string} columns  Empty: as it fits.
- * @property {string} format
- * @property {string} filter  Hertz; empty: none.
- * @property {string} rig  Whose bones formats have that have bones; a key of RIGS.
- * @property {string} unit  Of lengths in BVH; a key of UNITS.
- * @property {boolean} fromZero  Whether times begin at 0 instead of where they are in the film.
- */
+/** @typedef {import('../store/shapes.js').Exporting} Exporting */
 
-/** The rigs as of `tracker/formats/rigs`. */
-export const RIGS = {
-  keypose: 'Own names', mixamo: 'Mixamo', ue5: 'Unreal Engine 5', metahuman: 'MetaHuman', vrm: 'VRM humanoid', cmu: 'CMU', smpl: 'SMPL',
-};
-
-/** The units as of `tracker/formats/units.py`. */
-export const UNITS = {
-  m: { label: 'Metres', note: 'Blender' }, cm: { label: 'Centimetres', note: 'MotionBuilder, Maya, Daz' }, in: { label: 'Inches', note: '' },
-};
-
-/** What the dialog starts with. @returns {Options} */
-export function usualOptions() {
+/** What the dialog starts with. @returns {Exporting} */
+export function usualExport() {
   const keys = server.keys?.frames ?? [];
+  const frames = `${keys[0] ?? 0}-${keys.at(-1) ?? 0}`;
+  const values = Object.fromEntries(Object.entries(EXPORTS).map(([what, options]) => [what, usualOf(options)]));
+  for (const what of ['film', 'motion']) values[what].frames = frames;
+  for (const what of ['film', 'pictures', 'sheet']) values[what].style = server.view?.mode ?? 'both';
+  if (ui.filterMotion) values.motion.filter_hz = String(FILTER_HZ);
+  return { what: 'film', format: 'all', values };
+}
+
+/**
+ * What is left out of the form, or else than declared, as things stand.
+ * @param {Exporting} exporting
+ * @returns {Record<string, import('../controls/order_form.js').Further>}
+ */
+export function furtherOf({ what, format }) {
+  const { width, height } = server.file ?? {};
+  const keys = server.keys?.frames.length ?? 0;
+  const own = { id: '', label: `As the video, ${width} × ${height}` };
+  const { options = [] } = EXPORTS[what].find(({ name }) => name === 'view') ?? {};
+  /** @type {Record<string, import('../controls/order_form.js').Further>} */
+  const further = {
+    view: { options: [...options, { id: 'free', label: 'As the free view looks' }] },
+    size: { options: [own, ...SIZES.map((id) => ({ id, label: id.replace('x', ' × ') }))] },
+  };
+  if (what === 'pictures') {
+    further.frames = { options: [
+      { id: 'this', label: `Frame ${frame()}` }, { id: 'keyframes', label: `All ${count(keys, 'keyframe')}` }, { id: 'posed', label: 'Every frame' },
+    ] };
+  }
+  for (const { name, only, persons, options: choices = [] } of EXPORTS[what]) {
+    if (!only) continue;
+    const off = persons && !server.body?.is_persons ? 'Only a person has these' : '';
+    further[name] = {
+      out: format !== 'all' && !only.includes(format), note: format === 'all' ? `of ${joined(only.map((one) => FORMATS[one].label))}` : '',
+      options: choices.map((one, i) => (i && off ? { ...one, off } : one)),
+    };
+  }
+  return further;
+}
+
+const SIZES = ['1280x720', '1920x1080', '3840x2160'];
+
+/**
+ * The order that the server takes.
+ * @param {Exporting} exporting
+ * @param {{ azimuth: number, elevation: number }} [eye]  Of the free view.
+ * @returns {Record<string, any>}
+ */
+export function exportOrder(exporting, eye = viewNamed('free')?.state) {
+  const { what, values } = exporting;
+  const order = { ...orderOf(EXPORTS[what], values[what], furtherOf(exporting)) };
+  if (what === 'motion') return order;
+  const frames = order.frames === 'this' ? { frames: String(frame()) } : {};
+  return { what, ...painted(), ...order, ...seenFrom(order.view, eye, 'camera'), ...frames };
+}
+
+/** A view as the server names it: the free view is a camera that stands where it looks from. @returns {Record<string, string>} */
+function seenFrom(view, eye, kind) {
+  if (view !== 'free') return view ? { view } : {};
+  const { azimuth, elevation } = eye;
+  return { view: `${kind}:${azimuth.toFixed(2)},${elevation.toFixed(2)}` };
+}
+
+/** How the page draws the body, as the options of a picture. @returns {Record<string, string>} */
+function painted() {
+  const { mode, opacity, tint } = server.view ?? {};
   return {
-    what: 'film', view: 'main', size: 'own', style: /** @type {Options['style']} */ (server.view?.mode ?? 'both'),
-    first: String(keys[0] ?? 0), last: String(keys.at(-1) ?? 0), fps: '', frames: 'keyframes', background: 'video',
-    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '', rig: 'keypose', unit: 'm', fromZero: false,
+    ...(mode === undefined ? {} : { style: mode }),
+    ...(opacity === undefined ? {} : { opacity: String(Math.round(100 * opacity)) }),
+    ...(server.surface && tint !== undefined ? { tint } : {}),
   };
 }
 
-/**
- * The order that the server takes. eye: azimuth and elevation of the free view, where that is wanted.
- * @param {Options} options
- * @param {{ opacity?: number, tint?: string, frame: number, eye: { azimuth: number, elevation: number } | null }} at
- */
-export function orderOf(options, { opacity = 0.5, tint = 'clay', frame: now, eye }) {
-  const { what, style, columns, fps, view } = options;
-  const drawn = { what, style, opacity, tint };
-  if (what === 'sheet') return { ...drawn, columns: columns === '' ? null : Number(columns) };
-  const looks = view === 'free' && eye ? { view: 'camera', azimuth: eye.azimuth, elevation: eye.elevation } : { view };
-  const size = options.size === 'own' ? null : options.size.split('x').map(Number);
-  if (what === 'pictures') {
-    const frames = options.frames === 'this' ? now : options.frames;
-    return { ...drawn, ...looks, size, frames, background: options.background };
-  }
-  return { ...drawn, ...looks, size, frames: rangeOf(options), fps: fps === '' ? null : Number(fps) };
-}
-
-/** The address of the motion that is chosen. @param {Options} options */
-export function motionAddress({ format, filter, fps, first, last, rig, unit, fromZero }) {
-  const query = new URLSearchParams({ format });
-  if (filter !== '') query.set('filter_hz', filter);
-  if (fps !== '') query.set('fps', fps);
-  if (rig !== 'keypose') query.set('rig', rig);
-  if (unit !== 'm') query.set('unit', unit);
-  if (fromZero) query.set('from_zero', 'true');
-  query.set('first', first);
-  query.set('last', last);
-  return `/motion?${query}`;
-}
+/** The address of the motion that is chosen. @param {Exporting} exporting */
+export const motionAddress = (exporting) => `/motion?${new URLSearchParams({ format: exporting.format, ...exportOrder(exporting) })}`;
 
 /**
- * What is wrong with the options, a sentence, or ''.
- * @param {Options} options
- * @param {number} count  Of the video's frames.
+ * What is wrong with what is chosen, a sentence, or ''.
+ * @param {Exporting} exporting
+ * @param {number} frames  Of the video.
  */
-export function whyNotExport(options, count) {
-  const { what, first, last, fps, filter, columns } = options;
-  const asks = (/** @type {string[]} */ ...kinds) => kinds.includes(what);
-  const isWhole = (text) => /^\d{1,9}$/.test(text);
-  if (asks('film', 'motion')) {
-    if (!isWhole(first) || !isWhole(last) || Number(first) > Number(last)) return 'The frames are two numbers, the first one not after the last.';
-    if (Number(last) >= count) return `The last frame of the video is ${count - 1}.`;
-    if (fps !== '' && !(Number(fps) >= 0.1 && Number(fps) <= 1000)) return 'The rate is a number from 0.1 to 1000 frames a second.';
-  }
-  if (asks('motion') && filter !== '' && !(Number(filter) > 0 && Number(filter) <= 1000)) return 'The filter is a number of hertz, such as 6.';
-  if (asks('sheet') && columns !== '' && !(isWhole(columns) && Number(columns) >= 1 && Number(columns) <= 100)) return 'Columns are from 1 to 100.';
-  return '';
-}
-
-const rangeOf = ({ first, last }) => [Number(first), Number(last)];
+export const whyNotExport = (exporting, frames) =>
+  whyNotOrder(EXPORTS[exporting.what], exporting.values[exporting.what], frames, furtherOf(exporting));
 
 /**
  * Why a format of motion cannot be written here, with what mends it, or ''.
- * @param {{ label: unknown, needs?: string }} kind  An entry of MOTION.
+ * @param {string} format  A key of FORMATS.
  */
-export function notInstalled({ label, needs }) {
-  const remedy = ui.exportMissing?.[String(label).toLowerCase()];
+export function notInstalled(format) {
+  const { label, needs } = FORMATS[format];
+  const remedy = ui.exportMissing?.[format];
   return remedy ? `${label} needs ${needs}: ${remedy}` : '';
 }
 
@@ -250,9 +241,7 @@ export async function beginExport() {
     await saveFrom(motionAddress(exporting), `${server.file.name}.zip`);
     return;
   }
-  const { opacity, tint } = server.view;
-  const eye = exporting.view === 'free' ? viewNamed('free').state : null;
-  const order = orderOf(exporting, { opacity, tint: server.surface ? tint : 'clay', frame: frame(), eye });
+  const order = exportOrder(exporting);
   const begun = { id: '', what: exporting.what, done: 0, of: 0 };
   const isMine = (id) => ui.exportJob === begun || (id !== '' && ui.exportJob?.id === id);
   let id = '';

@@ -1,8 +1,10 @@
 // Files from elsewhere for the open session: motion, keypoints, a camera. One is brought to the
 // server, which says what it holds; then imported as somebody chose.
 
+import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
+import { ENDINGS, IMPORTS } from '../store/orders.js';
 import { keyHeader } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
 import { fetchOk } from './exporting.js';
@@ -12,13 +14,7 @@ const LOOK_MS = 300;
 const PATIENCE = 20; // looks in a row without an answer, before it is given up
 const LARGEST = 256 * 2 ** 20;
 
-/** Endings of what can be imported, as of `app/export/recognising.py`. */
-export const ENDINGS = [
-  '.bvh', '.trc', '.c3d', '.csv', '.npz', '.pt', '.pth', '.h5', '.hdf5', '.slp', '.json', '.chan', '.glb', '.gltf',
-];
-
 /** @typedef {import('../store/shapes.js').Importing} Importing */
-/** @typedef {import('../store/shapes.js').ImportChoices} ImportChoices */
 
 /** Whether a name is one of what can be imported. @param {string} name */
 export const isImported = (name) => ENDINGS.some((ending) => name.toLowerCase().endsWith(ending));
@@ -77,7 +73,7 @@ export async function importFile(file) {
     return;
   }
   /** @type {Importing} */
-  const begun = { stage: 'reading', id: '', name, found: null, words: '', done: 0, of: 0, choices: USUAL };
+  const begun = { stage: 'reading', id: '', name, found: null, words: '', done: 0, of: 0, choices: {} };
   let id = '';
   show(begun);
   try {
@@ -91,18 +87,13 @@ export async function importFile(file) {
   }
 }
 
-/** What the dialog starts with. @type {ImportChoices} */
-export const USUAL = {
-  start: '', fps: '', unit: '', world: '', places: {}, layout: '', individual: '', exchange: false, every: '', frames: '',
-};
-
 /** Import it as it is chosen in the dialog. */
 export async function beginImport() {
   const { importing } = ui;
   if (!importing?.found || importing.stage === 'importing') return;
   show({ ...importing, stage: 'importing', words: '', done: 0, of: 0 });
   try {
-    const order = JSON.stringify(orderOf(importing.found.kind, importing.choices));
+    const order = JSON.stringify(importOrder(importing.found, importing.choices));
     await fetchOk(`/imports/${importing.id}`, { method: 'POST', body: order });
     await follow(importing.id);
   } catch (error) {
@@ -120,50 +111,50 @@ export function leaveImport() {
 }
 
 /**
- * The order that the server takes.
- * @param {'motion' | 'keypoints' | 'camera'} kind
- * @param {ImportChoices} choices
+ * The options of an import in the order of its form, and what is known of them from the file.
+ * @param {import('../store/shapes.js').Recognised} found
  */
-export function orderOf(kind, choices) {
-  if (kind === 'camera') return { kind };
-  const { places } = choices;
-  if (kind === 'motion') {
-    return {
-      kind, places, individual: choices.individual || null, offset_frames: numberOr(choices.start), fps: numberOr(choices.fps),
-      unit: choices.unit || null, world: choices.world || null,
-    };
+export function optionsOf({ kind, facts }) {
+  const options = IMPORTS[kind];
+  /** @type {Record<string, import('../controls/order_form.js').Further>} */
+  const further = { places: { out: !facts.left_out?.length } };
+  const named = (id) => ({ id, label: id });
+  if (kind !== 'camera') {
+    const several = facts.individuals.length > 0;
+    further.individual = { out: !several, needed: several, options: facts.individuals.map(named) };
   }
-  const frames = framesIn(choices.frames);
-  return {
-    kind, places, offset_frames: numberOr(choices.start), layout: choices.layout || null, individual: choices.individual || null, exchange: choices.exchange,
-    frames: frames.length ? frames : null, every: frames.length ? null : numberOr(choices.every),
-  };
+  if (kind === 'keypoints') {
+    const several = facts.layouts.length > 0;
+    further.layout = { out: !several, needed: several, options: facts.layouts.map(named) };
+    further.every = { empty: String(facts.every) };
+  }
+  if (kind === 'motion') {
+    const label = (name, id) => options.find((one) => one.name === name)?.options?.find((one) => one.id === id)?.label.toLowerCase();
+    const said = (name, id) => (id ? { empty: `As the file says: ${label(name, id)}` } : {});
+    further.fps = facts.fps ? { empty: String(Number(facts.fps.toFixed(2))) } : {};
+    further.unit = said('unit', facts.unit);
+    further.world = { ...said('world', facts.world?.replace(' ', '-')), ...(facts.keyframes ? { note: 'Keyframes decide' } : {}) };
+  }
+  return { options, further };
+}
+
+/** The order that the server takes. */
+export function importOrder(found, choices) {
+  const { options, further } = optionsOf(found);
+  return { kind: found.kind, ...orderOf(options, choices, further) };
 }
 
 /**
  * What is wrong with the choices, a sentence, or ''.
  * @param {import('../store/shapes.js').Recognised} found
- * @param {ImportChoices} choices
+ * @param {import('../controls/order_form.js').Values} choices
  * @param {number} count  Of the video's frames.
  */
-export function whyNotBegin({ kind, facts }, choices, count) {
-  if (kind === 'camera') return '';
-  if (!/^(-?\d{1,6})?$/.test(choices.start)) return 'The start frame is a whole number; it may be negative.';
-  if (facts.individuals.length && !choices.individual) return 'Choose one of the individuals.';
-  if (kind === 'motion') {
-    if (choices.fps !== '' && !(Number(choices.fps) > 0 && Number(choices.fps) <= 1e5)) return 'The rate is a number of frames a second, such as 120.';
-  }
-  if (kind !== 'keypoints') return '';
-  if (facts.layouts.length && !choices.layout) return 'Choose the order of the keypoints.';
-  if (!/^\d{0,6}$/.test(choices.every) || choices.every === '0') return 'Poses are drafted every so many frames, such as 24.';
-  const listed = choices.frames.split(',').map((word) => word.trim()).filter(Boolean);
-  if (!listed.every((word) => /^\d{1,7}$/.test(word))) return 'Frames are numbers with commas between, such as 0, 24, 48.';
-  const beyond = listed.find((word) => Number(word) >= count);
-  return beyond ? `There is no frame ${beyond}. The last frame of the video is ${count - 1}.` : '';
+export function whyNotBegin(found, choices, count) {
+  const { options, further } = optionsOf(found);
+  const both = choices.every && choices.frames ? 'Drafts are every so many frames or at the frames that are listed: leave one empty.' : '';
+  return whyNotOrder(options, choices, count, further) || both;
 }
-
-const numberOr = (text) => (text === '' ? null : Number(text));
-const framesIn = (text) => text.split(',').map((word) => word.trim()).filter(Boolean).map(Number);
 
 /**
  * What a name of a file can mean: every joint of the body, the free ends of its parts, its landmarks.
@@ -218,7 +209,7 @@ const REDUCE = { button: { label: 'Reduce to keyframes…', run: beginReduction 
 
 function takeIn(state) {
   if (state.state !== 'done') fail(state.words);
-  else if (state.stage === 'reading') show({ ...ui.importing, stage: 'choosing', found: state.found });
+  else if (state.stage === 'reading') show({ ...ui.importing, stage: 'choosing', found: state.found, choices: usualOf(IMPORTS[state.found.kind]) });
   else {
     const { id, found } = ui.importing;
     setUi('importing', null);

@@ -1,25 +1,17 @@
 // The dialog of exports: what, with which options, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { RIGS, UNITS, beginExport, cancelExport, notInstalled, whyNotExport } from '../actions/exporting.js';
+import { beginExport, cancelExport, furtherOf, notInstalled, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
-import { MOTION } from '../actions/table/export.js';
 import { mountDialog } from '../controls/dialogs.js';
-import { dropdown, segmented, textField } from '../controls/fields.js';
+import { dropdown, segmented } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
-import { count, joined } from '../controls/words.js';
+import { field, orderFields } from '../controls/order_form.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { frameCount } from '../store/clip.js';
-import { frame } from '../actions/playhead.js';
-
-/** @typedef {import('../actions/exporting.js').Options} Options */
+import { EXPORTS, FORMATS } from '../store/orders.js';
 
 const KINDS = { film: 'Film', pictures: 'Images', sheet: 'Keyframe sheet', motion: 'Motion' };
-const VIEWS = {
-  main: 'Camera', all: 'All four views', top: 'Top', side: 'Side', front: 'Front', orbit: 'Once round the body', free: 'As the free view looks',
-};
-const SIZES = ['1280x720', '1920x1080', '3840x2160'];
-
 export function mountExportDialog() {
   mountDialog({
     id: 'exporting', label: 'Export', name: 'exporting',
@@ -30,7 +22,6 @@ export function mountExportDialog() {
 
 function dialog() {
   const options = ui.exporting;
-  const fields = { film, pictures, sheet: keyframeSheet, motion }[options.what];
   return html`<form class="in" @submit=${submit} @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">Export</span><span class="sp"></span>
@@ -42,7 +33,7 @@ function dialog() {
   </form>`;
 }
 
-/** @param {Partial<Options>} changed */
+/** @param {Partial<import('../store/shapes.js').Exporting>} changed */
 const change = (changed) => setUi('exporting', { ...ui.exporting, ...changed });
 
 function kinds() {
@@ -73,97 +64,20 @@ function why(options) {
 
 // --- the fields
 
-const field = (label, content, note = '') =>
-  html`<label class="exlabel">${label}</label><div class="exfield">${content}${note ? html`<span class="dim">${note}</span>` : nothing}</div>`;
-
-const text = (label, name, placeholder = '', unit = '') =>
-  html`${textField({ label, value: ui.exporting[name], placeholder, most: 9, act: (value) => change({ [name]: value }) })}${unit ? html`<span class="dim">${unit}</span>` : nothing}`;
-
-const look = ({ style }) => field('Body', segmented({
-  label: 'Body', value: style, act: (value) => change({ style: value }),
-  options: [{ id: 'wire', label: 'Wire' }, { id: 'solid', label: 'Solid' }, { id: 'both', label: 'Both' }],
-}));
-
-function views(options, without = '') {
-  const entries = Object.entries(VIEWS).filter(([id]) => id !== without);
-  return field('View', dropdown({
-    label: 'View', value: options.view, text: VIEWS[options.view], kind: 'field', act: (view) => change({ view }),
-    options: entries.map(([id, label]) => ({ id, label })),
-  }));
-}
-
-function size(options) {
-  const { width, height } = server.file;
-  const own = `As the video, ${width} × ${height}`;
-  const label = (id) => (id === 'own' ? own : id.replace('x', ' × '));
-  return field('Size', dropdown({
-    label: 'Size', value: options.size, text: label(options.size), kind: 'field', act: (id) => change({ size: id }),
-    options: ['own', ...SIZES].map((id) => ({ id, label: label(id) })),
-  }));
-}
-
-const range = () => field('Frames', html`${text('First frame', 'first')}<span class="dim">to</span>${text('Last frame', 'last')}`);
-const rate = () => field('Rate', text('Frames a second', 'fps', 'As the video', 'frames/s'));
-
-const film = (options) => html`${views(options)}${range()}${size(options)}${rate()}${look(options)}`;
-
-function pictures(options) {
-  const keys = count(server.keys?.frames.length ?? 0, 'keyframe');
-  const which = segmented({
-    label: 'Frames', value: options.frames, act: (frames) => change({ frames }),
-    options: [{ id: 'this', label: `Frame ${frame()}` }, { id: 'keyframes', label: `All ${keys}` }, { id: 'posed', label: 'Every frame' }],
-  });
-  const background = segmented({
-    label: 'Background', value: options.background, act: (value) => change({ background: value }),
-    options: [{ id: 'video', label: 'Video' }, { id: 'none', label: 'Transparent' }],
-  });
-  return html`${field('Frames', which)}${views(options, 'orbit')}${size(options)}${field('Background', background)}${look(options)}`;
-}
-
-const keyframeSheet = (options) => html`${field('Columns', text('Columns', 'columns', 'As it fits'))}${look(options)}`;
-
-function motion(options) {
-  const { format } = options;
-  const off = Object.values(MOTION).map(notInstalled).filter(Boolean);
-  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : remarkOf(format);
-  return html`${field('Format', formats(format), left)}${rigs(options)}${units(options)}
-    ${range()}${rate()}${times(options)}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+function fields(exporting) {
+  const { what, values } = exporting;
+  const set = (changed) => change({ values: { ...values, [what]: { ...values[what], ...changed } } });
+  const own = orderFields(EXPORTS[what], values[what], set, furtherOf(exporting));
+  return what === 'motion' ? html`${formats(exporting.format)}${own}` : own;
 }
 
 function formats(format) {
-  const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.values(MOTION).map((kind) => ({
-    id: String(kind.label).toLowerCase(), label: String(kind.label), note: kind.reader, off: notInstalled(kind),
+  const off = Object.keys(FORMATS).map(notInstalled).filter(Boolean);
+  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : (FORMATS[format]?.remark ?? '');
+  const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.entries(FORMATS).map(([id, { label, reader }]) => ({
+    id, label, note: reader, off: notInstalled(id),
   }))];
-  return dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) });
-}
-
-/** What a person should know of a format before choosing it. */
-const remarkOf = (format) => Object.values(MOTION).find((kind) => String(kind.label).toLowerCase() === format)?.remark ?? '';
-
-/** Whether times are those of the film. */
-const times = ({ fromZero }) => field('Times', segmented({
-  label: 'Times', value: fromZero ? 'zero' : 'film', act: (from) => change({ fromZero: from === 'zero' }),
-  options: [{ id: 'film', label: 'As in the video' }, { id: 'zero', label: 'From 0' }],
-}), fromZero ? 'for game engines and web players' : '');
-
-/** Whose bones there are to be, where the format has bones. */
-function rigs({ format, rig }) {
-  const rigged = Object.values(MOTION).filter((kind) => 'rigged' in kind && kind.rigged).map(({ label }) => String(label));
-  if (format !== 'all' && !rigged.includes(format.toUpperCase())) return nothing;
-  const off = server.body?.is_persons ? '' : 'Only a person has these bones';
-  return field('Rig', dropdown({
-    label: 'Rig', value: rig, text: RIGS[rig], kind: 'field', act: (id) => change({ rig: id }),
-    options: Object.entries(RIGS).map(([id, label]) => ({ id, label, off: id === 'keypose' ? '' : off })),
-  }), rig === 'mixamo' ? 'three.js drops the colons of its names' : format === 'all' ? `of ${joined(rigged)}` : '');
-}
-
-/** In which unit lengths are, where the format cannot say it. */
-function units({ format, unit }) {
-  if (format !== 'all' && format !== 'bvh') return nothing;
-  return field('Unit', dropdown({
-    label: 'Unit', value: unit, kind: 'field', act: (id) => change({ unit: id }),
-    options: Object.entries(UNITS).map(([id, words]) => ({ id, ...words })),
-  }), format === 'all' ? 'of BVH' : '');
+  return field('Format', dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) }), left);
 }
 
 // --- below the fields

@@ -4,17 +4,21 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
 import { words } from '../store/clip.js';
+import { FORMATS } from '../store/orders.js';
 import { frame } from '../actions/playhead.js';
 import { askWhatIsMissing, hasMotion, notInstalled, viewShown } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
-import { MOTION } from '../actions/table/export.js';
+import { motionAction } from '../actions/table/export.js';
 import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';
 import { count, joined, range } from '../controls/words.js';
 import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
 
-const GAPLESS = 'BVH, GLB, USD, MOT and AMASS';
+/** The labels of the formats of which this holds. */
+const labels = (holds) => joined(Object.values(FORMATS).filter(holds).map(({ label }) => label));
+const GAPLESS = labels(({ gaps }) => !gaps);
+const OWN_TIMES = labels(({ ownTimes }) => ownTimes);
 
 export function exportButton() {
   const face = html`${icon('exp')}<span class="word">Export</span>${far()}${icon('chev')}`;
@@ -47,9 +51,7 @@ function items() {
     menuItem('exportSheet', undefined, { right: 'PNG' }),
     line,
     heading(`Motion${frames}`),
-    ...Object.entries(MOTION).map(([id, { reader }]) =>
-      menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader, ...lacking(id) }),
-    ),
+    ...Object.entries(FORMATS).map(([format, { reader }]) => menuItem(motionAction(format), undefined, { right: reader, ...lacking(format) })),
     menuItem('saveAllMotion'),
     menuItem('exportMotion', undefined, { right: 'rig, frames, rate' }),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
@@ -62,9 +64,9 @@ function items() {
 }
 
 /** What cannot be written here, with what mends it. */
-function lacking(id) {
-  const off = notInstalled(MOTION[id]);
-  return off ? { right: ui.exportMissing[String(MOTION[id].label).toLowerCase()], off } : {};
+function lacking(format) {
+  const off = notInstalled(format);
+  return off ? { right: ui.exportMissing[format], off } : {};
 }
 
 /** Only the camera's picture has a size that is known here: the video's own. */
@@ -81,7 +83,7 @@ function variableRateNote() {
   return note(
     ui.filterMotion
       ? `The film’s rate varies: filtered motion has ${rate}.`
-      : `The film’s rate varies: CSV, NPZ and the camera’s files keep every frame’s time, all others have ${rate}.`,
+      : `The film’s rate varies: ${OWN_TIMES} keep every frame’s time, all others have ${rate}.`,
   );
 }
 

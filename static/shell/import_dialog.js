@@ -1,21 +1,17 @@
 // The dialog of imports: what was recognised, how to take it over, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { beginImport, chooseImport, leaveImport, placesOfBody, whyNotBegin } from '../actions/importing.js';
+import { beginImport, chooseImport, leaveImport, optionsOf, placesOfBody, whyNotBegin } from '../actions/importing.js';
 import { mountDialog } from '../controls/dialogs.js';
-import { checkbox, dropdown, textField } from '../controls/fields.js';
+import { dropdown } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
+import { orderFields } from '../controls/order_form.js';
 import { count, range } from '../controls/words.js';
 import { frameCount } from '../store/clip.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 
-/** @typedef {import('../store/shapes.js').ImportChoices} ImportChoices */
-
 const KINDS = { motion: 'Recorded motion', keypoints: '2D keypoints', camera: 'Camera' };
 const SIGNS = { motion: 'track', keypoints: 'ghost', camera: 'camcorder' };
-const UNITS = { m: 'Metres', cm: 'Centimetres', mm: 'Millimetres', auto: 'Scale to the body' };
-const WORLDS = { camera: 'As the camera sees', 'y up': 'Y up', 'z up': 'Z up' };
-
 export function mountImportDialog() {
   mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? dialog(ui.importing) : nothing) });
   watch(['file'], () => server.file || setUi('importing', null)); // what it was for is closed
@@ -28,12 +24,12 @@ function dialog(importing) {
       <span class="title cut">Import ${name}</span><span class="sp"></span>
       <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${leaveImport}>${icon('x')}</button>
     </div>
-    ${found ? html`${recognised(found)}<div class="exfields" ?inert=${stage === 'importing'}>${FIELDS[found.kind](importing.choices, found.facts)}</div>` : empty(importing)}
+    ${found ? html`${recognised(found)}<div class="exfields" ?inert=${stage === 'importing'}>${fields(importing)}</div>` : empty(importing)}
     ${stage === 'importing' || stage === 'reading' ? progress(importing) : foot(importing)}
   </form>`;
 }
 
-/** @param {Partial<ImportChoices>} changed */
+/** @param {import('../controls/order_form.js').Values} changed */
 const change = (changed) => setUi('importing', { ...ui.importing, words: '', choices: { ...ui.importing.choices, ...changed } });
 
 function submit(event) {
@@ -88,24 +84,15 @@ function names({ matched, left_out: left, convention }) {
 
 // --- the fields
 
-const field = (label, content, note = '') =>
-  html`<label class="exlabel">${label}</label><div class="exfield">${content}${note ? html`<span class="dim">${note}</span>` : nothing}</div>`;
-
-const text = (label, name, placeholder = '', most = 9) =>
-  textField({ label, value: ui.importing.choices[name], placeholder, most, act: (value) => change({ [name]: value }) });
-
-function choice(label, name, options, none) {
-  const value = ui.importing.choices[name];
-  const all = [{ id: '', label: none }, ...options];
-  return dropdown({ label, value, kind: 'field', options: all, act: (id) => change({ [name]: id }) });
+function fields({ found, choices }) {
+  if (found.kind === 'camera') return html`<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
+  const { options, further } = optionsOf(found);
+  further.places.field = () => unknownNames(found.facts.left_out, choices.places);
+  return orderFields(options, choices, change, further);
 }
 
-const entries = (known) => Object.entries(known).map(([id, label]) => ({ id, label }));
-
-/** What a person knows of names that are not known: nothing, unless there are such names. */
-function unknownNames({ left_out: left }) {
-  if (!left.length) return nothing;
-  const { places } = ui.importing.choices;
+/** What a person knows of names that are not known. */
+function unknownNames(left, places) {
   const options = [{ id: '', label: 'Not used' }, ...placesOfBody(server.body.parts)];
   const act = (name) => (id) => {
     const others = Object.entries(places).filter(([one]) => one !== name);
@@ -113,39 +100,8 @@ function unknownNames({ left_out: left }) {
   };
   const rows = left.map((name) => html`<span class="cut" title=${name}>${name}</span>
     ${dropdown({ label: `What ${name} is`, kind: 'field', search: true, value: places[name] ?? '', options, act: act(name) })}`);
-  return field('Other names', html`<div class="imnames" tabindex="-1">${rows}</div>`, 'optional');
+  return html`<div class="imnames" tabindex="-1">${rows}</div>`;
 }
-
-const start = (note) => field('Start frame', text('Start frame', 'start', '0'), note);
-
-const individual = ({ individuals }) =>
-  individuals.length ? field('Individual', choice('Individual', 'individual', individuals.map((id) => ({ id, label: id })), 'Choose…')) : nothing;
-
-function motion(choices, facts) {
-  const { fps, unit, world, keyframes } = facts;
-  const own = unit ? `As the file says: ${UNITS[unit].toLowerCase()}` : 'Scale to the body';
-  const placed = world ? `As the file says: ${WORLDS[world].toLowerCase()}` : 'Not said by the file';
-  return html`${individual(facts)}${start('of the video, where the file begins')}
-    ${field('Rate', text('Rate', 'fps', fps ? String(Number(fps.toFixed(2))) : 'As the video'), 'frames/s')}
-    ${field('Unit', choice('Unit', 'unit', entries(UNITS).filter(({ id }) => unit || id !== 'auto'), own))}
-    ${field('World', choice('World', 'world', entries(WORLDS), placed), keyframes ? 'Keyframes decide' : '')}
-    ${unknownNames(facts)}`;
-}
-
-function keypoints(choices, facts) {
-  const { layouts, every } = facts;
-  const some = (all) => all.map((id) => ({ id, label: id }));
-  return html`
-    ${individual(facts)}${start('of the video, at the file’s frame 0; −1 for pictures counted from 1')}
-    ${layouts.length ? field('Layout', choice('Layout', 'layout', some(layouts), 'Choose…')) : nothing}
-    ${field('Drafts', html`<span class="dim">every</span>${text('Every', 'every', String(every))}<span class="dim">frames, or at frames</span>${text('Frames', 'frames', '0, 24, 48', 2000)}`)}
-    ${field('Sides', checkbox({ label: 'Swap left and right', on: choices.exchange, act: (exchange) => change({ exchange }) }))}
-    ${unknownNames(facts)}`;
-}
-
-const camera = () => html`<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
-
-const FIELDS = { motion, keypoints, camera };
 
 const BECOMES = {
   motion: 'An initial guess for tracking. Keyframes stay.',

@@ -601,7 +601,7 @@
  * @property {string} [theme]
  * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
  * @property {Importing | null} [importing]  The file that is being imported, while the dialog is open.
- * @property {any} [exporting]  What is chosen in the dialog of exports, while it is open.
+ * @property {Exporting | null} [exporting]  What is chosen in the dialog of exports, while it is open.
  * @property {{ id: string, what: string, done: number, of: number } | null} [exportJob]  The export under way.
  * @property {Record<string, string>} [exportMissing]  What cannot be exported here, with what mends it.
  * @property {Library | null} [library]
@@ -659,7 +659,7 @@
  * @property {string} words  Why it could not be read or imported.
  * @property {number} done
  * @property {number} of
- * @property {ImportChoices} choices
+ * @property {Record<string, any>} choices  By option the text of its value.
  */
 
 /**
@@ -668,18 +668,8 @@
  */
 
 /**
- * What is chosen in the dialog of imports; empty where it is left to the file.
- * @typedef {object} ImportChoices
- * @property {string} start
- * @property {string} fps
- * @property {string} unit
- * @property {string} world
- * @property {Record<string, string>} places  Of the body, by names of the file that are not known.
- * @property {string} layout
- * @property {string} individual
- * @property {boolean} exchange
- * @property {string} every
- * @property {string} frames
+ * What is chosen in the dialog of exports: what, and for each kind the texts of its options.
+ * @typedef {{ what: string, format: string, values: Record<string, Record<string, any>> }} Exporting
  */
 
 /** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */

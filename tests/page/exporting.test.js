@@ -5,68 +5,64 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { beginExport, cancelExport, motionAddress, notInstalled, orderOf, whyNotExport } = await import('../../static/actions/exporting.js');
-const { MOTION } = await import('../../static/actions/table/export.js');
+const { beginExport, cancelExport, exportOrder, motionAddress, notInstalled, usualExport, whyNotExport } = await import('../../static/actions/exporting.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
-/** @type {import('../../static/actions/exporting.js').Options} */
-const OPTIONS = {
-  what: 'film', view: 'main', size: 'own', style: 'both', first: '0', last: '40', fps: '', frames: 'keyframes',
-  background: 'video', columns: '', format: 'all', filter: '', rig: 'keypose', unit: 'm',
-};
-const AT = { opacity: 0.5, tint: 'clay', frame: 7, eye: { azimuth: 30, elevation: 10 } };
-const LOOK = { style: 'both', opacity: 0.5, tint: 'clay' };
+Object.assign(server, {
+  file: { name: 'walk', frames: 41, width: 640, height: 360 }, keys: { frames: [0, 24, 40], drafts: [] }, body: { is_persons: true }, surface: null,
+  view: { mode: 'both', opacity: 0.5, tint: 'clay', frame: 7 },
+});
+
+/** What the dialog starts with, and what was chosen in it. */
+function chosen(what, changed = {}, format = 'all') {
+  const usual = usualExport();
+  return { ...usual, what, format, values: { ...usual.values, [what]: { ...usual.values[what], ...changed } } };
+}
+
+const LOOK = { style: 'both', opacity: '50' };
 
 test('a film has the frames, the size and the rate that were chosen', () => {
-  assert.deepEqual(orderOf(OPTIONS, AT), { what: 'film', ...LOOK, view: 'main', size: null, frames: [0, 40], fps: null });
-  const chosen = orderOf({ ...OPTIONS, size: '1280x720', fps: '25', view: 'orbit' }, AT);
-  assert.deepEqual([chosen.size, chosen.fps, chosen.view], [[1280, 720], 25, 'orbit']);
+  assert.deepEqual(exportOrder(chosen('film')), { what: 'film', ...LOOK, view: 'main', frames: '0-40' });
+  const order = exportOrder(chosen('film', { size: '1280x720', fps: '25', view: 'orbit', style: 'wire' }));
+  assert.deepEqual([order.size, order.fps, order.view, order.style], ['1280x720', '25', 'orbit', 'wire']);
 });
 
 test('the free view is a camera that stands where it looks from', () => {
-  const { view, azimuth, elevation } = orderOf({ ...OPTIONS, view: 'free' }, AT);
-  assert.deepEqual([view, azimuth, elevation], ['camera', 30, 10]);
+  assert.match(exportOrder(chosen('film', { view: 'free' }), { azimuth: 30, elevation: 10 }).view, /^camera:30.00,10.00$/);
 });
 
 test('images are of this frame, of the keyframes, or of every frame', () => {
-  assert.equal(orderOf({ ...OPTIONS, what: 'pictures', frames: 'this' }, AT).frames, 7);
-  assert.equal(orderOf({ ...OPTIONS, what: 'pictures' }, AT).frames, 'keyframes');
+  assert.equal(exportOrder(chosen('pictures', { frames: 'this' })).frames, '7');
+  assert.equal(exportOrder(chosen('pictures')).frames, 'keyframes');
 });
 
 test('a sheet has the columns that were chosen, or as many as fit', () => {
-  assert.deepEqual(orderOf({ ...OPTIONS, what: 'sheet' }, AT), { what: 'sheet', ...LOOK, columns: null });
-  assert.equal(orderOf({ ...OPTIONS, what: 'sheet', columns: '3' }, AT).columns, 3);
+  assert.deepEqual(exportOrder(chosen('sheet')), { what: 'sheet', ...LOOK });
+  assert.equal(exportOrder(chosen('sheet', { columns: '3' })).columns, '3');
 });
 
-test('motion is asked for with its filter and rate only where they were chosen', () => {
-  assert.equal(motionAddress(OPTIONS), '/motion?format=all&first=0&last=40');
-  assert.equal(motionAddress({ ...OPTIONS, format: 'bvh', filter: '6', fps: '30' }), '/motion?format=bvh&filter_hz=6&fps=30&first=0&last=40');
-});
-
-test('bones are asked for by the name of a rig, the body’s own by none', () => {
-  assert.equal(motionAddress({ ...OPTIONS, format: 'glb', rig: 'ue5' }), '/motion?format=glb&rig=ue5&first=0&last=40');
-});
-
-test('lengths of BVH are asked for in the unit that was chosen, metres without a word', () => {
-  assert.equal(motionAddress({ ...OPTIONS, format: 'glb', fromZero: true }), '/motion?format=glb&from_zero=true&first=0&last=40');
-  assert.equal(motionAddress({ ...OPTIONS, format: 'bvh', unit: 'cm' }), '/motion?format=bvh&unit=cm&first=0&last=40');
+test('motion is asked for with what was chosen of it and what its format heeds', () => {
+  const asked = (changed, format) => Object.fromEntries(new URLSearchParams(motionAddress(chosen('motion', changed, format)).split('?')[1]));
+  assert.deepEqual(asked({ filter_hz: '6', fps: '30', from_zero: 'true' }, 'csv'), { format: 'csv', frames: '0-40', fps: '30', from_zero: 'true', filter_hz: '6' });
+  assert.deepEqual(asked({ rig: 'ue5', unit: 'cm' }, 'glb'), { format: 'glb', rig: 'ue5', frames: '0-40' });
+  assert.equal(asked({ unit: 'cm' }, 'bvh').unit, 'cm');
 });
 
 test('what is not installed says what mends it', () => {
   setUi('exportMissing', { usd: "pip install 'keypose[usd]'" });
-  assert.equal(notInstalled(MOTION.saveUsd), "USD needs usd-core: pip install 'keypose[usd]'");
-  assert.equal(notInstalled(MOTION.saveC3d), '');
-  assert.equal(notInstalled(MOTION.saveBvh), '');
+  assert.equal(notInstalled('usd'), "USD needs usd-core: pip install 'keypose[usd]'");
+  assert.equal(notInstalled('c3d'), '');
+  assert.equal(notInstalled('bvh'), '');
 });
 
 test('what cannot be exported is said before it is tried', () => {
-  assert.equal(whyNotExport(OPTIONS, 41), '');
-  assert.match(whyNotExport({ ...OPTIONS, last: '41' }, 41), /last frame of the video is 40/);
-  assert.match(whyNotExport({ ...OPTIONS, first: '9', last: '3' }, 41), /not after the last/);
-  assert.match(whyNotExport({ ...OPTIONS, first: 'x' }, 41), /two numbers/);
-  assert.match(whyNotExport({ ...OPTIONS, fps: '0' }, 41), /0.1 to 1000/);
-  assert.match(whyNotExport({ ...OPTIONS, what: 'motion', filter: 'six' }, 41), /hertz/);
-  assert.match(whyNotExport({ ...OPTIONS, what: 'sheet', columns: '0' }, 41), /1 to 100/);
+  assert.equal(whyNotExport(chosen('film'), 41), '');
+  assert.match(whyNotExport(chosen('film', { frames: '0-41' }), 41), /last frame of the video is 40/);
+  assert.match(whyNotExport(chosen('film', { frames: '9-3' }), 41), /not after the last/);
+  assert.match(whyNotExport(chosen('film', { frames: 'x-3' }), 41), /two numbers/);
+  assert.match(whyNotExport(chosen('film', { fps: '0' }), 41), /Rate is a number from 0.1 to 1000/);
+  assert.match(whyNotExport(chosen('motion', { filter_hz: 'six' }), 41), /Low-pass filter.* Hz/);
+  assert.match(whyNotExport(chosen('sheet', { columns: '0' }), 41), /1 to 100/);
 });
 
 /** Lets the test answer what is asked: [path, method, answer with this]. */
@@ -82,8 +78,7 @@ const settled = () => new Promise((done) => setTimeout(done));
 
 test('an export that is cancelled before the server knows it stays cancelled, and ends there too', async () => {
   const asked = heldBack();
-  Object.assign(server, { view: { opacity: 0.5, tint: 'clay', frame: 0 }, file: { name: 'walk', frames: 41 }, surface: null });
-  setUi('exporting', OPTIONS);
+  setUi('exporting', chosen('film'));
   void beginExport();
   await cancelExport();
   void beginExport(); // another one, at once

@@ -5,21 +5,21 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { USUAL, beginImport, importFile, isImported, leaveImport, openPoseFile, orderOf, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
+const { beginImport, importFile, importOrder, isImported, leaveImport, openPoseFile, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
-const MOTION = /** @type {const} */ ({ kind: 'motion', program: 'BVH', facts: { individuals: [] } });
-const KEYPOINTS = /** @type {const} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [] } });
+const MOTION = /** @type {any} */ ({ kind: 'motion', program: 'BVH', facts: { individuals: [], left_out: ['Hips', 'Tail_1'] } });
+const KEYPOINTS = /** @type {any} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [], left_out: [], every: 24 } });
 
 test('what is left to the file is not said', () => {
-  assert.deepEqual(orderOf('motion', USUAL), { kind: 'motion', places: {}, individual: null, offset_frames: null, fps: null, unit: null, world: null });
-  assert.deepEqual(orderOf('camera', USUAL), { kind: 'camera' });
+  assert.deepEqual(importOrder(MOTION, { places: {} }), { kind: 'motion', places: [] });
+  assert.deepEqual(importOrder({ kind: 'camera', program: '', facts: {} }, {}), { kind: 'camera' });
 });
 
 test('a start frame may be negative, and names mean places of the body', () => {
-  const order = orderOf('motion', { ...USUAL, start: '-12', places: { Hips: 'pelvis', Tail_1: 'tail.end' } });
-  assert.equal(order.offset_frames, -12);
-  assert.deepEqual(order.places, { Hips: 'pelvis', Tail_1: 'tail.end' });
+  const order = importOrder(MOTION, { offset_frames: '-12', places: { Hips: 'pelvis', Tail_1: 'tail.end' } });
+  assert.equal(order.offset_frames, '-12');
+  assert.deepEqual(order.places, ['Hips=pelvis', 'Tail_1=tail.end']);
 });
 
 test('a name that is not known can be a joint, a free end or a landmark', () => {
@@ -31,30 +31,22 @@ test('a name that is not known can be a joint, a free end or a landmark', () => 
   assert.deepEqual(found, [['trunk', 'Trunk'], ['tail', 'Tail'], ['tail.end', 'Tail, end'], ['tail.tail_mark', 'Tail mark']]);
 });
 
-test('keypoints of pictures that count from 1 start a frame earlier', () => {
-  assert.equal(orderOf('keypoints', { ...USUAL, start: '-1' }).offset_frames, -1);
-  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, start: 'x' }, 9), /whole number/);
-});
-
-test('frames that are listed count, and not one in so many', () => {
-  const order = orderOf('keypoints', { ...USUAL, every: '10', frames: '0, 24,48' });
-  assert.deepEqual([order.frames, order.every], [[0, 24, 48], null]);
-  assert.equal(orderOf('keypoints', { ...USUAL, every: '10' }).every, 10);
-});
-
 test('what cannot be ordered is said in a sentence', () => {
-  assert.equal(whyNotBegin(MOTION, USUAL, 100), '');
-  assert.match(whyNotBegin(MOTION, { ...USUAL, start: '1.5' }, 100), /whole number/);
-  assert.match(whyNotBegin(MOTION, { ...USUAL, fps: '0' }, 100), /rate/);
-  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, frames: '0, 100' }, 100), /no frame 100.*is 99/);
-  assert.match(whyNotBegin(KEYPOINTS, { ...USUAL, every: '0' }, 100), /every so many/);
+  assert.equal(whyNotBegin(MOTION, {}, 100), '');
+  assert.match(whyNotBegin(MOTION, { offset_frames: '1.5' }, 100), /whole number/);
+  assert.match(whyNotBegin(KEYPOINTS, { offset_frames: 'x' }, 9), /whole number/);
+  assert.match(whyNotBegin(MOTION, { fps: '0' }, 100), /Rate/);
+  assert.match(whyNotBegin(KEYPOINTS, { frames: '0, 100' }, 100), /no frame 100.*is 99/);
+  assert.match(whyNotBegin(KEYPOINTS, { every: '0' }, 100), /from 1 to/);
+  assert.match(whyNotBegin(KEYPOINTS, { every: '9', frames: '0, 3' }, 100), /leave one empty/);
 });
 
 test('of several individuals one is chosen first', () => {
-  const several = { ...KEYPOINTS, facts: { individuals: ['a', 'b'], layouts: [] } };
-  assert.match(whyNotBegin(several, USUAL, 9), /Choose one/);
-  assert.match(whyNotBegin({ ...MOTION, facts: { individuals: ['a', 'b'] } }, USUAL, 9), /Choose one/);
-  assert.equal(whyNotBegin(several, { ...USUAL, individual: 'b' }, 9), '');
+  for (const found of [KEYPOINTS, MOTION]) {
+    const several = { ...found, facts: { ...found.facts, individuals: ['a', 'b'] } };
+    assert.match(whyNotBegin(several, {}, 9), /Choose: Individual/);
+    assert.equal(whyNotBegin(several, { individual: 'b' }, 9), '');
+  }
 });
 
 test('the frames of OpenPose are one list, each with the name of its file', async () => {
@@ -96,7 +88,7 @@ test('a motion of which nothing is keyed is offered to be reduced to keyframes, 
   });
   const offered = async (id, kind, frames) => {
     server.keys = /** @type {any} */ ({ frames, drafts: [] });
-    setUi('importing', /** @type {any} */ ({ stage: 'choosing', id, name: 'a', found: { ...MOTION, kind }, choices: USUAL, words: '' }));
+    setUi('importing', /** @type {any} */ ({ stage: 'choosing', id, name: 'a', found: { ...MOTION, kind }, choices: {}, words: '' }));
     await beginImport();
     return ui.toasts.find(({ words }) => words === `/imports/${id} imported.`).button?.label;
   };

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 from pathlib import Path
 
 from keypose.app.editor.actions import ACTIONS
-from keypose.app.export.motion_formats import FORMATS
 from tests.page.test_page_modules import SECONDS
 
 HERE = Path(__file__).parent
@@ -27,9 +25,3 @@ def test_every_message_of_the_table_is_one_that_the_program_knows(node: str) -> 
     assert len(messages) > 20
     for name, message in messages.items():
         assert ACTIONS.validate_python(message).do == message["do"], name
-
-
-def test_every_format_of_motion_is_offered() -> None:
-    table = HERE.parents[1] / "static" / "actions" / "table" / "export.js"
-    offered = re.findall(r"\bmotion\('(\w+)'", table.read_text(encoding="utf-8"))
-    assert sorted(offered) == sorted(FORMATS)

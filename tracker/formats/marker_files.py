@@ -140,7 +140,7 @@ _HEADER = (
 )
 
 
-def trc(recording: Recording, file_name: str) -> str:
+def trc(recording: Recording, file_name: str = "motion.trc") -> str:
     """The text of the file, which says its own name. FormatError without two times."""
     labels, places = marked(recording)
     names = single_words(labels)

@@ -17,6 +17,7 @@ from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
 from keypose.app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
 from keypose.app.jobs.wire import failure_message
+from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.session import Session
@@ -28,7 +29,10 @@ from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
 
-def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str, ...]) -> Export:
+def export_of(
+    session: Path, folder: Path, out: Path | None, formats: tuple[str, ...],
+    order: MotionOrder = AS_TRACKED,
+) -> Export:  # fmt: skip
     """Return where the files of a session in `folder` go: beside it, or to the same place below
     `out`.
 
@@ -36,7 +40,7 @@ def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str,
     """
     place = session.parent if out is None else out / session.parent.relative_to(folder)
     prefix = "" if session.name == SESSION else f"{session.stem}-"
-    return Export(formats, place, prefix)
+    return Export(formats, place, prefix, order)
 
 
 def places(export: Export) -> list[Path]:
@@ -57,7 +61,7 @@ def export_motion(session_path: Path, export: Export) -> tuple[str, ...]:
     for format_name in FORMATS:
         if format_name not in export.formats:
             continue
-        for name, content in motion_files(format_name, recording).items():
+        for name, content in motion_files(format_name, recording, export.order).items():
             place = export.folder / f"{export.prefix}{name}"
             write_file(place, content, overwrite=True)
             written.append(str(place))

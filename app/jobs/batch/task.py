@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.session.settings import MethodName, Quality
 
 State: TypeAlias = Literal["tracked", "kept", "failed", "open", "interrupted"]
@@ -19,6 +20,7 @@ class Export:
     formats: tuple[str, ...]
     folder: Path
     prefix: str = ""
+    order: MotionOrder = AS_TRACKED
 
 
 @dataclass(frozen=True)

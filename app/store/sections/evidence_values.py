@@ -10,8 +10,9 @@ from typing import Any, Final
 import numpy as np
 
 from keypose.app.editor.state import EditorState
+from keypose.app.orders.drawing import Tint
 from keypose.app.posing import part_label
-from keypose.app.render.tints import LEGENDS, Tint, css_stops
+from keypose.app.render.tints import LEGENDS, css_stops
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.tracker.geometry.camera import Camera

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import re
 import zipfile
 from fractions import Fraction
 from pathlib import Path
@@ -14,13 +13,12 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.editor.state import EditorState
-from keypose.app.export.motion_files import Sampling, motion_archive
+from keypose.app.export.motion_files import motion_archive
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import read_order
 from keypose.app.posing import opening_pose
-from keypose.app.server.outputs import MOTION
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.rigs import RIGS
-from keypose.tracker.formats.units import FILE_UNITS
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import Results, save_results
 from keypose.tracker.storage.tracks import save_result
@@ -77,7 +75,6 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
 def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, path: Path) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
     assert from_page(format_name, edit) == exported(path, format_name)
-    assert MOTION.validate_strings({"format": format_name}).format == format_name
 
 
 def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
@@ -108,20 +105,9 @@ def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
     assert "absent.osim cannot be read" in refused(capsys, path.parent, command)
 
 
-def test_the_page_offers_every_format_and_unit() -> None:
-    offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
-    for name in FILE_UNITS:
-        assert re.search(rf"\b{name}: {{ label: ", offered)
-    table = (STATIC / "actions" / "table" / "export.js").read_text("utf-8")
-    assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
-    rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
-    assert rigged == [name for name, kind in FORMATS.items() if kind.rigged]
-
-
 def test_bones_and_unit_are_asked_for_by_both_doors(path: Path) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    wanted = MOTION.validate_strings({"format": "bvh", "unit": "cm"})
-    in_cm = motion_archive("bvh", edit, wanted.sampling).content
+    in_cm = motion_archive("bvh", edit, read_order(MotionOrder, {"unit": "cm"})).content
     assert in_cm == exported(path, "bvh", "--unit", "cm")["motion.bvh"]
     assert in_cm != exported(path, "bvh")["motion.bvh"]
 
@@ -130,7 +116,7 @@ def test_a_unit_for_a_format_that_names_its_own_is_refused(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = ["export", path, "--format", "csv", "--unit", "cm", "--out", path.parent / "out"]
-    words = "--unit is for bvh: all other formats name their unit.\n"
+    words = "Unit is for bvh alone.\n"
     assert refused(capsys, path.parent, command) == words
 
 
@@ -138,8 +124,8 @@ def test_times_begin_at_0_where_that_is_asked_for_by_both_doors(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    asked = {"format": "glb", "first": "4", "last": "8", "from_zero": "true"}
-    from_zero = motion_archive("glb", edit, MOTION.validate_strings(asked).sampling).content
+    asked = read_order(MotionOrder, {"frames": "4-8", "from_zero": "true"})
+    from_zero = motion_archive("glb", edit, asked).content
     files = exported(path, "glb,bvh,csv", "--frames", "4-8", "--from-zero")
     assert files["motion.glb"] == from_zero
     assert "BVH begins at frame 4 of the film" in capsys.readouterr().err
@@ -253,8 +239,7 @@ def test_page_and_command_line_filter_alike_and_say_it_in_the_file(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
-    wanted = MOTION.validate_strings({"format": "npz", "filter_hz": "10", "fps": "50"})
-    sampling = Sampling(wanted.fps, wanted.filter_hz)
+    sampling = read_order(MotionOrder, {"filter_hz": "10", "fps": "50"})
     file = motion_archive("npz", edit, sampling).content
     files = exported(path, "npz,csv,glb,c3d", "--filter", "10Hz", "--fps", "50")
     assert files["motion.npz"] == file
@@ -383,7 +368,7 @@ def test_a_format_that_is_none_is_refused(
 ) -> None:
     command = ["export", path, "--format", formats, "--out", path.parent / "out"]
     words = refused(capsys, path.parent, command)
-    assert "invalid choice" in words
+    assert "There is no format" in words
     assert f"choose from {', '.join(FORMATS)}" in words
 
 
@@ -411,17 +396,14 @@ def test_nothing_is_written_where_one_of_several_is_there_already(
 def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
     state = opened(path, results_cases.both(load_session(path)))
     given = exported(path, "glb", "--rig", "keypose")["motion.glb"]
-    assert (
-        motion_archive("glb", state, MOTION.validate_strings({"format": "glb"}).sampling).content
-        == given
-    )
+    assert motion_archive("glb", state).content == given
 
 
 @pytest.mark.parametrize(
     ("formats", "rig", "words"),
     [
         ("glb", "mixamo", "The rig mixamo is for a person"),
-        ("csv,npz", "vrm", "--rig is for formats with bones: bvh, glb and usd."),
+        ("csv,npz", "vrm", "Rig is for bvh, glb and usd alone."),
         ("glb", "biped", "invalid choice: 'biped'"),
     ],
 )
@@ -431,12 +413,6 @@ def test_a_rig_that_cannot_be_is_reported(
     opened(path, results_cases.both(load_session(path)))
     command = ["export", path, "--format", formats, "--rig", rig, "--out", path.parent / "out"]
     assert words in refused(capsys, path.parent, command)
-
-
-def test_the_page_offers_the_rigs_that_there_are() -> None:
-    script = (Path(__file__).parents[3] / "static/actions/exporting.js").read_text("utf-8")
-    table = script.partition("export const RIGS = {")[2].partition("};")[0]
-    assert tuple(re.findall(r"(\w+):", table)) == tuple(RIGS)
 
 
 def test_a_part_of_the_motion_stands_on_the_floor_of_the_whole(path: Path) -> None:

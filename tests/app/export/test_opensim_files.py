@@ -13,9 +13,8 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from keypose.app.export.motion_files import AS_TRACKED, Sampling
-from keypose.app.export.motion_formats import MARKER_SETS as MARKER_SETS_OF_HELP
 from keypose.app.export.opensim_files import files_for_model
+from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName
 from tests.app.cli_cases import refused
@@ -67,7 +66,7 @@ def test_a_model_that_ends_its_reader_is_refused(
 def test_markers_of_the_setups_are_those_of_the_table_and_stand_upright(
     marker_set: str, model: Path, tmp_path: Path
 ) -> None:
-    sampling = Sampling(marker_set="halpe26" if marker_set == "halpe26" else "keypose")
+    sampling = MotionOrder(markers="halpe26" if marker_set == "halpe26" else "keypose")
     files = files_for_model(recordings.recording("person"), sampling, model, tmp_path).files
     lines = files["motion.trc"].decode().splitlines()
     names = [cell for cell in lines[3].split("\t")[2:] if cell]
@@ -87,7 +86,7 @@ def test_markers_of_the_setups_are_those_of_the_table_and_stand_upright(
 def test_where_markers_of_the_pelvis_lie_in_one_line_the_trunks_bend_stays_near_the_motion(
     marker_set: MarkerSetName, beside: list[str], model: Path, tmp_path: Path
 ) -> None:
-    sampling = Sampling(marker_set=marker_set)
+    sampling = MotionOrder(markers=marker_set)
     files = files_for_model(recordings.recording("person"), sampling, model, tmp_path).files
     ik = ElementTree.fromstring(files["ik.xml"])
     tasks = list(ik.iter("IKCoordinateTask"))
@@ -105,11 +104,8 @@ def test_gaps_in_the_motion_are_named(model: Path, tmp_path: Path) -> None:
 def test_the_command_knows_every_set_of_markers_and_no_other(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert MARKER_SETS_OF_HELP == MARKER_SETS
     command = ["export", "x", "--format", "trc", "--markers", "nobody", "--out", "o"]
-    assert "choose from 'keypose', 'halpe26'" in refused(capsys, tmp_path, command).replace(
-        "keypose, halpe26", "'keypose', 'halpe26'"
-    )
+    assert f"choose from {', '.join(MARKER_SETS)}" in refused(capsys, tmp_path, command)
 
 
 @WITH_OPENSIM

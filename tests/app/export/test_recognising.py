@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.app.export.recognising import ENDINGS, kind_of, recognise
+from keypose.app.export.recognising import kind_of, recognise
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.csv import joints_csv
@@ -103,12 +103,3 @@ def test_what_cannot_be_read_is_refused_in_one_sentence(
     assert words in str(refused.value)
     assert str(refused.value).endswith(".")
     assert "\n" not in str(refused.value)
-
-
-def test_the_page_knows_the_endings_of_what_can_be_imported() -> None:
-    page = Path(__file__).parents[3] / "static" / "actions" / "importing.js"
-    text = page.read_text(encoding="utf-8")
-    listed = text[text.index("ENDINGS = [") :].split("]")[0]
-    assert {ending for ending in ENDINGS if ".pkl" not in ending and ".pickle" not in ending} == {
-        word.strip(" \n'") for word in listed.split("[")[1].split(",") if word.strip()
-    }

@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.orders.drawing import Viewpoint
 from keypose.app.render import films
 from keypose.app.render.films import Film, film_pictures, film_size
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.studio import Studio, ViewStyle, snapshot
-from keypose.app.render.viewpoints import Viewpoint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.tracks import save_result

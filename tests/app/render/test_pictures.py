@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.app.orders.drawing import Style
 from keypose.app.render import pictures
 from keypose.app.render.lettering import axes, length_name, round_length, scale_bar, write_name
 from keypose.app.render.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
-from keypose.app.render.pictures import Style, four_views, orthographic, overlay
+from keypose.app.render.pictures import four_views, orthographic, overlay
 from keypose.tracker.body.body import Body, Part, load_body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh

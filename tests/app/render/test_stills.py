@@ -10,10 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.app.cli.main import main
+from keypose.app.orders.drawing import Paint, PictureOrder, Size, Viewpoint
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.stills import Still, still
-from keypose.app.render.studio import Paint, Size, Studio, ViewStyle, snapshot
-from keypose.app.render.viewpoints import Ground, Viewpoint, least_distance, smoothed, view_from
+from keypose.app.render.stills import still
+from keypose.app.render.studio import Studio, ViewStyle, snapshot
+from keypose.app.render.viewpoints import Ground, least_distance, smoothed, view_from
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.geometry.rotations import apply_transform
@@ -33,7 +34,7 @@ LEVEL = STUDIO.Rs["front"]
 
 def drawn(**wanted: object) -> NDArray[np.uint8]:
     """Without the video."""
-    return still(SESSION, None, FRAME, POSES, Still(**wanted))  # type: ignore[arg-type]
+    return still(SESSION, None, FRAME, POSES, PictureOrder(**wanted))  # type: ignore[arg-type]
 
 
 def shot(session: Path, out: Path, *more: str) -> NDArray[np.uint8]:
@@ -187,7 +188,7 @@ def test_a_stick_that_points_at_the_camera_keeps_its_distance() -> None:
 def test_a_new_viewpoint_shows_the_silhouette_that_its_eye_sees() -> None:
     size = (320, 240)
     viewpoint = Viewpoint(40.0, 25.0)
-    picture = drawn(view=viewpoint, size=size, on_nothing=True)
+    picture = drawn(view=viewpoint, size=size, background="none")
     low, high = (POINTS @ LEVEL.T).min(axis=0), (POINTS @ LEVEL.T).max(axis=0)
     centre = (low + high) / 2 @ LEVEL
     distance = least_distance(viewpoint, LEVEL, centre, POINTS, size)
@@ -243,7 +244,10 @@ def test_calm_places_follow_slow_ways_and_shrug_at_quick_ones() -> None:
         (["--size", "99999x99999"], "is not a size"),
         (["--size", "8000x8000"], "more than 20 million pixels"),
         (["--scale", "inf"], "is not a number from 0.05 to 16"),
-        (["--scale", "2", "--size", "64x64"], "not allowed with argument"),
+        (
+            ["--scale", "2", "--size", "64x64"],
+            "--size and --scale mean the same",
+        ),
         (["--background", "white"], "invalid choice"),
     ],
 )

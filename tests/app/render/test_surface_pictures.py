@@ -16,15 +16,16 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.app.cli.main import main
+from keypose.app.orders.drawing import PictureOrder, Viewpoint
 from keypose.app.render.films import Film, film_pictures
 from keypose.app.render.painting import form_of
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.stills import Still, still
+from keypose.app.render.stills import still
 from keypose.app.render.studio import Studio, ViewStyle, snapshot
 from keypose.app.render.surfaces import SurfaceLayer, draw_surface
-from keypose.app.render.viewpoints import Viewpoint, least_distance, view_from
+from keypose.app.render.viewpoints import least_distance, view_from
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import raster
 from keypose.tracker.geometry.rotations import Array, apply_transform
@@ -128,7 +129,7 @@ def test_the_surface_is_seen_from_the_side_where_its_vertices_project(
 def test_the_surface_is_seen_from_any_viewpoint_where_its_vertices_project(
     session: Session, video: Video, poses: KnownPoses
 ) -> None:
-    wanted = Still(CORNER)
+    wanted = PictureOrder(view=CORNER)
     alone = still(session, None, FRAME, poses, wanted)
     both = still(session, video, FRAME, poses, wanted)
     studio, size = Studio.of(session, poses.skeleton), (session.camera.width, session.camera.height)
@@ -314,8 +315,7 @@ def test_what_the_page_exports_is_what_the_command_draws(path: Path, tmp_path: P
     try:
         visitor = Visitor(keypose)
         for view, tint in (("top", "clay"), ("all", "clay"), ("all", "contact"), ("main", "photo")):
-            visitor.do(do="display", tint=tint)
-            page = asked(keypose, f"view={view}&frame={FRAME}")
+            page = asked(keypose, f"view={view}&frames={FRAME}&tint={tint}")
             drawn = shot(place / "session.json", tmp_path / "a.png", "--view", view, "--tint", tint)
             assert page == drawn, (view, tint)
         visitor.leave()

@@ -21,8 +21,8 @@ import pytest
 from keypose.app.server import exports
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 
-SIZE = [160, 90]
-ORBIT = {"what": "film", "view": "orbit", "size": SIZE, "frames": [0, 12], "fps": 10}
+SIZE = "160x90"
+ORBIT = {"what": "film", "view": "orbit", "size": SIZE, "frames": "0-12", "fps": "10"}
 
 
 class Desk:
@@ -101,7 +101,7 @@ def test_a_film_is_that_of_the_command_line(desk: Desk, tmp_path: Path) -> None:
 def test_a_sheet_is_that_of_the_command_line(desk: Desk, tmp_path: Path) -> None:
     options = ("--style", "wire", "--columns", "1")
     sheet = desk.commanded("sheet", str(desk.session), *options, out=tmp_path / "sheet.png")
-    assert desk.exported({"what": "sheet", "style": "wire", "columns": 1}) == sheet
+    assert desk.exported({"what": "sheet", "style": "wire", "columns": "1"}) == sheet
 
 
 def test_pictures_are_those_of_the_command_line(desk: Desk, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_pictures_are_those_of_the_command_line(desk: Desk, tmp_path: Path) -> N
 def test_a_long_export_shows_how_far_it_is_is_cancelled_and_leaves_the_page_quick(
     desk: Desk,
 ) -> None:
-    long = {"what": "film", "view": "all", "size": [1280, 720]}
+    long = {"what": "film", "view": "all", "size": "1280x720"}
     id = desk.begin(long)
     desk.until(id, lambda state: state["done"] >= 1 and state["of"] == 41)
     assert "Another export" in desk.refused(ORBIT)
@@ -132,16 +132,16 @@ def test_a_long_export_shows_how_far_it_is_is_cancelled_and_leaves_the_page_quic
 @pytest.mark.parametrize(
     ("order", "words"),
     [
-        ({"what": "film", "frames": [5, 99]}, "no frame 99"),
-        ({"what": "film", "frames": [5, 2]}, "comes after its first"),
-        ({"what": "film", "size": [9000, 20]}, "size"),
-        ({"what": "film", "size": [8000, 8000]}, "20 million"),
-        ({"what": "film", "fps": 0}, "fps"),
+        ({"what": "film", "frames": "5-99"}, "no frame 99"),
+        ({"what": "film", "frames": "5-2"}, "no frames such as 10-60"),
+        ({"what": "film", "size": "9000x20"}, "Size"),
+        ({"what": "film", "size": "8000x8000"}, "20 million"),
+        ({"what": "film", "fps": "0"}, "Rate"),
         ({"what": "film", "out": "/etc/passwd"}, "out"),
         ({"what": "film", "tint": "contact"}, "no surface to colour"),
-        ({"what": "pictures", "frames": "x"}, "frames"),
-        ({"what": "sheet", "columns": 0}, "columns"),
-        ({"what": "everything"}, "what"),
+        ({"what": "pictures", "frames": "x"}, "Frames"),
+        ({"what": "sheet", "columns": "0"}, "Columns"),
+        ({"what": "everything"}, "no export 'everything'"),
         ("x" * 20000, "too long"),
     ],
 )

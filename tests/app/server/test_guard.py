@@ -10,10 +10,12 @@ from typing import Any
 
 import pytest
 
+from keypose.app.orders.drawing import PicturesOrder
+from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.order import said_by_page
 from keypose.app.server.admission import Browsers
 from keypose.app.server.guard import Guard
 from keypose.app.server.headers import headers_for
-from keypose.app.server.outputs import Motion
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"
@@ -117,8 +119,8 @@ def test_a_browser_that_was_let_in_gets_the_page_its_files_and_its_sockets() -> 
     assert ask("/").text == "inside"
     assert ask("/static/views/cameras.js").status == 200
     assert ask("/frame/17.jpg", "v=plain").status == 200
-    assert ask("/picture.png", "view=all&frame=3&mode=both&opacity=0.5&tint=clay").status == 200
-    assert ask("/picture.png", "view=free&azimuth=52.5&elevation=20").status == 200
+    assert ask("/picture.png", "view=all&frames=3&style=both&opacity=50&tint=clay").status == 200
+    assert ask("/picture.png", "view=orbit:52.5,20").status == 200
     assert ask("/motion", "format=bvh").status == 200
     assert ask("/upload", "name=jump.mp4", method="POST").status == 200
     assert ask("/events", socket=True).accepted
@@ -401,8 +403,11 @@ def test_an_unknown_word_in_the_address_is_refused(path: str, query: str) -> Non
 @pytest.mark.parametrize(
     ("path", "query"),
     [
-        ("/motion", "&".join(f"{name}=1" for name in Motion.model_fields)),
-        ("/picture.png", "view=free&frame=3&azimuth=1&elevation=2&mode=wire&opacity=1&tint=clay"),
+        (
+            "/motion",
+            "format=1&" + "&".join(f"{name}=1" for name in sorted(said_by_page(MotionOrder))),
+        ),
+        ("/picture.png", "&".join(f"{name}=1" for name in sorted(said_by_page(PicturesOrder)))),
         ("/folder", "at=0/films"),
         ("/file.jpg", "at=0/films/jump.mp4"),
         ("/upload", "name=jump.mp4"),

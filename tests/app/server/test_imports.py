@@ -146,10 +146,10 @@ def test_keypoints_become_drafts_beside_the_keyframes(desk: Desk) -> None:
     id, state = desk.recognised("detected.json", coco([10, 24, 36]))
     assert (state["found"]["kind"], state["found"]["program"]) == ("keypoints", "COCO")
     assert state["found"]["facts"]["people"] == 1
-    state = desk.imported(id, "keypoints", frames=[10, 24, 36])
+    state = desk.imported(id, "keypoints", frames="10,24,36")
     assert state["words"] == "2 drafts made from detected.json: frames 10 and 36."
     assert desk.visitor.seen["keys"]["frames"] == before
-    again = desk.imported(id, "keypoints", frames=[10, 24])
+    again = desk.imported(id, "keypoints", frames="10,24")
     assert again["state"] == "failed"
     assert again["words"] == "All of these frames are posed already: choose others."
     desk.undo()
@@ -167,7 +167,7 @@ def test_of_several_animals_one_is_chosen(desk: Desk) -> None:
     id, state = desk.recognised("mice.csv", sleap("anna", "bert"))
     assert state["found"]["facts"]["individuals"] == ["anna", "bert"], state
     assert "2 individuals, anna and bert." in desk.imported(id, "keypoints")["words"]
-    state = desk.imported(id, "keypoints", individual="bert", every=1)
+    state = desk.imported(id, "keypoints", individual="bert", every="1")
     assert state["words"] == "All of these frames are posed already: choose others."
 
 

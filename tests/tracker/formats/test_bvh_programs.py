@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import motion_files
+from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.recording import Recording
@@ -35,7 +36,7 @@ def recorded(name: str) -> Recording:
 
 
 def written(made: Recording, rig: str = OWN, unit: FileUnit = "m") -> bytes:
-    return motion_files("bvh", made, Sampling(rig=rig, unit=unit))["motion.bvh"]
+    return motion_files("bvh", made, MotionOrder(rig=rig, unit=unit))["motion.bvh"]
 
 
 def read(content: bytes, folder: Path) -> tuple[Any, Any]:

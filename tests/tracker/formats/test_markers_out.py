@@ -69,7 +69,7 @@ def _on_ground(made: Recording) -> Array:
 @pytest.mark.parametrize("name", recordings.NAMES)
 def test_trc_holds_every_joint_in_millimetres_with_y_up(name: str) -> None:
     made = recordings.recording(name)
-    table = read_trc(trc(made, "motion.trc"))
+    table = read_trc(trc(made))
     assert table.header["Units"] == "mm"
     assert table.names == list(joint_names(made.skeleton))
     assert table.frames == list(made.frames)
@@ -85,7 +85,7 @@ def test_markers_stand_on_the_floor_and_look_ahead_in_trc_as_in_c3d(
     marker_set: MarkerSetName, tmp_path: Path
 ) -> None:
     made = replace(recordings.recording("person"), marker_set=marker_set)
-    table = read_trc(trc(made, "motion.trc"))
+    table = read_trc(trc(made))
     per_metre = {"mm": 1000.0, "m": 1.0}[table.header["Units"]]
     assert (marker_set, per_metre) in [("keypose", 1000.0), ("halpe26", 1.0)]
     ps = table.positions / per_metre
@@ -103,14 +103,14 @@ def test_markers_stand_on_the_floor_and_look_ahead_in_trc_as_in_c3d(
 def test_a_whole_rate_is_a_whole_number_in_trc() -> None:
     made = recordings.recording("person")
     whole = replace(made, times_s=np.array(made.frames) / 30, rate=30.0)
-    assert read_trc(trc(whole, "motion.trc")).header["DataRate"] == "30"
+    assert read_trc(trc(whole)).header["DataRate"] == "30"
     film = replace(made, times_s=np.array(made.frames) * 1001 / 30000, rate=30000 / 1001)
-    assert read_trc(trc(film, "motion.trc")).header["DataRate"] == "29.97003"
+    assert read_trc(trc(film)).header["DataRate"] == "29.97003"
 
 
 def test_trc_leaves_frames_empty_that_are_not_tracked() -> None:
     made = recordings.recording("person", without=(1,))
-    table = read_trc(trc(made, "motion.trc"))
+    table = read_trc(trc(made))
     missing = np.isnan(table.positions).all(axis=(1, 2))
     assert np.flatnonzero(missing).tolist() == list(range(25, 48))
     assert table.frames == list(range(73))
@@ -124,7 +124,7 @@ def test_markers_with_blanks_are_one_word_in_trc() -> None:
     renamed = Recording(
         Skeleton.of(body), made.camera, made.tracks, (), made.times_s, made.up_camera
     )
-    assert read_trc(trc(renamed, "motion.trc")).names[0] == "the_box"
+    assert read_trc(trc(renamed)).names[0] == "the_box"
 
 
 def read_c3d(content: bytes, folder: Path) -> Any:
@@ -165,7 +165,7 @@ def test_frames_keep_their_numbers_where_the_first_keyframe_is_late(tmp_path: Pa
     assert file["header"]["points"]["last_frame"] == 72
     found = np.moveaxis(file["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
     np.testing.assert_allclose(found, _on_ground(made), atol=1e-5)
-    table = read_trc(trc(made, "motion.trc"))
+    table = read_trc(trc(made))
     assert table.frames == list(range(24, 73))
     assert table.header["OrigDataStartFrame"] == "24"
     assert table.times_s[0] == pytest.approx(recordings.uneven_times(73)[24], abs=1e-6)
@@ -200,7 +200,7 @@ def test_a_motion_without_two_times_has_no_rate() -> None:
     still = Recording(
         made.skeleton, made.camera, made.tracks, (), np.zeros(len(made)), made.up_camera
     )
-    for write in (lambda: c3d(still), lambda: trc(still, "motion.trc")):
+    for write in (lambda: c3d(still), lambda: trc(still)):
         with pytest.raises(FormatError, match="two frames and the time between"):
             write()
 

@@ -58,7 +58,7 @@ def read_mot(text: str) -> pd.DataFrame:
 
 
 def test_halpe26_is_written_by_the_names_of_pose2sim_on_the_ground() -> None:
-    table = read_trc(trc(HALPE, "motion.trc"))
+    table = read_trc(trc(HALPE))
     assert table.names[:6] == ["Nose", "Head", "Neck", "LShoulder", "RShoulder", "LElbow"]
     assert len(table.names) == 22
     places = dict(zip(table.names, np.moveaxis(table.positions, 1, 0), strict=True))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdShade, UsdSkel, UsdValidation
 
-from keypose.app.export.motion_files import Sampling, motion_files
+from keypose.app.export.motion_files import motion_files
+from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.body.body import Body, Part
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
@@ -33,7 +34,7 @@ def recorded(name: str) -> Recording:
 
 def opened(made: Recording, folder: Path, rig: str = OWN) -> Any:
     path = folder / "motion.usd"
-    path.write_bytes(motion_files("usd", made, Sampling(rig=rig))["motion.usd"])
+    path.write_bytes(motion_files("usd", made, MotionOrder(rig=rig))["motion.usd"])
     return Usd.Stage.Open(str(path))
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from pathlib import Path
 from threading import Event
 from typing import Any
 
 import pytest
 
+from keypose.app.cli.main import main
 from keypose.app.export.motion_formats import FORMATS, formats_of
 from keypose.app.jobs import Report, SegmentFinished
 from keypose.app.jobs.batch import run_one
@@ -17,6 +19,8 @@ from keypose.app.jobs.batch.task import Step, Summary, Task
 from keypose.app.jobs.messages import Order
 from keypose.app.jobs.rerun import rerun
 from keypose.app.jobs.work import Job
+from keypose.app.orders.motion import MotionOrder
+from keypose.tracker.errors import FormatError
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from tests.app.document.test_folder_lock import holder
@@ -182,12 +186,19 @@ def test_motion_is_written_in_every_format_where_it_was_said_to_be(
     assert formats == ("bvh", "glb", "csv")
     take = path.with_name("take2.json")
     path.rename(take)
-    export = export_of(take, tmp_path, tmp_path / "out", formats)
+    order = MotionOrder(fps=Fraction(10), from_zero=True)
+    export = export_of(take, tmp_path, tmp_path / "out", formats, order)
     summary, _ = done(take, export=export)
     assert [Path(name) for name in summary.exported] == places(export)
     names = ["motion.bvh", "motion.glb", *FORMATS["csv"].names]
     folder = tmp_path / "out" / "job"
     assert sorted(folder.iterdir()) == sorted(folder / f"take2-{name}" for name in names)
+    options = ("--format", "bvh,glb,csv", "--fps", "10", "--from-zero")
+    assert main(["export", str(take), *options, "--out", str(tmp_path / "alone")]) == 0
+    alone = {path.name: path.read_bytes() for path in (tmp_path / "alone").iterdir()}
+    assert {
+        path.name.removeprefix("take2-"): path.read_bytes() for path in folder.iterdir()
+    } == alone
 
 
 def test_without_a_folder_of_their_own_files_go_beside_the_session(tmp_path: Path) -> None:
@@ -197,5 +208,5 @@ def test_without_a_folder_of_their_own_files_go_beside_the_session(tmp_path: Pat
 
 @pytest.mark.parametrize("text", ["", "fbx", "bvh,,glb", "bvh;glb"])
 def test_a_format_that_is_none_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="choose from bvh, glb"):
+    with pytest.raises(FormatError, match="choose from bvh, glb"):
         formats_of(text)

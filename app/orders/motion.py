@@ -1,0 +1,79 @@
+"""Orders of motion files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final, Literal, TypeAlias
+
+from keypose.app.orders.order import option
+from keypose.app.orders.values import Choice, FrameRange, Number, Rate, Switch
+from keypose.tracker.formats.rigs import OWN, RIGS
+from keypose.tracker.formats.units import FILE_UNITS, FileUnit
+
+MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
+
+_RIGS: Final = {
+    "keypose": "Own names", "mixamo": "Mixamo",
+    "ue5": "Unreal Engine 5", "metahuman": "MetaHuman", "vrm": "VRM humanoid", "cmu": "CMU",
+    "smpl": "SMPL",
+}  # fmt: skip
+_RIG_NOTES: Final = {"mixamo": "three.js drops the colons of its names"}
+_UNITS: Final = {"m": "Metres", "cm": "Centimetres", "in": "Inches"}
+_UNIT_NOTES: Final = {"m": "Blender", "cm": "MotionBuilder, Maya, Daz"}
+_MARKERS: Final = {"keypose": "The body’s joints", "halpe26": "HALPE 26, Pose2Sim"}
+
+
+@dataclass(frozen=True)
+class MotionOrder:
+    """What may be asked for besides a format of motion.
+
+    rig: whose bones a format has that has bones.  unit: of lengths where a format names none.
+    markers: which markers files of markers have.  frames: of the film, all when None.
+    fps: frames a second, those of the film when None; where these vary, formats that are read at a
+    constant rate get their mean.  from_zero: whether times and frames begin at 0 instead of where
+    they are in the film.  filter_hz: cut-off of the low-pass filter, none when None.
+    """
+
+    rig: str = option(
+        Choice("NAME", tuple(RIGS), _RIGS, _RIG_NOTES),
+        "names and rest pose of bones: "
+        + "; ".join(f"{name}: {words}" for name, words in RIGS.items()),
+        OWN, label="Rig", only="rigged", persons=True,
+    )  # fmt: skip
+    unit: FileUnit = option(
+        Choice(None, tuple(FILE_UNITS), _UNITS, _UNIT_NOTES),
+        "of lengths in bvh, which cannot name its own: "
+        + "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items()),
+        "m", label="Unit", only="unitless",
+    )  # fmt: skip
+    markers: MarkerSetName = option(
+        Choice(None, ("keypose", "halpe26"), _MARKERS),
+        "of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
+        "names of Pose2Sim",
+        "keypose", label="Markers", only="marked", persons=True,
+    )  # fmt: skip
+    frames: tuple[int, int] | None = option(
+        FrameRange(), "first and last frame of the video; default: all", label="Frames"
+    )
+    fps: Fraction | None = option(
+        Rate(),
+        "sample the motion at so many frames per second, as fast as it was; default: the video's "
+        "rate. How fast it was recorded is said by `keypose open --recorded-fps`",
+        label="Rate", empty="As the video",
+    )  # fmt: skip
+    from_zero: bool = option(
+        Switch(labels=("As in the video", "From 0")),
+        "times and frames begin at 0, as game engines and web players expect, and not where they "
+        "are in the film",
+        False, label="Times", note="From 0 for game engines and web players",
+    )  # fmt: skip
+    filter_hz: float | None = option(
+        Number("HZ", 0.01, 1000, "a cut-off such as 6Hz", "Hz"),
+        "cut-off of a zero-phase low-pass filter, such as 6Hz (Butterworth, fourth order); "
+        "default: none",
+        flag="filter", label="Low-pass filter", empty="None",
+    )  # fmt: skip
+
+
+AS_TRACKED: Final = MotionOrder()
