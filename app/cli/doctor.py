@@ -21,6 +21,7 @@ from typing import Final, Literal, TypeAlias
 
 from keypose.app.cli.arguments import Subcommands, add_command, add_json, file_name
 from keypose.app.cli.json_output import print_json
+from keypose.app.export.motion_formats import FORMATS
 from keypose.tracker.errors import KeyposeError
 
 State: TypeAlias = Literal["ok", "note", "warning", "error"]
@@ -41,7 +42,11 @@ LIBRARIES: Final = (
     ("uvicorn", "uvicorn"),
 )
 EXTRAS: Final = (
-    ("ezc3d", "ezc3d", "motion in C3D files"),
+    *(
+        (kind.library[1], kind.library[0], f"motion in {name.upper()} files")
+        for name, kind in FORMATS.items()
+        if kind.library is not None
+    ),
     ("ai_edge_litert", "ai-edge-litert", "keypoints two to four times as fast"),
     ("distributed", "distributed", "`keypose batch` on many computers"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
@@ -19,13 +19,14 @@ from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.formats.keypoint_files import (
+    KEYPOINT_READERS,
     LARGEST_KEYPOINT_BYTES,
     is_table_of_keypoints,
     read_people,
 )
 from keypose.tracker.formats.people import People
-from keypose.tracker.formats.reading import load_motion
-from keypose.tracker.formats.reading_camera import CameraFile, load_camera
+from keypose.tracker.formats.reading import MOTION_READERS, load_motion
+from keypose.tracker.formats.reading_camera import CAMERA_READERS, CameraFile, load_camera
 from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
 from keypose.tracker.formats.text import decoded
 from keypose.tracker.session import Session
@@ -33,18 +34,16 @@ from keypose.tracker.video.info import VideoInfo
 
 Kind: TypeAlias = Literal["motion", "keypoints", "camera"]
 
-_PROGRAMS: Final[Mapping[str, str]] = {
-    ".bvh": "BVH", ".trc": "TRC", ".c3d": "C3D", ".csv": "CSV", ".npz": "SMPL poses",
-    ".pt": "SMPL poses", ".pth": "SMPL poses", ".json": "Keypose", ".chan": "Nuke",
-    ".glb": "glTF", ".gltf": "glTF",
-}  # fmt: skip
-_CAMERAS: Final = (".chan", ".glb", ".gltf")
-_KEYPOINTS: Final = (".h5", ".hdf5", ".slp")
+_CAMERA_PROGRAMS: Final = {".json": "Keypose", ".chan": "Nuke", ".glb": "glTF", ".gltf": "glTF"}
+_KINDS: Final[Sequence[tuple[Kind, frozenset[str]]]] = (
+    ("motion", frozenset(MOTION_READERS)),
+    ("keypoints", frozenset({*KEYPOINT_READERS, ".json"})),
+    ("camera", frozenset(CAMERA_READERS)),
+)
+ENDINGS: Final = tuple(dict.fromkeys((*MOTION_READERS, *KEYPOINT_READERS, *CAMERA_READERS)))
+"""Of the names of files that can be imported."""
 PICKLED: Final = (".pkl", ".pickle")
 """Endings of what is refused with the remedy, and not offered."""
-_MOTION: Final = (".bvh", ".trc", ".c3d", ".npz", ".pt", ".pth", *PICKLED)
-ENDINGS: Final = (*_MOTION, ".csv", *_KEYPOINTS, ".json", *_CAMERAS)
-"""Of the names of files that can be imported."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +67,9 @@ def kind_of(path: Path) -> Kind:
             f"{path.name} holds nothing that can be imported: a motion (BVH, TRC, C3D, CSV, .npz, "
             ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF) is expected."
         )
-    if ending in _KEYPOINTS:
-        return "keypoints"
-    if ending in _MOTION:
-        return "motion"
-    if ending in _CAMERAS:
-        return "camera"
+    kinds = [kind for kind, endings in _KINDS if ending in endings]
+    if len(kinds) == 1 or ending in PICKLED:
+        return kinds[0]
     content = _content(path)
     if ending == ".csv":
         return "keypoints" if is_table_of_keypoints(path.name, content) else "motion"
@@ -130,7 +126,7 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
         "notes": note_words(motion.notes),
         **names_of(known, motion.names),
     }
-    return Recognised("motion", _PROGRAMS.get(path.suffix.lower(), ""), facts)
+    return Recognised("motion", MOTION_READERS[path.suffix.lower()][0], facts)
 
 
 def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Recognised:
@@ -196,7 +192,9 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
 def _recognised_camera(session: Session, path: Path) -> Recognised:
     found = load_camera(path, (session.camera.width, session.camera.height))
     made = with_camera_file(session, found)
-    return Recognised("camera", _PROGRAMS[path.suffix.lower()], camera_facts(session, made, found))
+    return Recognised(
+        "camera", _CAMERA_PROGRAMS[path.suffix.lower()], camera_facts(session, made, found)
+    )
 
 
 def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str, Any]:

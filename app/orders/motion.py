@@ -13,11 +13,7 @@ from keypose.tracker.formats.units import FILE_UNITS, FileUnit
 
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 
-_RIGS: Final = {
-    "keypose": "Own names", "mixamo": "Mixamo",
-    "ue5": "Unreal Engine 5", "metahuman": "MetaHuman", "vrm": "VRM humanoid", "cmu": "CMU",
-    "smpl": "SMPL",
-}  # fmt: skip
+_RIGS: Final = {OWN: "Own names", **{n: w.split(",")[0] for n, w in RIGS.items() if n != OWN}}
 _RIG_NOTES: Final = {"mixamo": "three.js drops the colons of its names"}
 _UNITS: Final = {"m": "Metres", "cm": "Centimetres", "in": "Inches"}
 _UNIT_NOTES: Final = {"m": "Blender", "cm": "MotionBuilder, Maya, Daz"}

@@ -53,7 +53,7 @@ export const EXPORTS = {
     {"name": "style", "label": "Body", "kind": "choice", "options": [{"id": "wire", "label": "Wire"}, {"id": "solid", "label": "Solid"}, {"id": "both", "label": "Both"}], "usual": "both"},
   ],
   motion: [
-    {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "usd"], "persons": true, "usual": "keypose"},
+    {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU motion capture"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "usd"], "persons": true, "usual": "keypose"},
     {"name": "unit", "label": "Unit", "kind": "choice", "options": [{"id": "m", "label": "Metres", "note": "Blender"}, {"id": "cm", "label": "Centimetres", "note": "MotionBuilder, Maya, Daz"}, {"id": "in", "label": "Inches"}], "only": ["bvh"], "usual": "m"},
     {"name": "markers", "label": "Markers", "kind": "choice", "options": [{"id": "keypose", "label": "The body’s joints"}, {"id": "halpe26", "label": "HALPE 26, Pose2Sim"}], "only": ["trc", "c3d"], "persons": true, "usual": "keypose"},
     {"name": "frames", "label": "Frames", "kind": "range"},
@@ -103,4 +103,4 @@ export const FORMATS = {
 };
 
 /** Endings of what can be imported. @type {string[]} */
-export const ENDINGS = [".bvh", ".trc", ".c3d", ".npz", ".pt", ".pth", ".csv", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf"];
+export const ENDINGS = [".bvh", ".trc", ".c3d", ".csv", ".npz", ".pt", ".pth", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf"];

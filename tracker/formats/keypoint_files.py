@@ -53,7 +53,7 @@ def read_people(path: Path, individual: str | None = None) -> People:
     try:
         if path.is_dir():
             return _single(path.name, individual, _openpose(path))
-        read = _TABLES.get(path.suffix.lower())
+        read = KEYPOINT_READERS.get(path.suffix.lower())
         if read is not None:
             return read(path.name, read_regular(path, LARGEST_KEYPOINT_BYTES), individual)
         data = _json(path, LARGEST_KEYPOINT_BYTES)
@@ -135,7 +135,7 @@ def _pickled(file: str, _content: bytes, _individual: str | None) -> People:
     raise FormatError(f"{file} may run code when it is read: use DeepLabCut's CSV or .h5.")
 
 
-_TABLES: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
+KEYPOINT_READERS: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
     ".csv": _table, ".h5": _hdf5, ".hdf5": _hdf5, ".slp": _sleap_project,
     ".pickle": _pickled, ".pkl": _pickled,
 }  # fmt: skip

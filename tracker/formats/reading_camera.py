@@ -127,7 +127,7 @@ def load_camera(path: Path, size: Size) -> CameraFile:
 
     FormatError in one sentence where it is none, moves, or is for pictures of another shape.
     """
-    read = _READERS.get(path.suffix.lower())
+    read = CAMERA_READERS.get(path.suffix.lower())
     if read is None:
         raise FormatError(f"{path.name} is no camera: .json, .chan, .glb or .gltf is expected.")
     try:
@@ -328,6 +328,6 @@ def _up(file: str, R_world_camera: Array) -> Array:
     return np.asarray(R_world_camera[1] / np.linalg.norm(R_world_camera[1]))
 
 
-_READERS: Final[dict[str, Callable[[str, bytes, Size], CameraFile]]] = {
+CAMERA_READERS: Final[dict[str, Callable[[str, bytes, Size], CameraFile]]] = {
     ".json": _read_json, ".chan": _read_chan, ".glb": _read_glb, ".gltf": _read_gltf,
 }  # fmt: skip
