@@ -19,7 +19,7 @@ from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pos
 from keypose.app.orders.imports import EVERY, ImportKeypoints, ImportMotion, ImportOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
-from keypose.tracker.formats.joint_names import Matched
+from keypose.tracker.formats.joint_names import Matched, load_names
 from keypose.tracker.formats.keypoint_files import read_people
 from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import load_motion
@@ -116,7 +116,8 @@ def import_motion(
 ) -> MotionImport | DraftImport:
     """Fit a motion to the session's body at the video's frames; one of one frame is a draft."""
     offset_s = _offset_s(order, times_s)
-    given = (order.names, dict(order.places), progress)
+    names = None if order.names is None else load_names(order.names)
+    given = (names, dict(order.places), progress)
     found = fit_to_session(session, motion, file, times_s, offset_s, *given)
     if len(found.fit.trajectory) > 1:
         return MotionImport(found, motion.names)

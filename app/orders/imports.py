@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -51,10 +50,8 @@ class _Names(Value):
 
     metavar: str | None = "MAP.json"
 
-    def read(self, text: str) -> Mapping[str, str]:
-        from keypose.tracker.formats.joint_names import load_names
-
-        return load_names(Path(text).expanduser())
+    def read(self, text: str) -> Path:
+        return Path(text).expanduser()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,8 +96,9 @@ class _Both:
 class ImportMotion(_Both):
     """How a recorded motion is read.
 
-    names: our joints by the file's, in place of the usual ones.  offset_s: the video's time at the
-    file's time 0.  unit, world, fps: in place of what the file says; `auto` scales it to the body.
+    names: a file of our joints by the file's, in place of the usual ones.  offset_s: the video's
+    time at the file's time 0.  unit, world, fps: in place of what the file says; `auto` scales it
+    to the body.
     """
 
     fps: Fraction | None = option(
@@ -127,7 +125,7 @@ class ImportMotion(_Both):
         "world with y or z up",
         label="World", empty="Not said by the file",
     )  # fmt: skip
-    names: Mapping[str, str] | None = option(_Names(), '{"their name": "our joint", …}', page=False)
+    names: Path | None = option(_Names(), '{"their name": "our joint", …}', page=False)
     offset_s: float | None = option(
         Number("S", -1e6, 1e6), "video time at the file's time 0, in seconds", group="offset"
     )

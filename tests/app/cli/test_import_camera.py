@@ -102,4 +102,4 @@ def test_options_of_motion_are_not_for_a_camera(
 ) -> None:
     file = chan(path.parent, "1 0 0 0 0 0 0 30")
     command = ["import", path, file, "--camera", "--fps", "30"]
-    assert "--fps is not for --camera" in refused(capsys, path.parent, command)
+    assert "--fps is for motion, not for --camera" in refused(capsys, path.parent, command)
