@@ -8,28 +8,25 @@ from typing import Final
 
 from keypose.app.posing.labels import part_label
 from keypose.tracker.errors import readable
+from keypose.tracker.formats.verdict_words import REASONS
 from keypose.tracker.review.problems import Problem, ProblemCause
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.session.verdict import Cause, Verdict
 
 _VERDICT_REASONS: Final[Mapping[Cause, str]] = {
+    **REASONS,
     "good": "good",
     "uncertain": "{part} may be wrong",
     "not_seen": "{part} hidden",
-    "beyond_limits": "{part} beyond its joint limits",
-    "diverged": "a pass diverged",
     "damaged": "{frames} damaged in the video",
-    "no_surface": "no surface that can be used",
-    "not_fitted": "not fitted yet",
-    "one_keyframe": "fitted from one keyframe only so far",
     "keyframe_off_surface": "the keyframe is off its surface",
     "body_off_surface": "at key {first} the body is off its surface",
     "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
-    "moves_beside_body": "the body does not cover what moves",
     "not_followed": "lost near {first}",
     "nothing_seen": "the body is not visible: check keyframes, camera and masks",
     "contradiction": "keys {first} and {last} contradict each other",
 }
+"""As files have them, but where the page shows part and frames beside them."""
 _WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoints")
 """Causes to check whose reason says already which frames they are about."""
 

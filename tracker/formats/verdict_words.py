@@ -1,4 +1,4 @@
-"""A verdict in words, for the files and the command line."""
+"""Verdicts in words: the reason of each cause, once, for files, command line and page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 from keypose.tracker.errors import readable
 from keypose.tracker.session.verdict import Cause, Verdict
 
-_REASONS: Final[Mapping[Cause, str]] = {
+REASONS: Final[Mapping[Cause, str]] = {
     "uncertain": "{part} uncertain",
     "not_seen": "{part} not seen",
     "beyond_limits": "{part} beyond its joint limits",
@@ -35,7 +35,7 @@ def verdict_words(verdict: Verdict) -> str:
         return "good"
     first, last = verdict.frames or (None, None)
     named = {"part": readable(verdict.part or ""), "first": first, "last": last}
-    reason = _REASONS[verdict.cause].format(**named)
+    reason = REASONS[verdict.cause].format(**named)
     return f"{verdict.kind}{_at(verdict)}: {reason}"
 
 
