@@ -241,12 +241,12 @@ SWITCHES = (
         "templates, turning", ("brightness",),
         (
             (follow_point, "SPREAD_RAD", 0.0),
-            (patches, "STRAY", patches.STRAY * (1.0, 1.0, STILL, STILL)),
+            (patches, "PATCH_STRAY", patches.PATCH_STRAY * (1.0, 1.0, STILL, STILL)),
         ),
     ),
     Switch(
         "templates, fractions of a pixel", ("brightness",),
-        ((patches, "STRAY", patches.STRAY * (STILL, STILL, 1.0, 1.0)),),
+        ((patches, "PATCH_STRAY", patches.PATCH_STRAY * (STILL, STILL, 1.0, 1.0)),),
     ),
     Switch(
         "templates, courses combined", ("brightness",), ((tracks, "combine_courses", _each_alone),)

@@ -30,11 +30,12 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.solver.fit_joints import CRITERIA, LIMIT_SIGMA_RAD, NEAREST_M, PIXEL_SIGMA
+from keypose.tracker.solver.fit_joints import CRITERIA, NEAREST_M
 from keypose.tracker.solver.least_squares import least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, free_skeleton
+from keypose.tracker.solver.sigmas import JOINT_PX, POSE_LIMIT_RAD
 from keypose.tracker.solver.terms import Term
 
 LENGTH_SHARE, FIXED_SHARE, DISTANCE_SHARE = 0.08, 1e-4, 0.1
@@ -121,8 +122,8 @@ def _posed(
     turns = (skeleton.dof_turns == 1) & (skeleton.dof_part > 0)
     precision[turns] = sigma[skeleton.dof_part, skeleton.dof_axis][turns] ** -2.0
     terms: list[Term] = [
-        PointsInPicture(points, ideal, uv, np.full(len(uv), 1 / PIXEL_SIGMA), NEAREST_M),
-        JointLimits(Limits.of(clip.body), LIMIT_SIGMA_RAD),
+        PointsInPicture(points, ideal, uv, np.full(len(uv), 1 / JOINT_PX), NEAREST_M),
+        JointLimits(Limits.of(clip.body), POSE_LIMIT_RAD),
         PosePrior.of(Pose(usual, np.zeros(3)), precision),
     ]
     if before is not None:
@@ -190,5 +191,5 @@ def _residuals(places: Sequence[BodyPoint], uv: Array) -> Residuals:
         points=np.repeat(np.array([p for _, p in points]), 2, axis=0),
         normals=np.tile(np.eye(2), (len(uv), 1)),
         target=uv.ravel(),
-        sigma_px=np.full(2 * len(uv), PIXEL_SIGMA),
+        sigma_px=np.full(2 * len(uv), JOINT_PX),
     )

@@ -30,18 +30,13 @@ from keypose.tracker.solver.pose_terms import (
     RootPosition,
 )
 from keypose.tracker.solver.posed import BodyPoints, free_skeleton
+from keypose.tracker.solver.sigmas import ANYWHERE, JOINT_M, JOINT_PX, POSE_LIMIT_RAD
 from keypose.tracker.solver.terms import Term
 
 if TYPE_CHECKING:
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.solver.posed import BodyPoint
 
-JOINT_SIGMA_M = 0.005
-PIXEL_SIGMA = 2.0
-LIMIT_SIGMA_RAD = np.radians(2.0)
-KEEP_SIGMA_RAD, KEEP_SIGMA_M = np.radians(180.0), 30.0
-"""Standard deviations of a joint, a keypoint, an angle past its limit, and of the weak prior on the
-pose."""
 NEAREST_M = 0.05
 CRITERIA = Criteria(
     most_steps=120,
@@ -117,8 +112,8 @@ def _fit_frame(
         priors = [aim_parts(points, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
     known = np.asarray(np.isfinite(positions).all(-1))
     terms: list[Term] = [
-        PointsInSpace(points.only(known), positions[known], JOINT_SIGMA_M),
-        JointLimits(limits, LIMIT_SIGMA_RAD),
+        PointsInSpace(points.only(known), positions[known], JOINT_M),
+        JointLimits(limits, POSE_LIMIT_RAD),
         *(_weak_prior(skeleton, pose) for pose in priors),
     ]
     solved = _solve(skeleton, priors[0], terms)
@@ -130,8 +125,7 @@ def _fit_frame(
 
 def _weak_prior(skeleton: Skeleton, pose: Pose) -> PosePrior:
     """The pose where nothing else decides."""
-    sigma = np.where(skeleton.dof_turns == 1, KEEP_SIGMA_RAD, KEEP_SIGMA_M)
-    return PosePrior.of(pose, sigma**-2.0)
+    return PosePrior.of(pose, ANYWHERE.precision(skeleton))
 
 
 def _solve(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
@@ -220,10 +214,10 @@ def fit_picture(
     ideal = camera.without_distortion()
     seen = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
     known = np.isfinite(seen).all(-1) & (weights > 0)
-    scale = np.sqrt(weights[known]) / PIXEL_SIGMA
+    scale = np.sqrt(weights[known]) / JOINT_PX
     terms: list[Term] = [
         PointsInPicture(points.only(known), ideal, seen[known], scale, NEAREST_M),
-        JointLimits(limits, LIMIT_SIGMA_RAD),
+        JointLimits(limits, POSE_LIMIT_RAD),
     ]
     if near is not None:
         terms.append(RootPosition.depth(near.p_camera_root, depth_sigma))

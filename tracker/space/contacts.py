@@ -8,7 +8,6 @@ jump) are left out by how low the lower foot was nearby. A camera that stands st
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
+from keypose.tracker.solver.sigmas import LEAN_RAD, LEVEL_M
 
-LEVEL_M = 0.03
-"""Sigma of how far a standing foot is off the common level: soles, grass, an uneven floor."""
-LEAN_RAD = radians(5)
-"""Sigma of how far the camera leans beyond what is known of it."""
 STEPS = 3
 """The problem is linear but for the unit length."""
 

@@ -40,43 +40,36 @@ from keypose.tracker.solver.pose_terms import (
 )
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points, with_free_parts
 from keypose.tracker.solver.robust import SQUARED, Huber
+from keypose.tracker.solver.sigmas import (
+    BEND,
+    BETWEEN_M,
+    BETWEEN_SEEN_M,
+    DOUBT_FLOOR,
+    END_M,
+    FLOOR_M,
+    JERK_M_S3,
+    KEY_DEPTH_SHARE,
+    KEY_RAD,
+    KEY_SEEN_SHARE,
+    LIMIT_RAD,
+    OTHER_JERK_M_S3,
+    PIN_M,
+    SEEN_SHARE,
+    STEP,
+    UNDECIDED_PER_M,
+)
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.stretch_poses import MotionWindow, SharedTerm, StretchPoses
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.space.contacts import speed_m_s
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
-from keypose.tracker.tracking.cues.soft_correction import (
-    BEND_SHIFT_PX,
-    BEND_TURN_RAD,
-    LIMIT_RAD,
-    STEP_SHIFT_PX,
-    STEP_TURN_RAD,
-)
-from keypose.tracker.tracking.drift import DOUBT_FLOOR
 from keypose.tracker.tracking.parts.limb_keyframes import (
-    BETWEEN_M,
-    END_M,
     KeyedParts,
     with_exact_ends,
 )
 from keypose.tracker.tracking.segment import NEAREST_M
 
-SIGMAS: Final = {
-    "waist": 225.0,
-    "chest": 350.0,
-    "neck": 350.0,
-    "head": 350.0,
-    "upper_arm": 250.0,
-    "forearm": 500.0,
-    "hand": 750.0,
-    "thigh": 400.0,
-    "shin": 800.0,
-    "foot": 1200.0,
-}
-"""m/s³ at a part's joint, by its name without its side; wide enough for throws, kicks and jumps."""
-OTHER: Final = 750.0
-"""Of all other parts: of things that a hand moves."""
 FOOT: Final = "foot"
 FAST_M_S, LEAST_SHARE, NEAR_S = 2.0, 0.2, 0.1
 """A foot has its jerk at this speed and above, a slower one as much less as it is slower, but no
@@ -87,7 +80,7 @@ so many seconds the highest counts, so that a landing is as sharp as the step be
 def parts_of_known_jerk(body: Body) -> set[str]:
     """Names of a person's own parts, not of what a hand holds. Without feet, whose turns shape the
     swing of a leg: were they free, a fast foot would lose some of its peak speed."""
-    return {name for name in body.names if _bare(name) in SIGMAS and _bare(name) != FOOT}
+    return {name for name in body.names if _bare(name) in JERK_M_S3 and _bare(name) != FOOT}
 
 
 def jerk_points(
@@ -102,7 +95,7 @@ def jerk_points(
             places.append(((i, p),))
             names.append(_bare(part.name))
     points = BodyPoints(skeleton, tuple(places))
-    sigma = np.array([SIGMAS.get(name, OTHER) for name in names])
+    sigma = np.array([JERK_M_S3.get(name, OTHER_JERK_M_S3) for name in names])
     feet = np.array([name == FOOT for name in names])
     if not feet.any():
         return points, sigma
@@ -127,19 +120,9 @@ def _share(speed: Array, frames_per_second: float) -> Array:
     return np.asarray(np.clip(highest / FAST_M_S, LEAST_SHARE, 1.0))
 
 
-SEEN_SHARE = 0.003
-"""Standard deviation of where the tracked motion was seen: a share of the body's height."""
-PIN_M, FLOOR_M = 0.001, 0.008
 SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
-BETWEEN_SEEN_M = 0.005
-"""Standard deviation of where an elbow or a knee of a keyed limb was seen: it was put there by
-eye, and its depth follows from the hand's or foot's."""
-KEY_TURN_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
-"""Standard deviations of a soft keyframe: turns, shares of the body's height and of its depth."""
-UNKNOWN_SCALE = 0.03
-"""1/σ in 1/m that keeps a place where it began as long as nothing else decides."""
 CRITERIA = Criteria(
     most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
     damping=Damping(first=1e-4, least=1e-7, most=1e6),
@@ -324,7 +307,7 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     hard = np.array(sorted(set(problem.keyframes) - set(problem.soft)), dtype=np.int64) - first
     precision = np.zeros((len(motion), skeleton.dof_count))
     precision[hard] = HARD
-    precision[soft] = np.where(skeleton.dof_turns == 1, KEY_TURN_RAD**-2.0, 0.0)
+    precision[soft] = np.where(skeleton.dof_turns == 1, KEY_RAD**-2.0, 0.0)
     held = PosePrior(motion.Rs_parent_part, motion.ps_camera_root, precision)
     if not len(soft):
         return (held,)
@@ -376,8 +359,7 @@ def _limits(problem: SpaceProblem, skeleton: Skeleton) -> Term:
 def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     motion = problem.motion
     pixel_m = float(np.median(problem.camera.depth(motion.ps_camera_root))) / problem.camera.fy
-    step = _precision(skeleton, STEP_TURN_RAD, STEP_SHIFT_PX * pixel_m)
-    bend = _precision(skeleton, BEND_TURN_RAD, BEND_SHIFT_PX * pixel_m)
+    step, bend = (sigma.precision(skeleton, pixel_m) for sigma in (STEP, BEND))
     known = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
     measured = increments(skeleton, motion)
     even = np.zeros((len(motion) - 2, skeleton.dof_count))
@@ -391,11 +373,6 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     return tuple(links)
 
 
-def _precision(skeleton: Skeleton, turn_rad: float, shift_m: float) -> Array:
-    """(D,) 1/σ² of every degree of freedom."""
-    return np.where(skeleton.dof_turns == 1, turn_rad, shift_m) ** -2.0
-
-
 def _pinned(
     problem: SpaceProblem, points: list[BodyPoints], frames: list[slice], shared: Array
 ) -> tuple[SharedTerm, ...]:
@@ -404,7 +381,7 @@ def _pinned(
         terms.append(AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL))
         if pin.floor:
             terms.append(OnFloor(3 * i, problem.up_camera, FLOOR_M))
-    scale = np.full(len(shared), UNKNOWN_SCALE)
+    scale = np.full(len(shared), UNDECIDED_PER_M)
     if problem.floor_m is not None:
         scale[-1] = 1e3 / FLOOR_M
     return (*terms, Near(shared, scale))

@@ -20,6 +20,7 @@ import numpy as np
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.solver.sigmas import SCORE_GREY2
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
@@ -29,7 +30,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
     even_increments,
     measured_increments,
 )
-from keypose.tracker.tracking.cycle import NOISE, Outcome, Work, drift_px, track_from
+from keypose.tracker.tracking.cycle import Outcome, Work, drift_px, track_from
 from keypose.tracker.tracking.frame_pair import capped_score, robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.segment import distance_px, is_sound
@@ -196,7 +197,7 @@ def _ended(
     their mean square, as often in each frame as the body has degrees of freedom to explain them.
     """
     steps = len(motion) - 1
-    unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + NOISE)
+    unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + SCORE_GREY2)
     cost = correction.cost(motion, measured) + float(unexplained)
     return Candidate(index, motion, cost, score, drift, correction.anchors)
 

@@ -20,6 +20,7 @@ from keypose.tracker.kernels.pairs import view
 from keypose.tracker.kernels.whole import move_inner, see_all, whole_segment
 from keypose.tracker.solver.banded import added, banded_step
 from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, FIRST_GREY_OF_SEGMENT
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Picture
 
@@ -27,13 +28,9 @@ if TYPE_CHECKING:
     from keypose.tracker.solver.segment_poses import SegmentPoses
     from keypose.tracker.tracking.method import Refinement
 
-SMOOTH_TURN_RAD = np.radians(1.0)
-SMOOTH_SHIFT_PX = 1.1
-"""Standard deviations of the motion's change from frame to frame."""
 CRITERIA = Criteria(
     longest_step=0.3, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
 )
-FIRST_SIGMA = 12.0
 LOOK_AGAIN = 5
 """Solves after which visibility is updated."""
 
@@ -103,14 +100,14 @@ class _Pictures(Problem[Poses, "_Point"]):
         """The pictures at the start."""
         frames, pictures = len(start), clip.levels[0]
         slots = clip.slots(start.first_frame, start.last_frame)
-        smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
+        smooth = scene.precision(BEND_IN_PICTURE)
         return cls(
             scene, pictures, slots,
             _keyframe_textures(scene, pictures, slots, *start.writable(), how.stride),
             scene.information(how.stride),
             smooth if even else np.zeros_like(smooth),
             np.zeros((frames, len(scene.points.points)), np.uint8),
-            np.full((2, frames), FIRST_SIGMA), start.first_frame, others,
+            np.full((2, frames), FIRST_GREY_OF_SEGMENT), start.first_frame, others,
         )  # fmt: skip
 
     def at(self, state: Poses, count: int) -> _Point:

@@ -10,6 +10,7 @@ import numpy as np
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.sigmas import SCORE_GREY2
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
@@ -30,9 +31,8 @@ from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
-EXACT_ALLOWANCE, PLAIN_ALLOWANCE, NOISE = 1.15, 1.05, 2.0
-"""How much worse than the passes the refinement may score: a share, and the noise of the pictures,
-grey levels², near which shares say nothing."""
+EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
+"""Share of the passes' score that the refinement may have; near the noise shares say nothing."""
 NOWHERE_PX = 1e6
 """Distance to a point that is behind the camera or undefined."""
 
@@ -171,7 +171,7 @@ def _is_better(
     if refined.score is None or unrefined.score is None:
         return exact
     allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
-    return refined.score < allowance * unrefined.score + NOISE
+    return refined.score < allowance * unrefined.score + SCORE_GREY2
 
 
 def _correct(

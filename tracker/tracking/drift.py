@@ -14,9 +14,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.closing import close_segment
-
-DOUBT_FLOOR = 0.03
-"""Doubt that remains where everything is observable: the picture may mislead."""
+from keypose.tracker.solver.sigmas import DOUBT_FLOOR
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,17 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from keypose.tracker.solver.robust import SQUARED
+from keypose.tracker.solver.sigmas import KNOWN_STEP
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 
 if TYPE_CHECKING:
     from keypose.tracker.body.trajectory import Trajectory
     from keypose.tracker.tracking.scene import Scene
-
-STEP_TURN_RAD, STEP_SHIFT_PX = np.radians(0.3), 0.3
-"""Standard deviations of a step's motion about that of before. Three times as much makes the worst
-error of rendered films by half larger, half as much leaves more of an imported motion's error."""
-BEND_TURN_RAD, BEND_SHIFT_PX = STEP_TURN_RAD, STEP_SHIFT_PX
-"""Standard deviations of how that changes from frame to frame."""
 
 
 def prior_motion_links(scene: Scene, own: Trajectory) -> tuple[Link, ...]:
@@ -34,9 +29,8 @@ def prior_motion_links(scene: Scene, own: Trajectory) -> tuple[Link, ...]:
     """
     skeleton = scene.skeleton
     steps = increments(skeleton, own)
-    turned = scene.precision(STEP_TURN_RAD, STEP_SHIFT_PX * scene.pixel_m)
-    bent = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
+    precision = scene.precision(KNOWN_STEP)
     return (
-        Increments(skeleton, steps, np.broadcast_to(turned, steps.shape), SQUARED),
-        Smoothness(skeleton, np.diff(steps, axis=0), bent, SQUARED),
+        Increments(skeleton, steps, np.broadcast_to(precision, steps.shape), SQUARED),
+        Smoothness(skeleton, np.diff(steps, axis=0), precision, SQUARED),
     )

@@ -16,6 +16,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Visibility
+from keypose.tracker.solver.sigmas import PREDICTED, MotionSigma
 
 POINT_SPACING_PX = 2.3
 MOST_POINTS, FEWEST_POINTS = 14000, 5000
@@ -25,9 +26,6 @@ COVER_TOLERANCE = 0.018
 """Of the body's size: how far a point may lie behind another part and still count as seen."""
 INFORMATION_PER_PIXEL = 0.0125
 """Independent observations per pixel: neighbouring pixels share texture and noise."""
-TURN_PRIOR_RAD = np.radians(1.0)
-SHIFT_PRIOR_PX = 0.7
-"""Standard deviations of a motion about its prediction, in one frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +88,13 @@ class Scene:
         T = trajectory.transforms(self.skeleton)[:, part]
         return self.camera.project(T[:, :3, :3] @ p_part + T[:, :3, 3])
 
-    def prior(self, stride: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
+    def prior(self, stride: int) -> Prior:
         """Prior on a motion when one point in every `stride` is followed."""
-        shift = SHIFT_PRIOR_PX * self.pixel_m * (turn_rad / TURN_PRIOR_RAD)
-        return Prior(self.precision(turn_rad, shift), self.information(stride))
+        return Prior(self.precision(PREDICTED), self.information(stride))
 
-    def precision(self, turn_rad: float, shift_m: float) -> Array:
+    def precision(self, sigma: MotionSigma) -> Array:
         """(D,) 1/σ² of every degree of freedom."""
-        return np.where(self.skeleton.dof_turns == 1, turn_rad, shift_m) ** -2.0
+        return sigma.precision(self.skeleton, self.pixel_m)
 
     def information(self, stride: int) -> float:
         """Independent observations that one followed point stands for."""

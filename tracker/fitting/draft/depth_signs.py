@@ -46,21 +46,18 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.outliers import trunk_straightness
+from keypose.tracker.solver.sigmas import ARM_BACKWARD, ARM_FORWARD, TILT, TILT_BIAS
 from keypose.tracker.tracking.cues.sides import mean_distance
 
 PLANE: Final = float(np.sin(np.radians(15.0)))
 """A bone nearer to the picture's plane than this angle is in it: its mirror image is no matter."""
-NOISE: Final = 0.2
-"""Standard deviation of the network's estimate of a tilt, as a sine, beside its bias."""
 TOGETHER: Final = 10.0
 """Frames whose noise is the same: they count as one."""
-BIAS: Final = 0.2
-"""Standard deviation of the bias."""
 LASTING_FRAMES: Final = 60.0
 """For how long a bias stays about the same."""
-HANGS, BACKWARD, FORWARD = -0.15, 0.2, 0.45
-"""Sine of the angle by which an upper arm that hangs is before the trunk's plane, and its standard
-deviations behind and before that: recorded walks, jumps, washing and dancing."""
+HANGS = -0.15
+"""Sine of the angle by which an upper arm that hangs is before the trunk's plane: recorded walks,
+jumps, washing and dancing."""
 POSED_TOGETHER: Final = 5.0
 """Frames whose poses count as one."""
 STARTS: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
@@ -147,7 +144,7 @@ def _unlikely(joints: Joints, camera: Camera, p: Array, drafted: Array) -> Array
         for s in (0, 1):
             this = np.where((is_away == (s == 1))[:, None], along, mirrored)
             ahead = (this * forward).sum(-1) - HANGS
-            square = (ahead / np.where(ahead < 0, BACKWARD, FORWARD)) ** 2 / 2
+            square = (ahead / np.where(ahead < 0, ARM_BACKWARD, ARM_FORWARD)) ** 2 / 2
             hangs = (along * up).sum(-1) < 0
             out[:, 2 * k, s] = np.where(hangs, square, 0.0)
     return out
@@ -182,7 +179,7 @@ def most_probable_signs(steep: Array, estimated: Array, unlikely: Array) -> tupl
             least = _least(steep, estimated - bias, unlikely)
             signs = _SIGNS[least.argmin(axis=-1)]
             bias = _bias(estimated - signs * steep)
-        total = least.min(axis=-1)[0] + (bias**2).mean(0) / (2 * BIAS**2)
+        total = least.min(axis=-1)[0] + (bias**2).mean(0) / (2 * TILT_BIAS**2)
         better = total < cost
         cost = np.where(better, total, cost)
         best = np.where(better, signs, best)
@@ -195,13 +192,13 @@ def _bias(left: Array) -> Array:
     weight = gaussian_filter1d(np.ones(len(left)), LASTING_FRAMES, mode="constant")[:, None]
     mean = gaussian_filter1d(left, LASTING_FRAMES, axis=0, mode="constant") / weight
     frames = weight * LASTING_FRAMES * np.sqrt(2 * np.pi)
-    prior = NOISE**2 * TOGETHER / BIAS**2
+    prior = TILT**2 * TOGETHER / TILT_BIAS**2
     return np.asarray(mean * frames / (frames + prior))
 
 
 def _least(steep: Array, estimated: Array, unlikely: Array) -> Array:
     """(N, B, 2) the least sum of costs over all frames with this sign in this one."""
-    own = (estimated[..., None] - _SIGNS * steep[..., None]) ** 2 / (2 * NOISE**2 * TOGETHER)
+    own = (estimated[..., None] - _SIGNS * steep[..., None]) ** 2 / (2 * TILT**2 * TOGETHER)
     own = own + unlikely / POSED_TOGETHER
     change = ((np.minimum(steep[1:], steep[:-1]) / PASSING) ** 2 + DEPTH_CHANGE)[..., None]
     return _up_to(own, change) + _up_to(own[::-1], change[::-1])[::-1] - own

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,17 +27,16 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import LEARN_FRAMES
 from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
+from keypose.tracker.solver.sigmas import (
+    HELD,
+    LEARNED_DEPTH_M,
+    LEARNED_ON_PART_M,
+    POSED_DEPTH_M,
+    POSED_PX,
+    SHAKES_M,
+)
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.scene import Scene
-
-PLACE_M: Final = 0.019
-"""Standard deviation of a keypoint's place on its part, along each axis."""
-POSED_PX, SHAKES_M = 4.5, 0.01
-"""How exactly somebody poses a joint in the picture, and by how much a keypoint shakes."""
-DEPTH_M: Final = 0.136
-"""Standard deviation of a keypoint's depth beside the root's."""
-POSED_DEPTH_M: Final = 0.06
-"""How exactly somebody poses that."""
 
 
 def learned_place(slopes: Array, missed_px: Array, pixel_m: Array) -> Array:
@@ -49,19 +47,17 @@ def learned_place(slopes: Array, missed_px: Array, pixel_m: Array) -> Array:
     """
     known = 1 / ((SHAKES_M / pixel_m) ** 2 + POSED_PX**2)
     weighted = np.swapaxes(slopes, -1, -2) * known[:, None, None]
-    A = np.eye(3) / PLACE_M**2 + (weighted @ slopes).sum(axis=0)
+    A = np.eye(3) / LEARNED_ON_PART_M**2 + (weighted @ slopes).sum(axis=0)
     return np.asarray(np.linalg.solve(A, (weighted @ missed_px[..., None]).sum(axis=0)[:, 0]))
 
 
 def learned_depth(missed_m: Array) -> float:
     """Return what a keypoint's depth lacks, metres; missed_m (R,): in R posed frames."""
-    return float(missed_m.sum() / (len(missed_m) + (POSED_DEPTH_M / DEPTH_M) ** 2))
+    return float(missed_m.sum() / (len(missed_m) + (POSED_DEPTH_M / LEARNED_DEPTH_M) ** 2))
 
 
 SEEN = 0.2
 """Visibility from which a keypoint of a posed frame counts."""
-HELD_TURN_RAD, HELD_SHIFT_PX = np.radians(0.3), 0.3
-"""Standard deviations of poses that stay."""
 
 
 def refit_drafts(
@@ -236,7 +232,7 @@ class _PosedRun:
 def _held(scene: Scene, keep: Array, count: int, stay: set[int]) -> Array:
     """(N, D) 1/σ² by which poses are kept, some of them as they are."""
     every = np.tile(keep, (count, 1))
-    every[sorted(stay)] = scene.precision(HELD_TURN_RAD, HELD_SHIFT_PX * scene.pixel_m)
+    every[sorted(stay)] = scene.precision(HELD)
     return every
 
 

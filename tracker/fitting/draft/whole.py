@@ -25,6 +25,16 @@ from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, Points
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
 from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.sigmas import (
+    BEND,
+    DRAFTED,
+    DRAFTED_ENDS,
+    ENDS_WIDER,
+    KEYPOINT_DEPTH_M,
+    KEYPOINT_SHARE,
+    LIMIT_RAD,
+    keypoint_blur,
+)
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.anchors import height_px
@@ -33,22 +43,6 @@ from keypose.tracker.tracking.segment import NEAREST_M
 
 WINDOW, OVERLAP = 120, 24
 """Frames of a window, and of those that the next one solves again."""
-SIGMA = 0.010
-"""Standard deviation of a sure keypoint where nobody said where on the body it is: a share of the
-body's height."""
-SURE, BLUR = 0.6, 3.0
-"""Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
-ENDS_WIDER = 2.0
-"""How many times wider keypoints of head and feet are: bodies differ there."""
-DEPTH_M = 0.08
-"""Standard deviation of a sure joint's depth beside the root's."""
-BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
-"""Standard deviations of the motion's change from frame to frame."""
-LIMIT_RAD = np.radians(3.0)
-KEEP_TURN_RAD, KEEP_SHIFT_PX = np.radians(90.0), 2500.0
-"""Of the prior at the first poses, for what nothing else decides."""
-KEEP_ENDS_RAD = np.radians(25.0)
-"""The same of head and feet."""
 CRITERIA = Criteria(
     most_steps=25, longest_step=0.3, settled=2e-3, gain=1e-3,
     damping=Damping(first=1e-3, least=1e-7, most=1e5),
@@ -87,8 +81,8 @@ class Whole:
         z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
         return cls(
             scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (DEPTH_M * wider), 0.0),
-            first, scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m),
+            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (KEYPOINT_DEPTH_M * wider), 0.0),
+            first, scene.precision(DRAFTED),
         )  # fmt: skip
 
     @classmethod
@@ -103,7 +97,7 @@ class Whole:
         return cls(
             scene, points, observed.uv[:, columns],
             np.where(known, 1 / (ENDS_WIDER * sigma), 0.0), none, none,
-            posed, scene.precision(KEEP_ENDS_RAD, 1.0),
+            posed, DRAFTED_ENDS.precision(scene.skeleton),
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -154,7 +148,7 @@ class Whole:
         is_first = rows.start == 0
         scene, skeleton = self.scene, self.scene.skeleton
         unknown = rows if is_first else slice(rows.start + 1, rows.stop)
-        bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
+        bend = scene.precision(BEND)
         linked = np.tile(bend, (max(unknown.stop - unknown.start - 1, 0), 1))
         if is_first:
             linked[:1] = 0.0
@@ -184,10 +178,9 @@ def _sigmas(
     skeleton, camera = scene.skeleton, scene.camera
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
-    unsure = np.clip((SURE - observed.visibility[:, columns]) / SURE, 0.0, 1.0)
-    wider = 1 + (BLUR - 1) * unsure
+    wider = keypoint_blur(observed.visibility[:, columns])
     known = observed.known[:, columns] & observed.usable[:, None]
-    return known, SIGMA * heights[:, None] * wider, wider
+    return known, KEYPOINT_SHARE * heights[:, None] * wider, wider
 
 
 def _padded(motion: Trajectory) -> Trajectory:

@@ -32,14 +32,13 @@ from keypose.tracker.solver.least_squares import (
 )
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.sigmas import EDGE_PX, MOST_EDGE_PX, POSE_LIMIT_RAD, POSED, THICKNESS_M
 from keypose.tracker.solver.terms import Equations, Term, total_equations
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import LEVELS
 
-EDGE_SIGMA_PX, MOST_SPREAD_PX, STRAY_PX = 1.0, 4.0, 3.0
-"""Sigma of an edge at best, and at most for a body that fits: shapes are not exact. Beyond the
-last, an edge counts less."""
-THICKNESS_SIGMA_M = 0.016
+STRAY_PX = 3.0
+"""Beyond it an edge counts less."""
 INFORMATION = 0.3
 """Independent observations that one line stands for."""
 
@@ -70,14 +69,14 @@ class EdgeDistances:
         """
         used = edges.located & np.isin(edges.part, outline.skeleton.dof_part)
         away = np.abs(edges.away_px[used])
-        spread = max(EDGE_SIGMA_PX, 1.4826 * float(np.median(away))) if away.size else EDGE_SIGMA_PX
-        weights = INFORMATION * used / (edges.variance + min(spread, MOST_SPREAD_PX) ** 2)
+        spread = max(EDGE_PX, 1.4826 * float(np.median(away))) if away.size else EDGE_PX
+        weights = INFORMATION * used / (edges.variance + min(spread, MOST_EDGE_PX) ** 2)
         weights *= np.minimum(1.0, STRAY_PX / np.maximum(np.abs(edges.away_px), 1e-9))
         T = posed.Ts_camera_part[edges.part]
         p_part = np.einsum("mba,mb->ma", T[:, :3, :3], edges.p_camera - T[:, :3, 3])
         uv = image_points(outline.camera, edges.p_camera)
         target = (edges.normal * uv).sum(axis=-1) + edges.away_px
-        thickness = THICKNESS_SIGMA_M / outline.pixel_m
+        thickness = THICKNESS_M / outline.pixel_m
         return cls(outline.camera, edges.part, p_part, edges.normal, target, weights, thickness)
 
     def cost(self, posed: Posed) -> float:
@@ -115,9 +114,6 @@ class EdgeDistances:
         return np.asarray((self.normal * uv).sum(axis=-1) - self.target_px)
 
 
-POSED_TURN_RAD, POSED_SHIFT_M = np.radians(3.0), 0.015
-"""How well a person poses: sigmas of a joint angle and of the hips."""
-LIMIT_SIGMA_RAD = np.radians(2.0)
 SOLVES = (10, 8, 8)
 """Solves at most at each level of the pyramid, finest first."""
 ROUGH = 4
@@ -149,7 +145,7 @@ class PosedKeyframe:
 
     @cached_property
     def precision(self) -> Array:
-        return self.scene.precision(POSED_TURN_RAD, POSED_SHIFT_M)
+        return POSED.precision(self.scene.skeleton)
 
     @cached_property
     def prior(self) -> PosePrior:
@@ -164,7 +160,7 @@ class PosedKeyframe:
     def joint_limits(self) -> JointLimits:
         """No angle further past its limits than as set."""
         as_posed, _ = self.limits.excess(self.pose.Rs_parent_part)
-        return JointLimits(self.limits, LIMIT_SIGMA_RAD, as_posed)
+        return JointLimits(self.limits, POSE_LIMIT_RAD, as_posed)
 
 
 class _OutlineTerm:

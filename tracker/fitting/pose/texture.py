@@ -35,6 +35,7 @@ from keypose.tracker.kernels.sums import (
 )
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.robust import Huber, Tukey
+from keypose.tracker.solver.sigmas import FIRST_GREY
 from keypose.tracker.solver.terms import Equations
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Picture
@@ -241,10 +242,6 @@ class TextureDifferences:
         return total
 
 
-FIRST_SIGMA = (6.0, 12.0, 20.0)
-"""Noise of the residuals, grey levels, before it is known, by level of the pyramid."""
-
-
 @dataclass(eq=False)
 class TextureMatch:
     """A frame's pyramid beside the textures of others. Keeps the noise of the residuals."""
@@ -255,7 +252,7 @@ class TextureMatch:
 
     def __post_init__(self) -> None:
         self._seen = np.zeros(len(self.scene.points.points), np.uint8)
-        self._sigma = np.full(len(self.textures), FIRST_SIGMA[0])
+        self._sigma = np.full(len(self.textures), FIRST_GREY[0])
 
     def update_visibility(self, pose: Pose) -> None:
         """Find which points the pose shows."""
@@ -263,7 +260,7 @@ class TextureMatch:
 
     def reset_noise(self, level: int) -> None:
         """Forget the noise: a level of the pyramid begins."""
-        self._sigma = np.full(len(self.textures), FIRST_SIGMA[min(level, len(FIRST_SIGMA) - 1)])
+        self._sigma = np.full(len(self.textures), FIRST_GREY[min(level, len(FIRST_GREY) - 1)])
 
     def term(self, posed: Posed, level: int, fine: bool) -> TextureDifferences:
         """The differences about a pose, the noise learnt there."""

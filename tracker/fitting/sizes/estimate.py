@@ -16,10 +16,9 @@ from keypose.tracker.fitting.sizes.residuals import (
 )
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.sigmas import FEW_SHARE
 
 STEPS = 3
-FEW_SHARE = 0.015
-"""Sigma of a size that is right."""
 OBSERVABLE_SHARE = 0.05
 """A size whose sigma is larger is not observable."""
 FEWEST_POINTS = 40

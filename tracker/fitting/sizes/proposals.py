@@ -21,13 +21,12 @@ from keypose.tracker.fitting.sizes.contours import ColourModels, offsets
 from keypose.tracker.fitting.sizes.estimate import estimate
 from keypose.tracker.fitting.sizes.messages import SizesFound, size_changes
 from keypose.tracker.fitting.sizes.residuals import Pictures, contours
-from keypose.tracker.fitting.sizes.shared import STIFF_RAD, Shared, SharedFit
+from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import log_rotation, rotation_between
+from keypose.tracker.solver.sigmas import PROPOSED_RAD, STIFF_RAD
 
 UP_CAMERA = (0.0, -1.0, 0.0)
-PROPOSED_RAD = tuple(np.radians([8.0, 4.0, 8.0]).tolist())
-"""Sigmas of a limb's turns that are proposed: a twist, about y, is left as it was set, mostly."""
 REACH_PX = 9.0
 """How far from the body its outline is looked for when errors are compared."""
 ROUNDS_PX = (6.0, 5.0)

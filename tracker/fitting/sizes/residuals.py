@@ -23,13 +23,12 @@ from keypose.tracker.fitting.sizes.contours import (
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.solver.sigmas import CONTOUR_PX, POSED_JOINT_PX
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 
 if TYPE_CHECKING:
     from keypose.tracker.video import Video
 
-CONTOUR_PX, JOINT_PX = 1.0, 3.0
-"""Sigmas of a contour as seen, and of a joint as posed."""
 ALONE = 24
 """So many points of one part in one picture count; more of them share the same error, for no person
 is made of cylinders."""
@@ -114,7 +113,7 @@ def joint_rows(fit: SharedFit, posed: Pose) -> Residuals:
     T = pose_transforms(fit.proportions.skeleton, posed)[parts]
     uv = fit.camera.project((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
     normals = np.repeat(np.eye(2), len(parts), axis=0)
-    sigma = np.full(2 * len(parts), JOINT_PX)
+    sigma = np.full(2 * len(parts), POSED_JOINT_PX)
     return Residuals(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)
 
 

@@ -22,17 +22,16 @@ from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, lea
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior, RootPosition
 from keypose.tracker.solver.posed import Posed, image_jacobian
 from keypose.tracker.solver.robust import Cauchy
+from keypose.tracker.solver.sigmas import (
+    HEIGHT_SHARE,
+    LIMIT_RAD,
+    POSED_DEPTH_SHARE,
+    POSED_SHIFT_M,
+    TRUNK_RAD,
+    TURNS_RAD,
+)
 from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
-TURNS_RAD = tuple(np.radians([8.0, 15.0, 8.0]).tolist())
-TRUNK_RAD, STIFF_RAD = tuple(np.radians([3.0, 15.0, 3.0]).tolist()), (1e-4, 1e-4, 1e-4)
-SHIFT_M, DEPTH_SHARE = 0.015, 0.01
-HEIGHT_SHARE = 0.02
-"""Sigmas of a pose as set: turns about a limb's x, y and z, those of the trunk, and where these are
-not to be changed; the root across and along the view. A limb's turns out of the picture made up for
-wrong lengths, so they are off by more than a person's own error; a twist, about y, is hard to see.
-A trunk, neck and head that lean toward the camera would make up for any length."""
-LIMIT_RAD = np.radians(3.0)
 KERNEL = Cauchy(2.0)
 SMALL = 1e-4
 CRITERIA = Criteria(most_tries=5, longest_step=0.2, gain=1e-3, damping=Damping(least=1e-6))
@@ -322,7 +321,7 @@ def _prior_terms(fit: SharedFit, shared: Shared, k: int) -> list[Term]:
     along = np.eye(3)
     if fit.camera.projection == "perspective":
         along[:2, 2] = -p_posed[:2] / p_posed[2]
-    sigma = np.array([SHIFT_M, SHIFT_M, DEPTH_SHARE * p_posed[2]])
+    sigma = np.array([POSED_SHIFT_M, POSED_SHIFT_M, POSED_DEPTH_SHARE * p_posed[2]])
     return [
         PosePrior.of(posed, turns),
         RootPosition(p_posed, along / sigma[:, None]),

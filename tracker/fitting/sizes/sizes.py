@@ -28,6 +28,13 @@ from keypose.tracker.fitting.sizes.residuals import Pictures
 from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.solver.sigmas import (
+    DISTANCE_SHARE,
+    FOCAL_SHARE,
+    LENGTH_SHARE,
+    TRUNK_SHARES,
+    WIDTH_SHARE,
+)
 from keypose.tracker.tracking.pool import never
 from keypose.tracker.video.clip_loader import WorkingSize
 
@@ -39,11 +46,6 @@ FIRST_PX, AGAIN_PX = (9.0, 9.0, 6.0, 5.0), (5.0, 5.0)
 with those alone that change."""
 MOST_LOOKED = 8
 """Keyframes whose pictures are looked at; where there are more, the others are posed anew only."""
-LENGTH_SHARE, WIDTH_SHARE, FOCAL_SHARE, DISTANCE_SHARE = 0.06, 0.15, 0.2, 0.05
-TRUNK_SHARES = 0.02, 0.04
-"""Sigmas of the priors on lengths, widths, the focal length and the distance, and on length and
-width of waist, chest, neck and head, whose proportions differ least; people, and what they wear,
-differ more in girth than in length."""
 SEEN_SHARE = 2.0
 """So many times wider is the prior on sizes known to be off."""
 SURE, LEAST_PX = 2.5, (2.0, 0.8)

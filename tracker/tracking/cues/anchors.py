@@ -32,29 +32,23 @@ from keypose.tracker.solver.posed import (
     with_free_parts,
 )
 from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
+from keypose.tracker.solver.sigmas import (
+    BY_HAND_SHARE,
+    FACE_ON_PART_M,
+    KEYPOINT_DEPTH_M,
+    KEYPOINT_SHARE,
+    ON_PART_BY_EYE_M,
+    ON_PART_M,
+    keypoint_blur,
+)
 from keypose.tracker.solver.terms import Term
 from keypose.tracker.tracking.cues.sides import exchanged_sides
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
 
-SIGMA = 0.010
-"""Standard deviation of a sure keypoint, after its offset: a share of the body's height."""
-SURE, BLUR = 0.6, 3.0
-"""Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
-OFFSET_M = 0.02
-"""Standard deviation of where on its part a detector puts a joint."""
 FACE = ("nose", "left_ear", "right_ear")
-EYE_OFFSET_M = 0.012
-"""The same, where keyframes that were posed by eye give it: their own error is in it."""
-LOOSE_OFFSET_M = 0.05
-"""The same of these, which a head without a face does not have."""
 FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
-DEPTH_M = 0.08
-"""Standard deviation of a keypoint's depth beside the root's, once corrected at the keyframes."""
-BY_HAND = 0.0025
-"""Standard deviation of what a person set, which is as exact as a keyframe: a share of the body's
-height, a pixel of 400."""
 OTHER_PERSON = 0.10
 """Keypoints that miss a posed body by this share of its height lie on another person."""
 
@@ -207,7 +201,7 @@ def frame_anchors(
     if len(miss) < FEWEST or np.median(miss) > OTHER_PERSON * height:
         return None
     loose = np.array([seen.names[k] in FACE for k in index])
-    sigma_m = np.where(loose, LOOSE_OFFSET_M, EYE_OFFSET_M)
+    sigma_m = np.where(loose, FACE_ON_PART_M, ON_PART_BY_EYE_M)
     if keyed:
         read_keyed = [read(keypoints, posed) for posed, keypoints in keyed]
         seen_uv, sure = (np.stack(some) for some in zip(*read_keyed, strict=True))
@@ -238,8 +232,7 @@ def _places(scene: Scene, pose: Pose, parts: NDArray[np.int64], points: Array) -
 
 
 def _sigma_px(height: float, visibility: Array) -> Array:
-    unsure = np.clip((SURE - visibility) / SURE, 0.0, 1.0)
-    return np.asarray(SIGMA * height * (1 + (BLUR - 1) * unsure))
+    return KEYPOINT_SHARE * height * keypoint_blur(visibility)
 
 
 def _anchors(
@@ -265,13 +258,13 @@ def _anchors(
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
     loose = np.array([name in FACE for name in names])
-    sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
+    sigma_m = np.where(loose, FACE_ON_PART_M, ON_PART_M)
     poses = list(keyed.values())
     joints = BodyPoints.single(scene.skeleton, parts, points)
     points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
-    exact = by_hand / (BY_HAND * height)
+    exact = by_hand / (BY_HAND_SHARE * height)
     return Anchors(
         where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact
     )
@@ -318,4 +311,4 @@ def _depths(
     share = np.linspace(0.0, 1.0, len(z))[:, None]
     depth = z + (1 - share) * missing[0] + share * missing[1]
     known = np.isfinite(depth)
-    return np.where(known, depth, 0.0), np.where(known, 1 / DEPTH_M, 0.0)
+    return np.where(known, depth, 0.0), np.where(known, 1 / KEYPOINT_DEPTH_M, 0.0)

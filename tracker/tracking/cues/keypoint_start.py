@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -14,10 +12,9 @@ from keypose.tracker.solver.least_squares import Criteria, Damping, least_square
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PosePrior
 from keypose.tracker.solver.robust import Cauchy, Huber
+from keypose.tracker.solver.sigmas import NEXT_POSE
 from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
 
-AHEAD_TURN_RAD, AHEAD_SHIFT_PX = np.radians(12.0), 25.0
-"""Standard deviations of a pose about the one before it."""
 ONE_FRAME = Criteria(
     most_steps=8, longest_step=0.3, settled=1e-3, damping=Damping(first=1e-3, least=1e-7, most=1e5)
 )
@@ -75,6 +72,6 @@ def _turns_not_tracked(skeleton: Skeleton, path: Trajectory) -> Array:
 def _next(correction: Correction, n: int, near: Pose) -> Pose:
     """The pose of the nth frame near another one."""
     scene = correction.scene
-    keep = scene.precision(AHEAD_TURN_RAD, AHEAD_SHIFT_PX * scene.pixel_m)
+    keep = scene.precision(NEXT_POSE)
     terms = (*correction.frame_terms(n, Cauchy()), PosePrior.of(near, keep))
     return least_squares(OnePose(scene.skeleton, terms), near, ONE_FRAME).state

@@ -29,9 +29,10 @@ from keypose.tracker.solver.pose_terms import JointLimits
 from keypose.tracker.solver.posed import by_dof
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
 from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.sigmas import BEND, DOUBT_FLOOR, LIMIT_RAD, STEP
 from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from keypose.tracker.solver.terms import Term
-from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
+from keypose.tracker.tracking.drift import Doubt, Motions
 from keypose.tracker.tracking.prior_motion import prior_motion_links
 
 if TYPE_CHECKING:
@@ -39,11 +40,6 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
 
-STEP_TURN_RAD, STEP_SHIFT_PX = np.radians(2.0), 1.4
-"""Standard deviations of one step's motion about what the picture shows, where it shows nothing."""
-BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
-"""Standard deviations of the motion's change from frame to frame."""
-LIMIT_RAD = np.radians(3.0)
 CRITERIA = Criteria(
     most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
     damping=Damping(first=1e-4, least=1e-7, most=1e5),
@@ -80,7 +76,7 @@ class Correction:
             links = (*links, *prior_motion_links(scene, self.segment.own))
         elif bends:
             inner = self.segment.last_frame - self.segment.first_frame - 1
-            bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
+            bend = scene.precision(BEND)
             even = np.zeros((inner, skeleton.dof_count))
             links = (*links, Smoothness(skeleton, even, bend, SQUARED))
         return SegmentPoses(skeleton, scene.arrays, terms, links, self.open_end)
@@ -108,7 +104,7 @@ def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> 
     doubt = motions.doubt or Doubt.equal(*motions.Rs_parent_part.shape[:2])
     by_part, of_root = doubt.turned[:, skeleton.dof_part], doubt.shifted[:, None]
     variance = DOUBT_FLOOR + np.where(skeleton.dof_turns == 1, by_part, of_root)
-    precision = scene.precision(STEP_TURN_RAD, STEP_SHIFT_PX * scene.pixel_m) / variance
+    precision = scene.precision(STEP) / variance
     known = np.isfinite(steps)
     return Increments(
         skeleton, np.where(known, steps, 0.0), np.where(known, precision, 0.0), Huber()
@@ -132,6 +128,6 @@ def with_drift(measured: Increments, scale: float) -> tuple[Link, ...]:
 def even_increments(scene: Scene, path: Trajectory) -> Increments:
     """The steps of a path, held weakly: where no picture is asked."""
     skeleton = scene.skeleton
-    weak = scene.precision(STEP_TURN_RAD, STEP_SHIFT_PX * scene.pixel_m)
+    weak = scene.precision(STEP)
     own = increments(skeleton, path)
     return Increments(skeleton, own, np.broadcast_to(weak, own.shape), Huber())

@@ -13,15 +13,13 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
 from keypose.tracker.kernels.closing import blend
 from keypose.tracker.kernels.pairs import follow_chain
-from keypose.tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions, correct_drift
+from keypose.tracker.solver.sigmas import DOUBT_FLOOR, TRUSTED
+from keypose.tracker.tracking.drift import Doubt, Motions, correct_drift
 from keypose.tracker.tracking.method import Keypose
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, is_sound
 from keypose.tracker.video.pyramid import Clip
 
-TRUST_TURN_RAD = np.radians(20.0)
-TRUST_SHIFT_PX = 30.0
-"""Misses well below which two chains have equal weight: small ones hardly show which is right."""
 SMOOTHING_FRAMES = 2.0
 """Sigma of the smoothing over time that removes the jitter of an imported motion: passes would
 accumulate it."""
@@ -101,10 +99,10 @@ def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     shift = forward.ps_camera_root[[-1, 0]] - backward.ps_camera_root[[-1, 0]]
     shift_f, shift_b = np.linalg.norm(shift, axis=1)
     there, back = forward.doubt, backward.doubt
-    turned = _backward_share(there.turned, back.turned, turn_f, turn_b, TRUST_TURN_RAD)
+    turned = _backward_share(there.turned, back.turned, turn_f, turn_b, TRUSTED.turn_rad)
     even = np.linspace(0.0, 1.0, len(forward))
     turned[:, ~_is_tracked(scene)] = even[:, None]  # interpolated evenly, as everywhere
-    least_m = TRUST_SHIFT_PX * scene.pixel_m
+    least_m = TRUSTED.shift * scene.pixel_m
     shifted = _backward_share(there.shifted, back.shifted, shift_f, shift_b, least_m)
     return _blend(forward, backward, turned, shifted)
 

@@ -22,6 +22,14 @@ from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, Pose
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
 from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.sigmas import (
+    BEND_FROM_START,
+    LEAST_TRACK_PX,
+    LIFTED_LIMB_RAD,
+    LIFTED_SHIFT_PX,
+    LIFTED_TRUNK_RAD,
+    LIMIT_RAD,
+)
 from keypose.tracker.solver.smoothness import Smoothness, second_differences
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
@@ -29,15 +37,6 @@ from keypose.tracker.tracking.segment import NEAREST_M, Segment
 if TYPE_CHECKING:
     from keypose.tracker.tracking.initial.templates import LimbTracks
 
-SMOOTH_TURN_RAD = np.radians(1.0)
-SMOOTH_SHIFT_PX = 0.7
-"""Standard deviations of how the motion's change from frame to frame differs from the start's."""
-LIMB_TURN_RAD, TRUNK_TURN_RAD = np.radians(14.0), np.radians(4.0)
-KEEP_SHIFT_PX = 4.0
-"""Standard deviations of a limb's part, of a part that carries several limbs, and of the root, from
-the start."""
-LIMIT_RAD = np.radians(3.0)
-LEAST_SIGMA_PX = 0.5
 CRITERIA = Criteria(
     most_steps=15,
     longest_step=0.3,
@@ -81,13 +80,13 @@ def _fit(
     """Return what a motion is compared with. kernel: that of the tracks; the prior has Huber's."""
     skeleton = scene.skeleton
     followed = _is_followed(tracks)
-    sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
+    sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_TRACK_PX)
     scale = np.where(followed, 1 / sigma, 0.0).T
     uv = np.swapaxes(np.where(followed[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
     points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
     keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
     start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
-    smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
+    smooth = scene.precision(BEND_FROM_START)
     terms = (
         PointsInPicture(points, scene.camera, uv, scale, NEAREST_M, kernel),
         JointLimits(Limits.of(skeleton.body).widened(keyed), LIMIT_RAD),
@@ -101,5 +100,5 @@ def _keep_precision(scene: Scene) -> Array:
     """(D,) precision of the prior, higher for the trunk than for the limbs it carries."""
     skeleton = scene.skeleton
     carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
-    turn = np.where(carried > 1, TRUNK_TURN_RAD, LIMB_TURN_RAD)[skeleton.dof_part]
-    return np.where(skeleton.dof_turns == 1, turn, KEEP_SHIFT_PX * scene.pixel_m) ** -2.0
+    turn = np.where(carried > 1, LIFTED_TRUNK_RAD, LIFTED_LIMB_RAD)[skeleton.dof_part]
+    return np.where(skeleton.dof_turns == 1, turn, LIFTED_SHIFT_PX * scene.pixel_m) ** -2.0

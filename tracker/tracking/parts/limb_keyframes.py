@@ -24,12 +24,11 @@ from keypose.tracker.solver.least_squares import Criteria, Damping, least_square
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInSpace, PosePrior
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
+from keypose.tracker.solver.sigmas import BETWEEN_M, END_M, LIMB_RAD
 from keypose.tracker.solver.terms import Term
 
 SAME = 1e-9
 """Entries of transforms up to which what carries a limb stands where it stood."""
-END_M, BETWEEN_M, TURN_RAD = 1e-4, 0.02, np.radians(15.0)
-"""Standard deviations of the last joint of a limb, of those before it, and of its parts' turns."""
 CRITERIA = Criteria(
     most_steps=60, longest_step=0.3, settled=1e-9,
     damping=Damping(first=1e-6, least=1e-12, most=1e6),
@@ -145,7 +144,7 @@ def _reached(
     if len(joints):
         free = turning(skeleton, tuple(limb[~last].tolist()))
         wanted = keyed.joints(skeleton, float(pose.p_camera_root[2]))
-        precision = np.full(free.dof_count, TURN_RAD**-2.0)
+        precision = np.full(free.dof_count, LIMB_RAD**-2.0)
         terms: list[Term] = [PosePrior.of(pose, precision)]
         sigmas = ((limb[last], END_M), (limb[~last], BETWEEN_M))
         for some, sigma in sigmas[:1] if ends_alone else sigmas:

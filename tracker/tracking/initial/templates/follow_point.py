@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.sigmas import ALONE_PX, MOST_SLIP_PX, RENEWED_PX, SLIP_PX, TRACK_PX
 from keypose.tracker.tracking.initial.templates.patch import Patch, PatchMatch, Place
 from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
 from keypose.tracker.video.pyramid import Picture
@@ -25,8 +26,6 @@ KEY_STRAY = 2.5
 MOST_POOR = 8
 """Frames on end through which a point that is not recognised is expected to move on."""
 SLOWING = 0.7
-DRIFT_PX = 0.12
-"""By how much a renewed patch slips in a frame."""
 UNLIKE_PX, TURNED_PX, SCALED_PX, MOST_TURNED = 2.5, 2.0, 6.0, 0.75
 """How far a place may be wrong whose patch is unlike, turned (up to so many radians) and scaled:
 each shows that the part has turned out of the picture's plane. Measured on rendered motions."""
@@ -117,7 +116,7 @@ def follow_point(
             continue
         at, by_key = seen
         run.move_to(at)
-        run.drift = 0.0 if by_key else float(np.hypot(run.drift, DRIFT_PX))
+        run.drift = 0.0 if by_key else float(np.hypot(run.drift, RENEWED_PX))
         course.uv[n], course.known[n] = at.uv, by_key
         course.sigma_px[n] = _sigma(at, run.drift)
         recent = recent.renew(pictures[n], at.place) or recent
@@ -172,11 +171,8 @@ AGREED_PX = 6.0
 """How near two courses must come to confirm each other: each slips a little on its way."""
 APART_PX = 12.0
 """Where both are confirmed and yet lie further apart than this, neither is used."""
-ALONE_FRAMES, ALONE_PX = 3, 0.5
-"""How many frames an unconfirmed course is used, and the sigma added with every frame."""
-LEAST_SIGMA, SLIP_PX, MOST_SLIP = 0.3, 0.02, 0.7
-"""Pixels by which any place may be wrong: at first, with every frame further from the keyframe, and
-at most."""
+ALONE_FRAMES = 3
+"""How many frames an unconfirmed course is used."""
 DISAGREED = 0.35
 """Share of two courses' distance in their sigma."""
 
@@ -210,7 +206,7 @@ def _sigmas(course: Course, agreed: NDArray[np.bool_]) -> Array:
     if not len(confirmed):
         return np.full(len(frames), np.inf)
     alone = np.maximum(frames - confirmed[-1], 0)
-    slip = np.minimum(SLIP_PX * frames, MOST_SLIP)
-    sigma = np.hypot(np.hypot(course.sigma_px, LEAST_SIGMA), slip + ALONE_PX * alone)
+    slip = np.minimum(SLIP_PX * frames, MOST_SLIP_PX)
+    sigma = np.hypot(np.hypot(course.sigma_px, TRACK_PX), slip + ALONE_PX * alone)
     trusted = np.isfinite(course.uv[:, 0]) & (alone <= ALONE_FRAMES)
     return np.where(trusted, sigma, np.inf)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.settling import settle
+from keypose.tracker.solver.sigmas import PATCH_GREY2, PATCH_STRAY
 from keypose.tracker.tracking.initial.templates.search import Template, cut
 from keypose.tracker.video.pyramid import USABLE, Picture
 
@@ -62,10 +63,6 @@ SOFT_SHARE, LEAST_SOFT = 0.7, 5.0
 """Difference beyond which a pixel counts less: as a share of the patch's contrast, grey levels."""
 LEAST_PIXELS = 40
 SOLVES = 8
-STRAY = np.array([3.0, 3.0, np.radians(12.0), 0.04])
-"""Standard deviations of u, v, turn and log scale from where the refinement starts."""
-NOISE = 60.0
-"""Grey levels² that a pixel is off by, ten times: neighbouring pixels share texture and noise."""
 
 
 Place: TypeAlias = tuple[float, float, float, float]
@@ -150,11 +147,12 @@ class Patch:
         """Its place to a fraction of a pixel, from a start at most a few pixels away."""
         at, spread = np.array(place, np.float64), np.empty(2)
         alike = settle(
-            picture, self.xy, self.values, at, NOISE / STRAY**2, self.soft, SOLVES, spread
+            picture, self.xy, self.values, at, PATCH_GREY2 / PATCH_STRAY**2, self.soft, SOLVES,
+            spread,
         )  # fmt: skip
         u, v, turn, scale = at.tolist()
         place = (u, v, turn, scale)
-        sigma = float(np.sqrt(NOISE * spread.mean()))
+        sigma = float(np.sqrt(PATCH_GREY2 * spread.mean()))
         return PatchMatch(place, float(alike), self._correlation(picture, place), sigma)
 
     def _correlation(self, picture: Picture, place: Place) -> float:
