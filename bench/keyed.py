@@ -30,8 +30,8 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.solver.fit_joints import CRITERIA, NEAREST_M
-from keypose.tracker.solver.least_squares import least_squares
+from keypose.tracker.solver.fit_joints import NEAREST_M
+from keypose.tracker.solver.least_squares import JOINTS, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, free_skeleton
@@ -132,7 +132,7 @@ def _posed(
     starts = [_start(clip, points, ideal, uv, (usual, sigma), seed) for seed in range(STARTS)]
     starts += [] if before is None else [before]
     problem = OnePose(skeleton, terms, floor=1.0)
-    ends = [least_squares(problem, start, CRITERIA) for start in starts]
+    ends = [least_squares(problem, start, JOINTS) for start in starts]
     return min(ends, key=lambda end: end.cost).state
 
 

@@ -20,7 +20,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen, nearest_rotation
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import JOINTS, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import (
     JointLimits,
@@ -38,14 +38,6 @@ if TYPE_CHECKING:
     from keypose.tracker.solver.posed import BodyPoint
 
 NEAREST_M = 0.05
-CRITERIA = Criteria(
-    most_steps=120,
-    longest_step=0.5,
-    negligible=1e-6,
-    gain=1e-5,
-    gain_floor=1.0,
-    damping=Damping(least=1e-9, most=1e10),
-)
 POOR_M = 0.03
 """A frame fitted worse than this, and than the one before, is tried from a fresh start as well."""
 
@@ -129,7 +121,7 @@ def _weak_prior(skeleton: Skeleton, pose: Pose) -> PosePrior:
 
 
 def _solve(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
-    solution = least_squares(OnePose(skeleton, terms, floor=1.0), start, CRITERIA)
+    solution = least_squares(OnePose(skeleton, terms, floor=1.0), start, JOINTS)
     return Solved(solution.state, solution.cost, solution.converged)
 
 

@@ -31,9 +31,6 @@ class Damping:
     most: float = 1e16
 
 
-UNDAMPED = Damping(first=0.0, easier=1.0)
-
-
 @dataclass(frozen=True)
 class Criteria:
     """How to descend, and when to stop.
@@ -58,6 +55,38 @@ class Criteria:
     gain_floor: float = 0.0
     damping: Damping = Damping()
     rejects: bool = True
+
+
+QUICK = Criteria(
+    most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
+    damping=Damping(first=1e-4, least=1e-7, most=1e6),
+)  # fmt: skip
+"""From near by: one pass of several, or the last solve of a motion that is nearly right."""
+USUAL = Criteria(
+    most_steps=25, longest_step=0.3, settled=1e-3, gain=1e-3,
+    damping=Damping(first=1e-3, least=1e-7, most=1e6),
+)  # fmt: skip
+"""From afar, where no pass follows."""
+EXACT = Criteria(
+    most_steps=120,
+    longest_step=0.3,
+    settled=1e-9,
+    damping=Damping(first=1e-6, least=1e-12, most=1e6),
+)
+"""To the last digits, where what is found has to be met."""
+JOINTS = Criteria(
+    most_steps=120,
+    longest_step=0.5,
+    negligible=1e-6,
+    gain=1e-5,
+    gain_floor=1.0,
+    damping=Damping(least=1e-9, most=1e10),
+)
+"""From anywhere, along what joints hardly decide: a step that gains little ends it, however far."""
+UNJUDGED = Criteria(
+    longest_step=0.1, settled=5e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
+)
+"""Where a picture is looked at anew with every step, so that no two costs compare."""
 
 
 class Linearized(Protocol):

@@ -30,7 +30,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.pose_terms import (
     DepthFromRoot,
     JointLimits,
@@ -123,10 +123,6 @@ def _share(speed: Array, frames_per_second: float) -> Array:
 SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
-CRITERIA = Criteria(
-    most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
-    damping=Damping(first=1e-4, least=1e-7, most=1e6),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -206,7 +202,7 @@ def solve_space(
         _pinned(problem, pins, frames, shared),
     )
     with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
-        found = least_squares(poses, MotionWindow(start, shared), CRITERIA, cancelled).state
+        found = least_squares(poses, MotionWindow(start, shared), QUICK, cancelled).state
     return _solution(problem, skeleton, found, pins, frames)
 
 

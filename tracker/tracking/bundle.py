@@ -19,7 +19,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.pairs import view
 from keypose.tracker.kernels.whole import move_inner, see_all, whole_segment
 from keypose.tracker.solver.banded import added, banded_step
-from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.least_squares import UNJUDGED, Problem, least_squares
 from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, FIRST_GREY_OF_SEGMENT
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Picture
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from keypose.tracker.solver.segment_poses import SegmentPoses
     from keypose.tracker.tracking.method import Refinement
 
-CRITERIA = Criteria(
-    longest_step=0.3, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
-)
 LOOK_AGAIN = 5
 """Solves after which visibility is updated."""
 
@@ -61,7 +58,7 @@ def refine(
     if len(start) < 3 or not scene.skeleton.dof_count:
         return start
     pictures = _Pictures.of(scene, clip, start, how, others, even)
-    R, t = least_squares(pictures, start.writable(), replace(CRITERIA, most_steps=how.solves)).state
+    R, t = least_squares(pictures, start.writable(), replace(UNJUDGED, most_steps=how.solves)).state
     return Trajectory(start.first_frame, R, t)
 
 

@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.solver.least_squares import (
-    UNDAMPED,
     Criteria,
     Damping,
     Problem,
@@ -53,6 +52,7 @@ class Curve(Problem[Floats, Point]):
 
 
 START = np.array([-1.2, 1.0])
+UNDAMPED = Damping(first=0.0, easier=1.0)
 USUAL = Criteria(most_steps=200, settled=1e-9, damping=Damping(most=1e10))
 
 

@@ -20,7 +20,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.observed import Joints, Observed
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import USUAL, least_squares
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
@@ -43,10 +43,6 @@ from keypose.tracker.tracking.segment import NEAREST_M
 
 WINDOW, OVERLAP = 120, 24
 """Frames of a window, and of those that the next one solves again."""
-CRITERIA = Criteria(
-    most_steps=25, longest_step=0.3, settled=2e-3, gain=1e-3,
-    damping=Damping(first=1e-3, least=1e-7, most=1e5),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +132,7 @@ class Whole:
 
         for kernel in (Huber(), Cauchy()):
             problem = self._problem(rows, kernel)
-            motion = least_squares(problem, motion, CRITERIA, cancelled).state
+            motion = least_squares(problem, motion, USUAL, cancelled).state
         if not is_first:
             return motion
         return Trajectory(

@@ -40,7 +40,7 @@ from keypose.tracker.fitting.pose.texture import Texture, TextureMatch, visible_
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import EXACT, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture
 from keypose.tracker.solver.posed import Posed
@@ -51,8 +51,6 @@ from keypose.tracker.tracking.cues.sources import FrameSource
 from keypose.tracker.tracking.pool import never
 from keypose.tracker.video import Video
 from keypose.tracker.video.pyramid import IGNORED
-
-CRITERIA = Criteria(most_steps=20, settled=1e-4, damping=Damping(most=1e6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class Joints:
         if term is None:
             return None
         terms: list[Term] = [term, keyframe.prior, keyframe.joint_limits]
-        solution = least_squares(OnePose(scene.skeleton, terms), keyframe.pose, CRITERIA)
+        solution = least_squares(OnePose(scene.skeleton, terms), keyframe.pose, EXACT)
         return cls(keyframe, term, solution.state)
 
     def gain(self, pose: Pose) -> float:

@@ -23,13 +23,7 @@ from keypose.tracker.fitting.pose.outline import Colours, Edges, Outline
 from keypose.tracker.fitting.pose.texture import TextureMatch
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.least_squares import (
-    UNDAMPED,
-    Criteria,
-    Problem,
-    damped_step,
-    least_squares,
-)
+from keypose.tracker.solver.least_squares import UNJUDGED, Problem, damped_step, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
 from keypose.tracker.solver.sigmas import EDGE_PX, MOST_EDGE_PX, POSE_LIMIT_RAD, POSED, THICKNESS_M
@@ -122,7 +116,6 @@ REACH_M = (0.03, 0.055, 0.1)
 """How far from an edge the picture's own is sought, at each level."""
 LOOK_AGAIN, LEARN_AGAIN = 3, 3
 """Solves after which visibility and colours are found anew."""
-CRITERIA = Criteria(longest_step=0.1, settled=5e-4, rejects=False, damping=UNDAMPED)
 DECISIVE = 1.0
 """Information of the picture, as a share of the prior's, above which it decides a direction."""
 
@@ -252,7 +245,7 @@ def refine(
     for level in range(coarsest, -1, -1):
         if match is not None:
             match.reset_noise(level)
-        criteria = replace(CRITERIA, most_steps=SOLVES[level])
+        criteria = replace(UNJUDGED, most_steps=SOLVES[level])
         found = least_squares(
             _PictureProblem(keyframe, match, outlined, joints, level), pose, criteria, cancelled
         )

@@ -18,7 +18,7 @@ from keypose.tracker.body.pose import Pose, moved, part_transforms
 from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.least_squares import USUAL, Problem, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior, RootPosition
 from keypose.tracker.solver.posed import Posed, image_jacobian
 from keypose.tracker.solver.robust import Cauchy
@@ -34,7 +34,6 @@ from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 KERNEL = Cauchy(2.0)
 SMALL = 1e-4
-CRITERIA = Criteria(most_tries=5, longest_step=0.2, gain=1e-3, damping=Damping(least=1e-6))
 PIECE = 32
 
 
@@ -155,7 +154,8 @@ class Solved:
 
 def solve(fit: SharedFit, start: Shared, rows: Sequence[Residuals], steps: int) -> Solved:
     """A few steps downhill from a start; one that makes things worse is shortened or not taken."""
-    found = least_squares(_SizesProblem(fit, rows), start, replace(CRITERIA, most_steps=steps))
+    few = replace(USUAL, most_steps=steps, most_tries=5, longest_step=0.2)
+    found = least_squares(_SizesProblem(fit, rows), start, few)
     last = found.solved
     spread = np.zeros(len(start.values)) if last is None else last.spread(found.damping)
     return Solved(found.state, spread)

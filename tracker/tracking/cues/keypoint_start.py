@@ -8,16 +8,12 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import USUAL, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PosePrior
 from keypose.tracker.solver.robust import Cauchy, Huber
 from keypose.tracker.solver.sigmas import NEXT_POSE
 from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
-
-ONE_FRAME = Criteria(
-    most_steps=8, longest_step=0.3, settled=1e-3, damping=Damping(first=1e-3, least=1e-7, most=1e5)
-)
 
 
 def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory:
@@ -74,4 +70,4 @@ def _next(correction: Correction, n: int, near: Pose) -> Pose:
     scene = correction.scene
     keep = scene.precision(NEXT_POSE)
     terms = (*correction.frame_terms(n, Cauchy()), PosePrior.of(near, keep))
-    return least_squares(OnePose(scene.skeleton, terms), near, ONE_FRAME).state
+    return least_squares(OnePose(scene.skeleton, terms), near, USUAL).state

@@ -24,7 +24,7 @@ import numpy as np
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import log_rotation, transpose
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits
 from keypose.tracker.solver.posed import by_dof
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
@@ -39,11 +39,6 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.cues.anchors import Anchors
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
-
-CRITERIA = Criteria(
-    most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
-    damping=Damping(first=1e-4, least=1e-7, most=1e5),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +59,7 @@ class Correction:
         """The motion nearest to what was measured and to the anchors, from `present` on."""
         if len(present) < 3 and not self.open_end:
             return present
-        return least_squares(self.problem(measured, kernel), present, CRITERIA).state
+        return least_squares(self.problem(measured, kernel), present, QUICK).state
 
     def problem(self, measured: Increments, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
         """All terms; without `bends` smoothness is left to somebody else, unless a motion of before

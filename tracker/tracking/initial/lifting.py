@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import USUAL, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
@@ -37,15 +37,6 @@ from keypose.tracker.tracking.segment import NEAREST_M, Segment
 if TYPE_CHECKING:
     from keypose.tracker.tracking.initial.templates import LimbTracks
 
-CRITERIA = Criteria(
-    most_steps=15,
-    longest_step=0.3,
-    settled=1e-3,
-    gain=1e-3,
-    damping=Damping(least=1e-6, most=1e6),
-)
-"""Used twice: with Huber's kernel from far, then with Cauchy's against outliers."""
-
 
 def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -> Trajectory:
     """The motion near `base` whose limbs fall on their tracks; its ends are the keyframes.
@@ -56,8 +47,8 @@ def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -
     if len(base) < 3 or not scene.skeleton.dof_count or not _is_followed(tracks).any():
         return base
     first = _fit(scene, segment, base, tracks, Huber())
-    found = least_squares(first, base, CRITERIA).state
-    found = least_squares(_fit(scene, segment, base, tracks, Cauchy()), found, CRITERIA).state
+    found = least_squares(first, base, USUAL).state
+    found = least_squares(_fit(scene, segment, base, tracks, Cauchy()), found, USUAL).state
     return found if first.at(found, 0).cost < first.at(base, 0).cost else base
 
 

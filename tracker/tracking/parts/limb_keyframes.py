@@ -20,7 +20,7 @@ from keypose.tracker.body.body import ROTATIONS
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
+from keypose.tracker.solver.least_squares import EXACT, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInSpace, PosePrior
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
@@ -29,10 +29,6 @@ from keypose.tracker.solver.terms import Term
 
 SAME = 1e-9
 """Entries of transforms up to which what carries a limb stands where it stood."""
-CRITERIA = Criteria(
-    most_steps=60, longest_step=0.3, settled=1e-9,
-    damping=Damping(first=1e-6, least=1e-12, most=1e6),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +148,7 @@ def _reached(
             if len(chosen):
                 places: tuple[BodyPoint, ...] = tuple(((int(i), (0.0, 0.0, 0.0)),) for i in chosen)
                 terms.append(PointsInSpace(BodyPoints(free, places), wanted[chosen], sigma))
-        pose = least_squares(OnePose(free, terms), pose, CRITERIA).state
+        pose = least_squares(OnePose(free, terms), pose, EXACT).state
     R, t = pose.writable()
     now = pose_transforms(skeleton, pose)
     for i in limb[last]:

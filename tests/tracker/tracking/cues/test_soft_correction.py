@@ -9,12 +9,12 @@ import pytest
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.solver.least_squares import least_squares
+from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.robust import SQUARED, Cauchy
 from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
-from keypose.tracker.tracking.cues.soft_correction import CRITERIA, Correction, measured_increments
+from keypose.tracker.tracking.cues.soft_correction import Correction, measured_increments
 from keypose.tracker.tracking.drift import Doubt, Motions, closing_error, correct_drift
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, joints_apart_m, moving
 
@@ -73,7 +73,7 @@ def _nothing(film: Filmed) -> Anchors:
 
 def _solved(problem: SegmentPoses, start: Trajectory) -> Trajectory:
     return least_squares(
-        problem, start, replace(CRITERIA, most_steps=30, settled=1e-7, gain=0.0)
+        problem, start, replace(QUICK, most_steps=30, settled=1e-7, gain=0.0)
     ).state
 
 
