@@ -302,21 +302,3 @@ def blend(forward: Floats, backward: Floats, shares: Floats) -> Floats:
     for j, i in np.ndindex(shares.shape):
         out[j, i] = rotation_between(forward[j, i], backward[j, i], [shares[j, i]])[0]
     return out
-
-
-def smoothness(body: BodyArrays, R: Floats, t: Floats, precision: Floats) -> tuple[Floats, Floats]:
-    """Dense matrix and gradient of Σ precision (second difference)² / 2 for the inner poses."""
-    n, dofs = len(R) - 1, len(precision)
-    turns = log_rotation(np.swapaxes(R[:-1], -1, -2) @ R[1:])
-    shifts = np.einsum("nji,nj->ni", R[:-1, 0], np.diff(t, axis=0))
-    motion = np.empty((n, dofs))
-    for d in range(dofs):
-        of_part = turns[:, body.dof_part[d]] if body.dof_turns[d] else shifts
-        motion[:, d] = of_part[:, body.dof_axis[d]]
-    D2 = np.zeros((n - 1, n - 1))
-    for c in range(n - 1):
-        for place, share in ((c - 1, 1.0), (c, -2.0), (c + 1, 1.0)):
-            if 0 <= place < n - 1:
-                D2[c, place] = share
-    A = np.kron(D2.T @ D2, np.diag(precision))
-    return A, (D2.T @ (np.diff(motion, axis=0) * precision)).ravel()

@@ -31,6 +31,14 @@ class BodyArrays(NamedTuple):
     starts: NDArray[np.int64]
 
 
+class Freedoms(NamedTuple):
+    """How the poses of a body move: dof_part, dof_turns, dof_axis (D,) int64."""
+
+    dof_part: NDArray[np.int64]
+    dof_turns: NDArray[np.int64]
+    dof_axis: NDArray[np.int64]
+
+
 class Lens(NamedTuple):
     """A pinhole without distortion. With `perspective` 0 every point is divided by `distance`."""
 

@@ -23,11 +23,11 @@ def banded_step(banded: Array, gradient: Array, damping: float) -> Array | None:
 
 def bordered_step(
     banded: Array, border: Array, corner: Array, gradient: Array, shared: Array, damping: float
-) -> tuple[Array, Array] | None:
+) -> Array | None:
     """The same where S unknowns are shared by all frames: border (N, S), corner (S, S), their
     gradient shared (S,). They are eliminated exactly; alternating with them would creep.
 
-    None where the equations are not positive definite.
+    None where the equations are not positive definite. Returned are (N + S,), the shared ones last.
     """
     damped = banded.copy()
     damped[-1] = damped[-1] * (1 + damping) + 1e-6
@@ -38,7 +38,7 @@ def bordered_step(
         step = -np.linalg.solve(own, shared - border.T @ solved[:, 0])
     except (np.linalg.LinAlgError, ValueError):
         return None
-    return -(solved[:, 0] + solved[:, 1:] @ step), step
+    return np.append(-(solved[:, 0] + solved[:, 1:] @ step), step)
 
 
 def banded_diagonals(diagonals: Sequence[Array], unknown: slice) -> Array:

@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.banded import banded_diagonals
-from keypose.tracker.solver.posed import by_dof
-from keypose.tracker.solver.robust import Kernel
-
-INNER = slice(1, -1)
-"""The poses between two that do not move."""
-
-
-class Link(Protocol):
-    """A residual that links neighbouring frames of a motion."""
-
-    def cost(self, motion: Trajectory) -> float:
-        """Half the sum of squares, robust ones by their kernel."""
-
-    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
-        """Upper banded (w, uD) and gradient (u, D) of the u unknown poses."""
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import SQUARED, Kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +27,17 @@ class Smoothness:
     precision: Array
     kernel: Kernel
 
+    @classmethod
+    def even(cls, skeleton: Skeleton, frames: int, precision: Array) -> Smoothness:
+        """A motion of so many frames that changes as little as it can."""
+        return cls(skeleton, np.zeros((max(frames - 2, 0), len(precision))), precision, SQUARED)
+
     def cost(self, motion: Trajectory) -> float:
         return _cost(self.kernel, self.precision, self._away(motion))
 
-    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
-        return _equations((1, -2, 1), self._away(motion), self.precision, self.kernel, unknown)
+    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
+        away = self._away(motion)
+        return _equations((1, -2, 1), len(motion), away, self.precision, self.kernel, unknown)
 
     def _away(self, motion: Trajectory) -> Array:
         return second_differences(self.skeleton, motion) - self.wanted
@@ -67,9 +59,10 @@ class Increments:
     def cost(self, motion: Trajectory) -> float:
         return _cost(self.kernel, self.precision, self._away(motion))
 
-    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
+    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
         """The Jacobian of a step is taken as −1 and 1: exact for the limit of small turns."""
-        return _equations((-1, 1), self._away(motion), self.precision, self.kernel, unknown)
+        away = self._away(motion)
+        return _equations((-1, 1), len(motion), away, self.precision, self.kernel, unknown)
 
     def _away(self, motion: Trajectory) -> Array:
         return increments(self.skeleton, motion) - self.measured
@@ -78,8 +71,7 @@ class Increments:
 def increments(skeleton: Skeleton, motion: Trajectory) -> Array:
     """(N − 1, D) the motion from every pose to the next, in the parts' own frames."""
     R, t = motion.Rs_parent_part, motion.ps_camera_root
-    turn = log_rotation(transpose(R[:-1]) @ R[1:])
-    return by_dof(skeleton, turn, R[:-1, 0], np.diff(t, axis=0))
+    return Posed(skeleton, R[1:], t[1:]).motion_from(R[:-1], t[:-1], backward=False)
 
 
 def second_differences(skeleton: Skeleton, motion: Trajectory) -> Array:
@@ -92,22 +84,23 @@ def _cost(kernel: Kernel, precision: Array, away: Array) -> float:
 
 
 def _equations(
-    stencil: tuple[int, ...], away: Array, precision: Array, kernel: Kernel, unknown: slice
-) -> tuple[Array, Array]:
-    """Make the equations of residuals away (m, D), each the differences of poses i, i + 1, … times
-    the stencil.
+    stencil: tuple[int, ...], count: int, away: Array, precision: Array, kernel: Kernel,
+    unknown: slice,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Make the equations of residuals away (m, D), each the differences of poses i, i + 1, … of
+    `count` times the stencil.
     """
     stiff = np.broadcast_to(
         precision * kernel.weight(np.sqrt(precision) * np.abs(away)), away.shape
     )
     m, dofs = away.shape
-    count, pull = m + len(stencil) - 1, stiff * away
+    pull = stiff * away
     gradient = np.zeros((count, dofs))
     for i, share in reversed(tuple(enumerate(stencil))):
         gradient[i : i + m] += share * pull
     blocks = []
     for off in range(len(stencil)):
-        diagonal = np.zeros((count - off, dofs))
+        diagonal = np.zeros((max(count - off, 0), dofs))
         for i in reversed(range(len(stencil) - off)):
             diagonal[i : i + m] += stencil[i] * stencil[i + off] * stiff
         blocks.append(diagonal)

@@ -13,8 +13,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.banded import add_coupling_blocks
 from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import Kernel
-from keypose.tracker.solver.smoothness import INNER
-from keypose.tracker.solver.stretch_poses import SharedEquations
+from keypose.tracker.solver.terms import SharedRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,21 +33,15 @@ class AtOnePlace:
         away = self._away(self.point.of(self._within(posed))[:, 0], shared)
         return 0.5 * float(self.kernel.loss(np.linalg.norm(away, axis=-1)).sum())
 
-    def equations(self, posed: Posed, shared: Array) -> SharedEquations:
-        within = self._within(posed)
-        p, J = self.point.jacobian(within)
-        away, J = self._away(p[:, 0], shared), np.swapaxes(J[:, 0], -1, -2) / self.sigma_m
-        weight = self.kernel.weight(np.linalg.norm(away, axis=-1))
-        pulled = np.swapaxes(J, -1, -2) * weight[:, None, None]  # (n, D, 3)
-        return SharedEquations(
-            self.frames,
-            pulled @ J,
-            (pulled @ away[..., None])[..., 0],
-            np.arange(self.at, self.at + 3),
-            -pulled / self.sigma_m,
-            np.eye(3) * weight.sum() / self.sigma_m**2,
-            -(away * weight[:, None]).sum(axis=0) / self.sigma_m,
-        )
+    def rows(self, posed: Posed, shared: Array) -> SharedRows:
+        p, J = self.point.jacobian(self._within(posed))
+        away = self._away(p[:, 0], shared)
+        weight = np.sqrt(self.kernel.weight(np.linalg.norm(away, axis=-1)))[:, None]
+        scale = (weight / self.sigma_m)[..., None]
+        return SharedRows(
+            self.frames, weight * away, scale * np.swapaxes(J[:, 0], -1, -2),
+            np.arange(self.at, self.at + 3), -scale * np.eye(3),
+        )  # fmt: skip
 
     def _within(self, posed: Posed) -> Posed:
         R, p = posed.Rs_parent_part[self.frames], posed.p_camera_root[self.frames]
@@ -69,10 +62,9 @@ class OnFloor:
     def cost(self, posed: Posed, shared: Array) -> float:
         return 0.5 * float(self._row @ shared[self._unknown(shared)]) ** 2
 
-    def equations(self, posed: Posed, shared: Array) -> SharedEquations:
-        unknown, row = self._unknown(shared), self._row
-        r = float(row @ shared[unknown])
-        return SharedEquations.alone(posed.skeleton.dof_count, unknown, np.outer(row, row), row * r)
+    def rows(self, posed: Posed, shared: Array) -> SharedRows:
+        unknown, row = self._unknown(shared), self._row[None]
+        return SharedRows.alone(posed.skeleton.dof_count, row @ shared[unknown], unknown, row)
 
     @property
     def _row(self) -> Array:
@@ -92,12 +84,9 @@ class Near:
     def cost(self, posed: Posed, shared: Array) -> float:
         return 0.5 * float((((shared - self.values) * self.scale) ** 2).sum())
 
-    def equations(self, posed: Posed, shared: Array) -> SharedEquations:
-        r = (shared - self.values) * self.scale
-        unknown = np.arange(len(shared))
-        return SharedEquations.alone(
-            posed.skeleton.dof_count, unknown, np.diag(self.scale**2), r * self.scale
-        )
+    def rows(self, posed: Posed, shared: Array) -> SharedRows:
+        r, unknown = (shared - self.values) * self.scale, np.arange(len(shared))
+        return SharedRows.alone(posed.skeleton.dof_count, r, unknown, np.diag(self.scale))
 
 
 THIRD = (-1, 3, -3, 1)
@@ -125,7 +114,7 @@ class Jerk:
     def cost(self, motion: Trajectory) -> float:
         return 0.5 * float(((self.of(motion) / self.sigma[..., None]) ** 2).sum())
 
-    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
+    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
         """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
         posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
         J, weights = self._rows(posed), self._weights

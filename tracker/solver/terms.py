@@ -3,8 +3,8 @@
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
 give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
 `diagonal` and let `DiagonalTerm` do it. `BodyPoints` (`posed.py`) says where points of the body are
-and how they move. Put it among the cases of the one test that compares terms with finite
-differences. Terms of points and turns are in `pose_terms.py`, links between frames in
+and how they move. Put it into the list of the solve it belongs to (`MotionProblem`, `OnePose`), and
+among the cases of the one test that compares terms with finite differences. Terms of points and turns are in `pose_terms.py`, links between frames in
 `smoothness.py`, terms that many frames share in `space_terms.py`. Residuals are in standard
 deviations, so that terms of different kinds can be summed, and are half squared. Terms here work on
 one pose or on many at once: batch axes come first, equations are those of every pose by itself, and
@@ -22,7 +22,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.solver.posed import Posed
 
@@ -89,6 +91,46 @@ class Term(Protocol):
 
     def equations(self, posed: Posed) -> Equations:
         """Linearized at a pose, with the cost there: b is its gradient, A as Gauss and Newton."""
+
+
+class Link(Protocol):
+    """A residual that links neighbouring frames of a motion."""
+
+    def cost(self, motion: Trajectory) -> float:
+        """Half the sum of squares, robust ones by their kernel."""
+
+    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
+        """Upper banded (w, uD) and gradient (u, D) of the u unknown poses."""
+
+
+@dataclass(frozen=True, eq=False)
+class SharedRows:
+    """Residuals r (n, M) of poses and shared unknowns, weighted if robust.
+
+    frames: n neighbouring ones.  J (n, M, D): by their poses.  unknown (s,), K (n, M, s): which of
+    the shared unknowns, and by these.
+    """
+
+    frames: slice
+    r: Array
+    J: Array
+    unknown: NDArray[np.int64]
+    K: Array
+
+    @classmethod
+    def alone(cls, dofs: int, r: Array, unknown: NDArray[np.int64], K: Array) -> SharedRows:
+        """Make rows r (M,), K (M, s) of shared unknowns that are compared with no pose."""
+        return cls(slice(0, 1), r[None], np.zeros((1, len(r), dofs)), unknown, K[None])
+
+
+class SharedTerm(Protocol):
+    """What poses and shared unknowns are compared with."""
+
+    def cost(self, posed: Posed, shared: Array) -> float:
+        """Half the sum of squares, robust ones by their kernel."""
+
+    def rows(self, posed: Posed, shared: Array) -> SharedRows:
+        """Linearized there."""
 
 
 class RowTerm(ABC):

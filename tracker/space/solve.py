@@ -31,6 +31,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.solver.least_squares import QUICK, least_squares
+from keypose.tracker.solver.motion_problem import EVERY, MotionProblem, MotionState
 from keypose.tracker.solver.pose_terms import (
     DepthFromRoot,
     JointLimits,
@@ -39,7 +40,7 @@ from keypose.tracker.solver.pose_terms import (
     RootPosition,
 )
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points, with_free_parts
-from keypose.tracker.solver.robust import SQUARED, Huber
+from keypose.tracker.solver.robust import Huber
 from keypose.tracker.solver.sigmas import (
     BEND,
     BETWEEN_M,
@@ -58,10 +59,9 @@ from keypose.tracker.solver.sigmas import (
     STEP,
     UNDECIDED_PER_M,
 )
-from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
-from keypose.tracker.solver.stretch_poses import MotionWindow, SharedTerm, StretchPoses
-from keypose.tracker.solver.terms import Term
+from keypose.tracker.solver.terms import Link, SharedTerm, Term
 from keypose.tracker.space.contacts import speed_m_s
 from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
 from keypose.tracker.tracking.parts.limb_keyframes import (
@@ -190,7 +190,7 @@ def solve_space(
     there = start.transforms(skeleton)
     places = [p.at(there[rows])[:, 0].mean(axis=0) for p, rows in zip(pins, frames, strict=True)]
     shared = _shared(problem, np.array(places).reshape(-1, 3))
-    poses = StretchPoses(
+    poses = MotionProblem(
         skeleton,
         (
             *_seen(problem, skeleton),
@@ -199,17 +199,18 @@ def solve_space(
             _limits(problem, skeleton),
         ),
         _links(problem, skeleton),
+        EVERY,
         _pinned(problem, pins, frames, shared),
     )
     with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
-        found = least_squares(poses, MotionWindow(start, shared), QUICK, cancelled).state
+        found = least_squares(poses, MotionState(start, shared), QUICK, cancelled).state
     return _solution(problem, skeleton, found, pins, frames)
 
 
 def _solution(
     problem: SpaceProblem,
     skeleton: Skeleton,
-    found: MotionWindow,
+    found: MotionState,
     pins: list[BodyPoints],
     frames: list[slice],
 ) -> SpaceSolution:
@@ -358,10 +359,9 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     step, bend = (sigma.precision(skeleton, pixel_m) for sigma in (STEP, BEND))
     known = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
     measured = increments(skeleton, motion)
-    even = np.zeros((len(motion) - 2, skeleton.dof_count))
     links: list[Link] = [
         Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber()),
-        Smoothness(skeleton, even, bend, SQUARED),
+        Smoothness.even(skeleton, len(motion), bend),
     ]
     if problem.smooth and len(motion) > 3:
         points, sigma = jerk_points(skeleton, motion, problem.frames_per_second)

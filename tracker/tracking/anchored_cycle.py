@@ -20,7 +20,7 @@ import numpy as np
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import Cauchy
-from keypose.tracker.solver.sigmas import SCORE_GREY2
+from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, SCORE_GREY2
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
@@ -176,9 +176,8 @@ def cycle(
     refined = present
     if not correction.open_end:
         steady = _steadied(correction, present, IN_REFINEMENT * correction.drift_scale)
-        others = steady.problem(measured, Cauchy(), bends=False)
-        given = (free, segment.clip, present, method.refinement, others)
-        refined = refine(*given, even=segment.own is None)
+        others = steady.problem(measured, Cauchy(), BEND_IN_PICTURE)
+        refined = refine(free, segment.clip, present, method.refinement, others)
     if refined is not present and is_sound(free, segment, refined):
         present = refined
         measured, drift, score = _measure(free, segment, method, present)

@@ -9,7 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.motion_problem import MotionProblem
 from keypose.tracker.solver.sigmas import SCORE_GREY2
 from keypose.tracker.tracking.bundle import refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
@@ -146,11 +146,10 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
 
 
 def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
-    others, own = None, segment.own
-    if own is not None:
-        others = SegmentPoses(scene.skeleton, scene.arrays, (), prior_motion_links(scene, own))
-    given = (scene, segment.clip, start.trajectory, method.refinement, others)
-    trajectory = refine(*given, even=own is None)
+    own = segment.own
+    links = () if own is None else prior_motion_links(scene, own)
+    others = MotionProblem(scene.skeleton, links=links) if links else None
+    trajectory = refine(scene, segment.clip, start.trajectory, method.refinement, others)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
     judged = method.judged

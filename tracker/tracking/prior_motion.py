@@ -14,7 +14,8 @@ import numpy as np
 
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.sigmas import KNOWN_STEP
-from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
+from keypose.tracker.solver.terms import Link
 
 if TYPE_CHECKING:
     from keypose.tracker.body.trajectory import Trajectory

@@ -125,7 +125,7 @@ def test_a_step_with_shared_unknowns_is_that_of_the_equations_written_out(
     expected = -np.linalg.solve(whole, np.concatenate([b, c]))
     found = bordered_step(banded, border, corner, b, c, damping)
     assert found is not None
-    np.testing.assert_allclose(np.concatenate(found), expected, atol=1e-12)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_equations_that_are_not_positive_definite_have_no_step() -> None:

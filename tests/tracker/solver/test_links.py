@@ -14,17 +14,23 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.solver.motion_problem import (
+    EVERY,
+    MotionPoint,
+    MotionProblem,
+    MotionState,
+    moved_poses,
+)
 from keypose.tracker.solver.posed import BodyPoints, Posed, free_skeleton
 from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber
 from keypose.tracker.solver.smoothness import (
     Increments,
-    Link,
     Smoothness,
     increments,
     second_differences,
 )
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
-from keypose.tracker.solver.stretch_poses import SharedTerm, moved_poses
+from keypose.tracker.solver.terms import Link, SharedTerm
 from tests.tracker.solver.test_banded import dense
 
 Floats = NDArray[np.float64]
@@ -241,22 +247,32 @@ TERMS: dict[str, SharedTerm] = {
 """Every term of shared unknowns. One that is added goes here."""
 
 
+def point(name: str, at: Trajectory, shared: Floats = SHARED) -> MotionPoint:
+    """A motion and what its frames share, compared by one term."""
+    problem = MotionProblem(SKELETON, unknown=EVERY, shared_terms=(TERMS[name],))
+    return problem.at(MotionState(at, shared), 0)
+
+
+def whole(found: MotionPoint) -> Floats:
+    """The matrix of all poses and all that is shared."""
+    equations = found.equations
+    top = np.hstack([dense(equations.banded), equations.border])
+    return np.vstack([top, np.hstack([equations.border.T, equations.corner])])
+
+
 @SIZES
 @pytest.mark.parametrize("name", TERMS)
 def test_the_gradient_of_what_is_shared_is_that_of_its_cost(name: str, turn_rad: float) -> None:
-    term, at = TERMS[name], motion(turn_rad)
-    found = term.equations(posed(at), SHARED)
-    expected = difference(lambda there: term.cost(posed(there), SHARED), at)
-    b = np.zeros((FRAMES, DOFS))
-    b[found.frames] = found.b
-    np.testing.assert_allclose(b, expected, atol=2e-6 * max(np.abs(expected).max(), 1.0))
-    gradient, slope = np.zeros(len(SHARED)), np.zeros(len(SHARED))
-    gradient[found.unknown] = found.gradient
+    at = motion(turn_rad)
+    found = point(name, at).equations
+    expected = difference(lambda there: point(name, there).cost, at).ravel()
+    np.testing.assert_allclose(found.b, expected, atol=2e-6 * max(np.abs(expected).max(), 1.0))
+    slope = np.zeros(len(SHARED))
     for k in range(len(SHARED)):
         e = 1e-6 * np.eye(len(SHARED))[k]
-        ahead, behind = (term.cost(posed(at), SHARED + sign * e) for sign in (1, -1))
+        ahead, behind = (point(name, at, SHARED + sign * e).cost for sign in (1, -1))
         slope[k] = (ahead - behind) / 2e-6
-    np.testing.assert_allclose(gradient, slope, atol=2e-6 * max(np.abs(slope).max(), 1.0))
+    np.testing.assert_allclose(found.gradient, slope, atol=2e-6 * max(np.abs(slope).max(), 1.0))
 
 
 @SIZES
@@ -264,30 +280,20 @@ def test_the_gradient_of_what_is_shared_is_that_of_its_cost(name: str, turn_rad:
 def test_the_equations_of_what_is_shared_are_symmetric_and_no_saddle(
     name: str, turn_rad: float
 ) -> None:
-    found = TERMS[name].equations(posed(motion(turn_rad)), SHARED)
-    n = len(found.A)
-    size = n * DOFS + len(found.unknown)
-    whole = np.zeros((size, size))
-    for j in range(n):
-        rows = slice(j * DOFS, (j + 1) * DOFS)
-        whole[rows, rows] = found.A[j]
-        whole[rows, n * DOFS :] = found.border[j]
-        whole[n * DOFS :, rows] = found.border[j].T
-    whole[n * DOFS :, n * DOFS :] = found.corner
-    np.testing.assert_allclose(whole, whole.T, atol=1e-9 * np.abs(whole).max())
-    assert np.linalg.eigvalsh(whole).min() > -1e-9 * np.abs(whole).max()
-    assert np.abs(whole).max() > 0
+    A = whole(point(name, motion(turn_rad)))
+    np.testing.assert_allclose(A, A.T, atol=1e-9 * np.abs(A).max())
+    assert np.linalg.eigvalsh(A).min() > -1e-9 * np.abs(A).max()
+    assert np.abs(A).max() > 0
 
 
 def test_shared_equations_of_places_are_those_of_their_slopes() -> None:
     """With squares the second differences over pose and place are the border's, to first order."""
-    term = AtOnePlace(PLACE, slice(1, 5), 3, 0.004, SQUARED)
-    at = motion(0.3)
-    found = term.equations(posed(at), SHARED)
-    for k in range(3):
+    name, at = "at one place", motion(0.3)
+    border = point(name, at).equations.border
+    for k in range(len(SHARED)):
         e = np.zeros(len(SHARED))
-        e[3 + k] = 1e-3
-        ahead, behind = (term.equations(posed(at), SHARED + s * e).b for s in (1, -1))
+        e[k] = 1e-3
+        ahead, behind = (point(name, at, SHARED + s * e).equations.b for s in (1, -1))
         np.testing.assert_allclose(
-            found.border[..., k], (ahead - behind) / 2e-3, atol=1e-6 * np.abs(found.border).max()
+            border[:, k], (ahead - behind) / 2e-3, atol=1e-6 * np.abs(border).max()
         )

@@ -124,7 +124,7 @@ def test_chains_that_leave_the_scene_are_not_followed(
 def test_a_refinement_that_leaves_the_scene_is_dropped(
     cases: dict[str, Case], monkeypatch: pytest.MonkeyPatch, z: float
 ) -> None:
-    def away(scene: Scene, clip: Clip, start: Trajectory, *_: object, even: bool) -> Trajectory:
+    def away(scene: Scene, clip: Clip, start: Trajectory, *_: object) -> Trajectory:
         ps = start.ps_camera_root.copy()
         ps[3, 2] = z
         return Trajectory(start.first_frame, start.Rs_parent_part, ps)

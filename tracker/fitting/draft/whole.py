@@ -20,11 +20,11 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.observed import Joints, Observed
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.solver.least_squares import USUAL, least_squares
+from keypose.tracker.solver.least_squares import USUAL
+from keypose.tracker.solver.motion_problem import EVERY, MotionProblem
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
-from keypose.tracker.solver.segment_poses import SegmentPoses
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
 from keypose.tracker.solver.sigmas import (
     BEND,
     DRAFTED,
@@ -101,8 +101,7 @@ class Whole:
 
     def cost(self, motion: Trajectory) -> float:
         """Return what motions that have left and right otherwise are compared by."""
-        padded = _padded(motion)
-        return float(self._problem(slice(0, len(self)), Cauchy()).at(padded, 0).cost)
+        return float(self._problem(slice(0, len(self)), Cauchy()).cost(motion))
 
     def solve(self, step: Callable[[int], None]) -> Trajectory:
         """The motion nearest to all.
@@ -122,35 +121,23 @@ class Whole:
             start = end - OVERLAP
 
     def _window(self, rows: slice, R: Array, t: Array, step: Callable[[int], None]) -> Trajectory:
-        is_first = rows.start == 0
         motion = Trajectory(self.first.first_frame + rows.start, R, t)
-        motion = _padded(motion) if is_first else motion
 
         def cancelled() -> bool:
             step(rows.start)
             return False
 
         for kernel in (Huber(), Cauchy()):
-            problem = self._problem(rows, kernel)
-            motion = least_squares(problem, motion, USUAL, cancelled).state
-        if not is_first:
-            return motion
-        return Trajectory(
-            motion.first_frame + 1, motion.Rs_parent_part[1:], motion.ps_camera_root[1:]
-        )
+            motion = self._problem(rows, kernel).solve(motion, USUAL, cancelled)
+        return motion
 
-    def _problem(self, rows: slice, kernel: Kernel) -> SegmentPoses:
-        """The first window begins with a pose that stays and is linked to nothing."""
-        is_first = rows.start == 0
+    def _problem(self, rows: slice, kernel: Kernel) -> MotionProblem:
+        """A window after the first one begins with a pose that stays."""
         scene, skeleton = self.scene, self.scene.skeleton
-        unknown = rows if is_first else slice(rows.start + 1, rows.stop)
-        bend = scene.precision(BEND)
-        linked = np.tile(bend, (max(unknown.stop - unknown.start - 1, 0), 1))
-        if is_first:
-            linked[:1] = 0.0
-        even = np.zeros_like(linked)
-        links = (Smoothness(skeleton, even, linked, SQUARED),)
-        return SegmentPoses(skeleton, scene.arrays, self._terms(unknown, kernel), links, True)
+        unknown = slice(1, None) if rows.start else EVERY
+        even = Smoothness.even(skeleton, rows.stop - rows.start, scene.precision(BEND))
+        terms = self._terms(slice(rows.start + bool(rows.start), rows.stop), kernel)
+        return MotionProblem(skeleton, terms, (even,), unknown)
 
     def _terms(self, rows: slice, kernel: Kernel) -> tuple[Term, ...]:
         scene, camera = self.scene, self.scene.camera
@@ -177,11 +164,3 @@ def _sigmas(
     wider = keypoint_blur(observed.visibility[:, columns])
     known = observed.known[:, columns] & observed.usable[:, None]
     return known, KEYPOINT_SHARE * heights[:, None] * wider, wider
-
-
-def _padded(motion: Trajectory) -> Trajectory:
-    """Repeat the first pose: the first one of a problem stays."""
-    R, t = motion.Rs_parent_part, motion.ps_camera_root
-    return Trajectory(
-        motion.first_frame - 1, np.concatenate([R[:1], R]), np.concatenate([t[:1], t])
-    )

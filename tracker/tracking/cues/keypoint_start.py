@@ -30,7 +30,7 @@ def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory
     for way in begun:
         for kernel in (Huber(), Cauchy()):
             way = correction.solve(way, held, kernel)
-        cost = correction.problem(held, Cauchy()).at(way, 0).cost
+        cost = correction.problem(held, Cauchy()).cost(way)
         ways.append((float(cost), len(ways), way))
     return min(ways)[-1]
 

@@ -19,15 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
-from keypose.tracker.solver.posed import by_dof, image_points
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.posed import Posed, image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.scene import Scene
 
 if TYPE_CHECKING:
-    from keypose.tracker.body.pose import Pose
-    from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.solver.smoothness import Increments
     from keypose.tracker.tracking.initial.chains import Chains
     from keypose.tracker.tracking.segment import Segment
@@ -77,17 +75,13 @@ def increment_scale(segment: Segment, chains: Chains, measured: Increments) -> f
     expected = np.sqrt(variance.sum(axis=0))
     forward, backward = chains
     missed = np.stack([
-        _apart(measured.skeleton, forward.pose(segment.last_frame), segment.end),
-        _apart(measured.skeleton, backward.pose(segment.first_frame), segment.start),
+        Posed.of(measured.skeleton, to).motion_from(*at.writable(), backward=False)
+        for at, to in (
+            (forward.pose(segment.last_frame), segment.end),
+            (backward.pose(segment.first_frame), segment.start),
+        )
     ])  # fmt: skip
     sizes = np.abs(missed[:, known.any(axis=0)]) / expected[known.any(axis=0)]
     if not sizes.size:
         return 1.0
     return float(np.clip(np.median(sizes) / (MEDIAN_OF_SIZES * USUAL), 1.0, MOST))
-
-
-def _apart(skeleton: Skeleton, one: Pose, other: Pose) -> Array:
-    """(D,) from one pose to another, by degrees of freedom."""
-    R = one.Rs_parent_part
-    turn = log_rotation(transpose(R) @ other.Rs_parent_part)
-    return by_dof(skeleton, turn, R[0], other.p_camera_root - one.p_camera_root)

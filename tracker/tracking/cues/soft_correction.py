@@ -23,15 +23,14 @@ import numpy as np
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import log_rotation, transpose
-from keypose.tracker.solver.least_squares import QUICK, least_squares
+from keypose.tracker.solver.least_squares import QUICK
+from keypose.tracker.solver.motion_problem import MotionProblem
 from keypose.tracker.solver.pose_terms import JointLimits
-from keypose.tracker.solver.posed import by_dof
-from keypose.tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
-from keypose.tracker.solver.segment_poses import SegmentPoses
-from keypose.tracker.solver.sigmas import BEND, DOUBT_FLOOR, LIMIT_RAD, STEP
-from keypose.tracker.solver.smoothness import Increments, Link, Smoothness, increments
-from keypose.tracker.solver.terms import Term
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
+from keypose.tracker.solver.sigmas import BEND, DOUBT_FLOOR, LIMIT_RAD, STEP, MotionSigma
+from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
+from keypose.tracker.solver.terms import Link, Term
 from keypose.tracker.tracking.drift import Doubt, Motions
 from keypose.tracker.tracking.prior_motion import prior_motion_links
 
@@ -59,22 +58,21 @@ class Correction:
         """The motion nearest to what was measured and to the anchors, from `present` on."""
         if len(present) < 3 and not self.open_end:
             return present
-        return least_squares(self.problem(measured, kernel), present, QUICK).state
+        return self.problem(measured, kernel).solve(present, QUICK)
 
-    def problem(self, measured: Increments, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
-        """All terms; without `bends` smoothness is left to somebody else, unless a motion of before
-        says how it goes."""
+    def problem(
+        self, measured: Increments, kernel: Kernel, bend: MotionSigma | None = BEND
+    ) -> MotionProblem:
+        """All terms, with smoothness of this σ, unless a motion of before says how it goes."""
         scene, skeleton = self.scene, self.scene.skeleton
-        terms = self.frame_terms(slice(1, None if self.open_end else -1), kernel)
+        unknown = slice(1, None if self.open_end else -1)
         links = with_drift(measured, self.drift_scale)
         if self.segment.own is not None:
             links = (*links, *prior_motion_links(scene, self.segment.own))
-        elif bends:
-            inner = self.segment.last_frame - self.segment.first_frame - 1
-            bend = scene.precision(BEND)
-            even = np.zeros((inner, skeleton.dof_count))
-            links = (*links, Smoothness(skeleton, even, bend, SQUARED))
-        return SegmentPoses(skeleton, scene.arrays, terms, links, self.open_end)
+        elif bend is not None:
+            frames = self.segment.last_frame - self.segment.first_frame + 1
+            links = (*links, Smoothness.even(skeleton, frames, scene.precision(bend)))
+        return MotionProblem(skeleton, self.frame_terms(unknown, kernel), links, unknown)
 
     def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
         """Return what the poses of some frames, or that of one, are compared with by themselves."""
@@ -87,15 +85,15 @@ class Correction:
         """Return what motions from different starts are compared by: the anchors, the limits, and
         how far each step is from what the picture shows there.
         """
-        return float(self.problem(measured, Cauchy(), bends=False).at(motion, 0).cost)
+        return float(self.problem(measured, Cauchy(), bend=None).cost(motion))
 
 
 def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> Increments:
     """Return what a pass measured at the present motion, with its doubts."""
     skeleton = scene.skeleton
+    led = Posed(skeleton, motions.Rs_parent_part, motions.ps_camera_root)
     R, t = present.Rs_parent_part[:-1], present.ps_camera_root[:-1]
-    turn = log_rotation(transpose(R) @ motions.Rs_parent_part)
-    steps = by_dof(skeleton, turn, R[:, 0], motions.ps_camera_root - t)
+    steps = led.motion_from(R, t, backward=False)
     doubt = motions.doubt or Doubt.equal(*motions.Rs_parent_part.shape[:2])
     by_part, of_root = doubt.turned[:, skeleton.dof_part], doubt.shifted[:, None]
     variance = DOUBT_FLOOR + np.where(skeleton.dof_turns == 1, by_part, of_root)

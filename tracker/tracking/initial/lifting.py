@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.least_squares import USUAL, least_squares
+from keypose.tracker.solver.least_squares import USUAL
+from keypose.tracker.solver.motion_problem import MotionProblem
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
-from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.solver.sigmas import (
     BEND_FROM_START,
     LEAST_TRACK_PX,
@@ -47,9 +47,9 @@ def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -
     if len(base) < 3 or not scene.skeleton.dof_count or not _is_followed(tracks).any():
         return base
     first = _fit(scene, segment, base, tracks, Huber())
-    found = least_squares(first, base, USUAL).state
-    found = least_squares(_fit(scene, segment, base, tracks, Cauchy()), found, USUAL).state
-    return found if first.at(found, 0).cost < first.at(base, 0).cost else base
+    found = first.solve(base, USUAL)
+    found = _fit(scene, segment, base, tracks, Cauchy()).solve(found, USUAL)
+    return found if first.cost(found) < first.cost(base) else base
 
 
 def _between_keyframes(segment: Segment, base: Trajectory) -> Trajectory:
@@ -67,7 +67,7 @@ def _is_followed(tracks: LimbTracks) -> NDArray[np.bool_]:
 
 def _fit(
     scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks, kernel: Kernel
-) -> SegmentPoses:
+) -> MotionProblem:
     """Return what a motion is compared with. kernel: that of the tracks; the prior has Huber's."""
     skeleton = scene.skeleton
     followed = _is_followed(tracks)
@@ -84,7 +84,7 @@ def _fit(
         PosePrior(*start, _keep_precision(scene), Huber()),
     )
     smoothness = Smoothness(skeleton, second_differences(skeleton, base), smooth, Huber())
-    return SegmentPoses(skeleton, scene.arrays, terms, (smoothness,))
+    return MotionProblem(skeleton, terms, (smoothness,))
 
 
 def _keep_precision(scene: Scene) -> Array:

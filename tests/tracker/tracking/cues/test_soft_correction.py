@@ -9,9 +9,9 @@ import pytest
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.solver.least_squares import QUICK, least_squares
+from keypose.tracker.solver.least_squares import QUICK
+from keypose.tracker.solver.motion_problem import MotionProblem
 from keypose.tracker.solver.robust import SQUARED, Cauchy
-from keypose.tracker.solver.segment_poses import SegmentPoses
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.soft_correction import Correction, measured_increments
@@ -55,7 +55,7 @@ def test_without_keypoints_it_is_the_drift_correction_of_the_paper() -> None:
     printed = correct_drift(plain, motions, film.segment.end).trajectory
     bare = replace(_correction(film), anchors=_nothing(film))
     measured = measured_increments(film.free, plain, motions)
-    problem = bare.problem(replace(measured, kernel=SQUARED), SQUARED, bends=False)
+    problem = bare.problem(replace(measured, kernel=SQUARED), SQUARED, None)
     found = _solved(problem, plain)
     turn = np.linalg.norm(
         log_rotation(transpose(printed.Rs_parent_part) @ found.Rs_parent_part), axis=-1
@@ -71,10 +71,8 @@ def _nothing(film: Filmed) -> Anchors:
     return replace(anchors, scale=0 * anchors.scale, depth_scale=0 * anchors.depth_scale)
 
 
-def _solved(problem: SegmentPoses, start: Trajectory) -> Trajectory:
-    return least_squares(
-        problem, start, replace(QUICK, most_steps=30, settled=1e-7, gain=0.0)
-    ).state
+def _solved(problem: MotionProblem, start: Trajectory) -> Trajectory:
+    return problem.solve(start, replace(QUICK, most_steps=30, settled=1e-7, gain=0.0))
 
 
 def test_both_keyframes_stay_exactly_where_they_were_posed() -> None:
