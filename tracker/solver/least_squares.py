@@ -84,7 +84,7 @@ JOINTS = Criteria(
 )
 """From anywhere, along what joints hardly decide: a step that gains little ends it, however far."""
 UNJUDGED = Criteria(
-    longest_step=0.1, settled=5e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
+    longest_step=0.1, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
 )
 """Where a picture is looked at anew with every step, so that no two costs compare."""
 

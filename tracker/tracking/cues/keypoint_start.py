@@ -15,6 +15,8 @@ from keypose.tracker.solver.robust import Cauchy, Huber
 from keypose.tracker.solver.sigmas import NEXT_POSE
 from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
 
+ONE_FRAME = replace(USUAL, most_steps=8, gain=0.0)
+
 
 def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory:
     """The motion that the anchors give, smooth, within the limits, its ends the keyframes.
@@ -70,4 +72,4 @@ def _next(correction: Correction, n: int, near: Pose) -> Pose:
     scene = correction.scene
     keep = scene.precision(NEXT_POSE)
     terms = (*correction.frame_terms(n, Cauchy()), PosePrior.of(near, keep))
-    return least_squares(OnePose(scene.skeleton, terms), near, USUAL).state
+    return least_squares(OnePose(scene.skeleton, terms), near, ONE_FRAME).state
