@@ -64,7 +64,7 @@ QUICK = Criteria(
 """From near by: one pass of several, or the last solve of a motion that is nearly right."""
 USUAL = Criteria(
     most_steps=25, longest_step=0.3, settled=1e-3, gain=1e-3,
-    damping=Damping(first=1e-3, least=1e-7, most=1e6),
+    damping=Damping(first=1e-3, least=1e-6, most=1e6),
 )  # fmt: skip
 """From afar, where no pass follows."""
 EXACT = Criteria(
@@ -84,7 +84,7 @@ JOINTS = Criteria(
 )
 """From anywhere, along what joints hardly decide: a step that gains little ends it, however far."""
 UNJUDGED = Criteria(
-    longest_step=0.1, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
+    longest_step=0.3, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
 )
 """Where a picture is looked at anew with every step, so that no two costs compare."""
 

@@ -245,7 +245,7 @@ def refine(
     for level in range(coarsest, -1, -1):
         if match is not None:
             match.reset_noise(level)
-        criteria = replace(UNJUDGED, most_steps=SOLVES[level], settled=5e-4)
+        criteria = replace(UNJUDGED, most_steps=SOLVES[level], settled=5e-4, longest_step=0.1)
         found = least_squares(
             _PictureProblem(keyframe, match, outlined, joints, level), pose, criteria, cancelled
         )
