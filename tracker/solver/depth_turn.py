@@ -15,7 +15,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.fit_joints import fit_picture
-from keypose.tracker.solver.posed import BodyPoint, BodyPoints
+from keypose.tracker.solver.posed import joints_and_landmarks
 
 TRUNK = ("waist", "chest", "neck", "head")
 FLAT_LIMB = np.diag([-1.0, 1.0, 1.0])
@@ -28,8 +28,8 @@ def turned_in_depth(skeleton: Skeleton, camera: Camera, pose: Pose, top: int) ->
     Of the mirrored poses with hands, feet and head mirrored too, or as they stood to their
     forearm, shin or neck, the one whose joints bend most as they can.
     """
-    places = _places(skeleton)
-    uv = camera.project(BodyPoints(skeleton, places).at(pose_transforms(skeleton, pose)))
+    points = joints_and_landmarks(skeleton)
+    places, uv = points.points, camera.project(points.at(pose_transforms(skeleton, pose)))
     starts = [_mirrored(skeleton, pose, top, ends) for ends in (True, False)]
     found = fit_picture(skeleton.body, camera, places, uv, np.ones(len(places)), starts).pose
     if top == 0:
@@ -61,14 +61,6 @@ def _flat(skeleton: Skeleton, part: np.intp) -> Array:
     return FLAT_TRUNK if skeleton.body.names[part] in TRUNK else FLAT_LIMB
 
 
-def _places(skeleton: Skeleton) -> tuple[BodyPoint, ...]:
-    """Every joint and landmark."""
-    origin = (0.0, 0.0, 0.0)
-    joints = [((i, origin),) for i in range(skeleton.part_count)]
-    parts = enumerate(skeleton.body.parts)
-    return (*joints, *(((i, p),) for i, part in parts for p in part.landmarks.values()))
-
-
 def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
     """Return whether part `top` and what hangs on it really is the other way round: joints that
     cannot bend so far may have kept it as it was.
@@ -80,9 +72,8 @@ def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: in
     """Return how far from where it was seen a joint of part `top`, or of what hangs on it, came to
     lie at most: a share of the body's height in the picture, infinite behind the camera.
     """
-    places = _places(skeleton)
-    inside = skeleton.below[np.array([place[0][0] for place in places]), top]
-    points = BodyPoints(skeleton, places)
+    points = joints_and_landmarks(skeleton)
+    inside = skeleton.below[np.array([place[0][0] for place in points.points]), top]
     uv, others = (camera.project(points.at(pose_transforms(skeleton, p))) for p in (pose, turned))
     tall_px = height(skeleton.body) * camera.fy / float(camera.depth(pose.p_camera_root))
     off_px = np.nan_to_num(np.linalg.norm(uv - others, axis=-1)[inside], nan=np.inf)
@@ -93,9 +84,9 @@ def depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:
     """Return how much farther than a part's joint those that hang on it are, and their landmarks;
     of the whole body, where its limbs hang on the trunk.
     """
-    places = _places(skeleton)
-    parts = np.array([place[0][0] for place in places])
-    p = BodyPoints(skeleton, places).at(pose_transforms(skeleton, pose))
+    points = joints_and_landmarks(skeleton)
+    parts = np.array([place[0][0] for place in points.points])
+    p = points.at(pose_transforms(skeleton, pose))
     ray = p[top] / np.linalg.norm(p[top])
     on_trunk = np.array([_hangs_on_trunk(skeleton, part) for part in parts])
     inside = on_trunk if top == 0 and on_trunk.any() else skeleton.below[parts, top]

@@ -12,7 +12,14 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.posed import BodyPoints, Posed, image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Kernel
-from keypose.tracker.solver.terms import Diagonal, DiagonalTerm, Rows, RowTerm, half_squares
+from keypose.tracker.solver.terms import (
+    Diagonal,
+    DiagonalTerm,
+    Rows,
+    RowTerm,
+    half_squares,
+    robust_cost,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +71,7 @@ class PointsInPicture(RowTerm):
         """The cost of points p whose pixels are so many σ away."""
         if not (p[..., 2] > self.nearest_m).all():
             return np.inf
-        return 0.5 * float(self.kernel.loss(away).sum())
+        return robust_cost(self.kernel, away)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +87,7 @@ class DepthFromRoot(RowTerm):
     kernel: Kernel = SQUARED
 
     def cost(self, posed: Posed) -> float:
-        return self._cost(self._away(posed, self.points.of(posed)))
+        return robust_cost(self.kernel, np.abs(self._away(posed, self.points.of(posed))))
 
     def rows(self, posed: Posed) -> Rows:
         skeleton = posed.skeleton
@@ -90,15 +97,13 @@ class DepthFromRoot(RowTerm):
         along = J[..., 2].copy()
         R_root = posed.Rs_parent_part[..., 0, :, :]
         along[..., shifts] -= R_root[..., None, 2, skeleton.dof_axis[shifts]]
-        weight = np.sqrt(self.kernel.weight(np.abs(away)))
-        return Rows(away * weight, along * (weight * self.scale)[..., None], self._cost(away))
+        length = np.abs(away)
+        weight, cost = np.sqrt(self.kernel.weight(length)), robust_cost(self.kernel, length)
+        return Rows(away * weight, along * (weight * self.scale)[..., None], cost)
 
     def _away(self, posed: Posed, p: Array) -> Array:
         """(..., K) in σ."""
         return np.asarray((p[..., 2] - posed.p_camera_root[..., None, 2] - self.depth) * self.scale)
-
-    def _cost(self, away: Array) -> float:
-        return 0.5 * float(self.kernel.loss(np.abs(away)).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,13 +224,10 @@ class PosePrior(DiagonalTerm):
         return posed.motion_from(self.Rs_parent_part, self.p_camera_root, self.backward)
 
     def cost(self, posed: Posed) -> float:
-        return self._cost(np.sqrt(self.precision) * np.abs(self.away(posed)))
+        return robust_cost(self.kernel, np.sqrt(self.precision) * np.abs(self.away(posed)))
 
     def diagonal(self, posed: Posed) -> Diagonal:
         away = self.away(posed)
         length = np.sqrt(self.precision) * np.abs(away)
         held = self.precision * self.kernel.weight(length)
-        return Diagonal(held, held * away, self._cost(length))
-
-    def _cost(self, away: Array) -> float:
-        return 0.5 * float(self.kernel.loss(away).sum())
+        return Diagonal(held, held * away, robust_cost(self.kernel, length))

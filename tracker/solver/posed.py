@@ -49,8 +49,7 @@ class Posed:
 
     def points(self, parts: NDArray[np.int64], points: Array) -> Array:
         """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
-        T = self.Ts_camera_part[..., parts, :, :]
-        return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
+        return carried(self.Ts_camera_part, parts, points)
 
     def point_jacobian(self, parts: NDArray[np.int64], p: Array) -> Array:
         """(..., K, D, 3) how points p (..., K, 3) in the camera frame move, carried by parts."""
@@ -76,6 +75,12 @@ class Posed:
         shift = self.p_camera_root - p_camera_root
         Rs = self.Rs_parent_part if backward else Rs_parent_part
         return by_dof(self.skeleton, turn, Rs[..., 0, :, :], shift)
+
+
+def carried(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> Array:
+    """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
+    T = Ts_camera_part[..., parts, :, :]
+    return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
 
 
 def by_dof(skeleton: Skeleton, turn: Array, R_root: Array, shift: Array) -> Array:
@@ -133,8 +138,8 @@ class BodyPoints:
     def at(self, Ts_camera_part: Array) -> Array:
         """Positions (..., J, 3) in the camera frame."""
         parts, p, mean = self._points
-        T = Ts_camera_part[..., parts, :, :]
-        return _average(mean, (T[..., :3, :3] @ p[..., None])[..., 0] + T[..., :3, 3])
+        where = carried(Ts_camera_part, parts, p)
+        return where if mean is None else np.asarray(mean @ where)
 
     def of(self, posed: Posed) -> Array:
         """Positions (..., J, 3) on a posed body, camera frame."""
@@ -170,8 +175,12 @@ class BodyPoints:
         return fixed
 
 
-def _average(mean: Array | None, p: Array) -> Array:
-    return np.asarray(p if mean is None else mean @ p)
+def joints_and_landmarks(skeleton: Skeleton) -> BodyPoints:
+    """Every joint of a body, then every landmark."""
+    joints = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
+    parts = enumerate(skeleton.body.parts)
+    ends = [((i, p),) for i, part in parts for p in part.landmarks.values()]
+    return BodyPoints(skeleton, (*joints, *ends))
 
 
 def with_free_parts(skeleton: Skeleton, names: Collection[str]) -> Skeleton:

@@ -13,7 +13,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.banded import add_coupling_blocks
 from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import Kernel
-from keypose.tracker.solver.terms import SharedRows
+from keypose.tracker.solver.terms import SharedRows, robust_cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class AtOnePlace:
 
     def cost(self, posed: Posed, shared: Array) -> float:
         away = self._away(self.point.of(self._within(posed))[:, 0], shared)
-        return 0.5 * float(self.kernel.loss(np.linalg.norm(away, axis=-1)).sum())
+        return robust_cost(self.kernel, np.linalg.norm(away, axis=-1))
 
     def rows(self, posed: Posed, shared: Array) -> SharedRows:
         p, J = self.point.jacobian(self._within(posed))

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.robust import Kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +190,11 @@ def _with_diagonals(own: Equations, diagonals: Sequence[Diagonal]) -> Equations:
         on += found.precision
         b, cost = b + found.b, cost + found.cost
     return Equations(own.A, b, cost)
+
+
+def robust_cost(kernel: Kernel, away: Array) -> float:
+    """The cost of distances, each 0 or more."""
+    return 0.5 * float(kernel.loss(away).sum())
 
 
 def half_squares(r: Array) -> float:

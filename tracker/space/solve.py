@@ -39,7 +39,13 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
-from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points, with_free_parts
+from keypose.tracker.solver.posed import (
+    BodyPoints,
+    Posed,
+    image_points,
+    joints_and_landmarks,
+    with_free_parts,
+)
 from keypose.tracker.solver.robust import Huber
 from keypose.tracker.solver.sigmas import (
     BEND,
@@ -88,13 +94,8 @@ def jerk_points(
 ) -> tuple[BodyPoints, Array]:
     """The joints of a body and its landmarks, and their sigmas, m/s³: (K,), or (N − 3, K) of every
     third difference of the motion as tracked, N frames, where the body has feet."""
-    places: list[BodyPoint] = []
-    names = []
-    for i, part in enumerate(skeleton.body.parts):
-        for p in ((0.0, 0.0, 0.0), *part.landmarks.values()):
-            places.append(((i, p),))
-            names.append(_bare(part.name))
-    points = BodyPoints(skeleton, tuple(places))
+    points = joints_and_landmarks(skeleton)
+    names = [_bare(skeleton.body.names[part]) for ((part, _),) in points.points]
     sigma = np.array([JERK_M_S3.get(name, OTHER_JERK_M_S3) for name in names])
     feet = np.array([name == FOOT for name in names])
     if not feet.any():
@@ -271,31 +272,28 @@ def _height_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
     if is_persons(skeleton.body):
         at_key = height_px(skeleton, problem.camera, motion.pose(motion.first_frame))
         return np.asarray(at_key * z[0] / z)
-    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
-    rest = points.of(Posed.of(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
+    rest = _points_seen(skeleton).of(Posed.of(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
     return np.asarray(np.ptp(rest, axis=0).max() * problem.camera.fy / z)
 
 
 def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     """Points of the body where the tracked motion has them in the picture."""
-    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
+    points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
     scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
     every = np.repeat(scale[:, None], uv.shape[1], axis=1)
     return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
 
 
-def _places_seen(skeleton: Skeleton) -> list[BodyPoint]:
+def _points_seen(skeleton: Skeleton) -> BodyPoints:
     """Joints and landmarks, which say how a person is posed; of a thing, which may have one joint
     alone, also the corners of its shapes."""
-    body = skeleton.body
-    joints: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
-    ends = [((i, p),) for i, part in enumerate(body.parts) for p in part.landmarks.values()]
-    if is_persons(body):
-        return [*joints, *ends]
-    shapes = [(i, part.shape.marks()) for i, part in enumerate(body.parts)]
-    corners: list[BodyPoint] = [((i, (x, y, z)),) for i, marks in shapes for x, y, z in marks]
-    return [*joints, *ends, *corners]
+    joints = joints_and_landmarks(skeleton)
+    if is_persons(skeleton.body):
+        return joints
+    shapes = [(i, part.shape.marks()) for i, part in enumerate(skeleton.body.parts)]
+    corners = tuple(((i, (x, y, z)),) for i, marks in shapes for x, y, z in marks)
+    return BodyPoints(skeleton, (*joints.points, *corners))
 
 
 def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
@@ -308,7 +306,7 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     held = PosePrior(motion.Rs_parent_part, motion.ps_camera_root, precision)
     if not len(soft):
         return (held,)
-    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
+    points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(motion.transforms(skeleton)))
     scale = np.zeros(uv.shape[:2])
     scale[soft] = 1 / (KEY_SEEN_SHARE * _height_px(problem, skeleton)[soft, None])

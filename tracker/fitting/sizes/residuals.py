@@ -23,6 +23,7 @@ from keypose.tracker.fitting.sizes.contours import (
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
+from keypose.tracker.solver.posed import carried, joints_and_landmarks
 from keypose.tracker.solver.sigmas import CONTOUR_PX, POSED_JOINT_PX
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 
@@ -103,15 +104,10 @@ def contour_rows(
 
 def joint_rows(fit: SharedFit, posed: Pose) -> Residuals:
     """Joints and landmarks stay about where they were posed in the picture."""
-    places = [
-        (i, point)
-        for i, part in enumerate(fit.proportions.body.parts)
-        for point in ((0.0, 0.0, 0.0), *part.landmarks.values())
-    ]
-    parts = np.array([i for i, _ in places])
-    points = np.array([point for _, point in places])
-    T = pose_transforms(fit.proportions.skeleton, posed)[parts]
-    uv = fit.camera.project((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
+    skeleton = fit.proportions.skeleton
+    places = [place for (place,) in joints_and_landmarks(skeleton).points]
+    parts, points = (np.array(some) for some in zip(*places, strict=True))
+    uv = fit.camera.project(carried(pose_transforms(skeleton, posed), parts, points))
     normals = np.repeat(np.eye(2), len(parts), axis=0)
     sigma = np.full(2 * len(parts), POSED_JOINT_PX)
     return Residuals(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)

@@ -150,14 +150,6 @@ def follow_ahead(
     return work.run(steps, end)
 
 
-def followed_ways(
-    tracker: Tracker, line: DirectedFrames, steps: int, settings: TrackSettings
-) -> list[ForwardPass]:
-    """The body followed over so many steps, trusted or not: with keypoints, where they count and
-    there are any, and by brightness alone, where that counts."""
-    return _AheadRun(tracker, line, settings, lambda motion: None)._block(steps, steps)[0]
-
-
 _NOWHERE: Final = {
     "clip_end": "Frame {frame} is the video's {where}: there is nothing to track from it.",
     "keyframe": "The keyframe next to frame {frame} leaves nothing to track between them.",

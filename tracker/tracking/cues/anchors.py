@@ -53,6 +53,9 @@ OTHER_PERSON = 0.10
 """Keypoints that miss a posed body by this share of its height lie on another person."""
 
 
+BY_FRAME = ("uv", "scale", "depth", "depth_scale", "visibility", "by_hand")
+
+
 @dataclass(frozen=True, eq=False)
 class Anchors:
     """Where the joints of the N frames of a segment are, as far as a detector saw them.
@@ -105,24 +108,14 @@ class Anchors:
 
     def of_rows(self, rows: slice) -> Anchors:
         """Return the anchors of some frames alone."""
-        return replace(
-            self, uv=self.uv[rows], scale=self.scale[rows], depth=self.depth[rows],
-            depth_scale=self.depth_scale[rows], visibility=self.visibility[rows],
-            by_hand=self.by_hand[rows],
-        )  # fmt: skip
+        return replace(self, **{name: getattr(self, name)[rows] for name in BY_FRAME})
 
     def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
         """Put in those of others in some frames (N,)."""
-        if not rows.any():
-            return self
-        return replace(
-            self, uv=np.where(rows[:, None, None], other.uv, self.uv),
-            scale=np.where(rows[:, None], other.scale, self.scale),
-            depth=np.where(rows[:, None], other.depth, self.depth),
-            depth_scale=np.where(rows[:, None], other.depth_scale, self.depth_scale),
-            visibility=np.where(rows[:, None], other.visibility, self.visibility),
-            by_hand=np.where(rows[:, None], other.by_hand, self.by_hand),
-        )  # fmt: skip
+        mixed = {name: getattr(self, name).copy() for name in BY_FRAME}
+        for name, values in mixed.items():
+            values[rows] = getattr(other, name)[rows]
+        return replace(self, **mixed)
 
     @property
     def known(self) -> NDArray[np.bool_]:

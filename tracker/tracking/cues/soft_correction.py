@@ -106,7 +106,7 @@ def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> 
 
 def with_drift(measured: Increments, scale: float) -> tuple[Link, ...]:
     """Steps by which brightness leads so many times as far astray as their doubts say, slowly."""
-    if scale <= 1.0 or len(measured.measured) < 2:
+    if scale <= 1.0 or len(measured.wanted) < 2:
         return (measured,)
     share = 1 / scale**2
     slow = replace(measured, precision=share * measured.precision)
@@ -114,7 +114,7 @@ def with_drift(measured: Increments, scale: float) -> tuple[Link, ...]:
     known = (both > 0).all(axis=0)
     # variances of two steps add up in their difference
     changes = (1 - share) * known * both.prod(axis=0) / np.where(known, both.sum(axis=0), 1.0)
-    wanted = np.diff(measured.measured, axis=0)
+    wanted = np.diff(measured.wanted, axis=0)
     return slow, Smoothness(measured.skeleton, wanted, changes, measured.kernel)
 
 

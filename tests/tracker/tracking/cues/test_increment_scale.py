@@ -94,7 +94,7 @@ def test_a_slow_drift_counts_less_and_shaking_as_much_as_before() -> None:
     shaking[::2], shaking[1::2] = 0.01, -0.01
 
     def cost(off: np.ndarray, scale: float) -> float:
-        moved = replace(measured, measured=truth + off)
+        moved = replace(measured, wanted=truth + off)
         return sum(link.cost(film.truth) for link in with_drift(moved, scale))
 
     assert cost(slow, 3.0) == pytest.approx(cost(slow, 1.0) / 9, rel=0.01)
@@ -105,9 +105,9 @@ def test_keypoints_take_out_more_of_a_drift_that_is_known_to_be_large() -> None:
     film = Filmed(moving(COUNT))
     measured, rng = _measured(film), np.random.default_rng(6)
     away_and_back = np.cos(np.linspace(0, 2 * np.pi, COUNT - 1))[:, None]  # both ends are met
-    off = away_and_back * rng.normal(0, 0.01, measured.measured.shape[1])
+    off = away_and_back * rng.normal(0, 0.01, measured.wanted.shape[1])
     sure = 30 * measured.precision  # as where the pictures show all of the body
-    astray = replace(measured, measured=measured.measured + off, precision=sure)
+    astray = replace(measured, wanted=measured.wanted + off, precision=sure)
     plain = Correction(film.free, film.segment, film.anchors()[0])
 
     def missed(scale: float) -> float:
