@@ -70,8 +70,3 @@ def added(one: Array, other: Array) -> Array:
     both = wide.copy()
     both[len(wide) - len(narrow) :] += narrow
     return both
-
-
-def with_frames(banded: Array, A: Array) -> Array:
-    """A banded matrix with the equations A (n, D, D) of every frame by itself put in."""
-    return add_coupling_blocks(banded, 0, A)

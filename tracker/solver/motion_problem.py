@@ -18,7 +18,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.layout import Freedoms
 from keypose.tracker.kernels.whole import move_poses
-from keypose.tracker.solver.banded import added, banded_step, bordered_step, with_frames
+from keypose.tracker.solver.banded import add_coupling_blocks, added, banded_step, bordered_step
 from keypose.tracker.solver.least_squares import Criteria, Problem, least_squares
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.terms import Link, SharedTerm, Term, total_cost, total_equations
@@ -132,7 +132,8 @@ class MotionPoint:
             own, pulled = link.equations(self.state.motion, problem.unknown)
             banded, pull = added(banded, own), pull + pulled
         flat = border.reshape(count * dofs, len(shared))
-        return MotionEquations(with_frames(banded, A), (b + pull).ravel(), flat, corner, gradient)
+        whole = add_coupling_blocks(banded, 0, A)
+        return MotionEquations(whole, (b + pull).ravel(), flat, corner, gradient)
 
     def step(self, damping: float) -> Array | None:
         return self.equations.step(damping)

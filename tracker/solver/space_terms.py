@@ -116,11 +116,11 @@ class Jerk:
 
     def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
         """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
-        posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
-        J, weights = self._rows(posed), self._weights
-        r = (self.of(motion) / self._widest[:, None]).reshape(-1, J.shape[1])
-        r = r if weights is None else weights * r
-        count, dofs, m = len(motion), J.shape[-1], len(r)
+        J, widest = self._rows(motion), self._widest
+        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - 3, 0)
+        by_point = np.broadcast_to((widest / self.sigma) ** 2, (m, len(widest)))
+        weights = np.repeat(by_point, 3, axis=1)
+        r = weights * (self.of(motion) / widest[:, None]).reshape(m, J.shape[1])
         start, stop, _ = unknown.indices(count)
         gradient = np.zeros((count, dofs))
         for i, share in enumerate(THIRD):
@@ -136,37 +136,19 @@ class Jerk:
         """(K,) the largest sigma of each point."""
         return self.sigma if self.sigma.ndim == 1 else self.sigma.max(axis=0)
 
-    @property
-    def _weights(self) -> Array | None:
-        """(N − 3, 3K) by how much more every difference counts than with the largest sigma; None
-        where all are alike."""
-        if self.sigma.ndim == 1:
-            return None
-        return np.repeat((self._widest / self.sigma) ** 2, 3, axis=1)
-
-    def _rows(self, posed: Posed) -> Array:
+    def _rows(self, motion: Trajectory) -> Array:
         """(N, 3K, D) how the scaled places of every frame move."""
+        posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
         _, J = self.points.jacobian(posed)
         scaled = J * (self.frames_per_second**3 / self._widest)[:, None, None]
         return np.asarray(np.swapaxes(scaled, -1, -2).reshape(len(J), -1, J.shape[-2]))
 
 
-def _products(J: Array, off: int, weights: Array | None) -> Array:
-    """(N − off, D, D) JᵀJ of two frames so far apart, over all third differences."""
+def _products(J: Array, off: int, weights: Array) -> Array:
+    """(N − off, D, D) JᵀJ of two frames so far apart, over all third differences, which count by
+    weights (N − 3, 3K)."""
     count = len(J) - off
-    if weights is None:
-        products = np.swapaxes(J[:count], 1, 2) @ J[off:]
-        return np.asarray(products * _shares(len(J), off)[:, None, None])
-    total = np.zeros((count, weights.shape[1]))
+    total = np.zeros((count, J.shape[1]))
     for i in range(len(THIRD) - off):
         total[i : i + len(weights)] += THIRD[i] * THIRD[i + off] * weights
     return np.asarray(np.swapaxes(total[..., None] * J[:count], 1, 2) @ J[off:])
-
-
-def _shares(count: int, off: int) -> Array:
-    """(count − off,) the sum over all third differences of the products of two frames' shares."""
-    total = np.zeros(count - off)
-    m = count - 3
-    for i in range(len(THIRD) - off):
-        total[i : i + max(m, 0)] += THIRD[i] * THIRD[i + off]
-    return total

@@ -12,7 +12,6 @@ from keypose.tracker.solver.banded import (
     banded_diagonals,
     banded_step,
     bordered_step,
-    with_frames,
 )
 
 Floats = NDArray[np.float64]
@@ -66,7 +65,7 @@ def test_blocks_between_frames_are_put_where_they_belong(off: int) -> None:
 def test_equations_of_single_frames_are_blocks_on_the_diagonal() -> None:
     A = np.random.default_rng(2).normal(0, 1, (FRAMES, DOFS, DOFS))
     A += np.swapaxes(A, 1, 2)
-    found = dense(with_frames(np.zeros((DOFS, SIZE)), A))
+    found = dense(add_coupling_blocks(np.zeros((DOFS, SIZE)), 0, A))
     for j, block in enumerate(A):
         rows = slice(j * DOFS, (j + 1) * DOFS)
         np.testing.assert_array_equal(found[rows, rows], block)

@@ -9,7 +9,7 @@ to x_{j+1} and m_j that which a pass measured at the present motion,
 Without keypoints the first sum alone spreads what is missing at the second keyframe over the steps
 by their doubts: that is DRIFT §3 in least squares.
 
-Where brightness leads farther astray than its doubts say (`drift_scale.py`), λ times as far,
+Where brightness leads farther astray than its doubts say (`reweighting.py`), λ times as far,
 its steps count by w / λ². It does so slowly, so that how the steps change, m_{j+1} − m_j, stays as
 sure as it is, and the motion does not shake for it.
 """
