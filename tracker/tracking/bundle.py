@@ -25,7 +25,7 @@ from keypose.tracker.solver.motion_problem import MotionProblem
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, FIRST_GREY_OF_SEGMENT
 from keypose.tracker.solver.smoothness import Smoothness
-from keypose.tracker.solver.terms import Equations, Link, Term
+from keypose.tracker.solver.terms import Equations, Term
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Picture
 
@@ -49,15 +49,11 @@ def refine(
     """
     if len(start) < 3 or not scene.skeleton.dof_count:
         return start
-    problem = others or MotionProblem(scene.skeleton, links=(even_in_picture(scene, len(start)),))
+    even = Smoothness.even(scene.skeleton, len(start), scene.precision(BEND_IN_PICTURE))
+    problem = others or MotionProblem(scene.skeleton, links=(even,))
     textures = _Textures.of(scene, clip, start, how.stride)
     problem = replace(problem, terms=(*problem.terms, textures))
     return problem.solve(start, replace(UNJUDGED, most_steps=how.solves))
-
-
-def even_in_picture(scene: Scene, frames: int) -> Link:
-    """How evenly a motion of so many frames goes that is compared with textures."""
-    return Smoothness.even(scene.skeleton, frames, scene.precision(BEND_IN_PICTURE))
 
 
 @dataclass(frozen=True, eq=False)

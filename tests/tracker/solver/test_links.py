@@ -220,8 +220,8 @@ def test_the_equations_of_some_poses_are_those_of_all_without_the_others(
     assert np.linalg.eigvalsh(dense(every)).min() > -1e-9 * np.abs(every).max()
 
 
-@pytest.mark.parametrize("frames", [2, 3])
-def test_in_two_and_three_frames_there_is_no_jerk_but_there_are_steps(frames: int) -> None:
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_in_up_to_three_frames_there_is_no_jerk_but_there_are_steps(frames: int) -> None:
     at = motion(0.1, frames)
     banded, b = jerk().equations(at, slice(None))
     assert not banded.any()
@@ -229,6 +229,9 @@ def test_in_two_and_three_frames_there_is_no_jerk_but_there_are_steps(frames: in
     link = Increments(SKELETON, increments(SKELETON, at), np.ones((frames - 1, DOFS)), SQUARED)
     found = dense(link.equations(at, slice(None))[0])
     assert np.linalg.matrix_rank(found) == (frames - 1) * DOFS
+    even = Smoothness.even(SKELETON, frames, np.ones(DOFS))
+    found = dense(even.equations(at, slice(None))[0])
+    assert np.linalg.matrix_rank(found) == max(frames - 2, 0) * DOFS
 
 
 # --- what frames share
