@@ -7,18 +7,21 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
+from keypose.app.editor.ahead import followed_session, found_sentence, start_frame, up_to_date
+from keypose.app.editor.documents import ActionRefused
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
-
-if TYPE_CHECKING:
-    from keypose.tracker.session import Session
-    from keypose.tracker.tracking.ahead.follow import FoundAhead
-    from keypose.tracker.video import Video
+from keypose.tracker.storage.files import open_video_of, save_session
+from keypose.tracker.storage.sidecars import keypoints_of_session
+from keypose.tracker.storage.tracking import track_ahead
+from keypose.tracker.tracking.ahead.follow import FoundAhead
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.video import Video
 
 DONE, NOTHING = 0, 1
 _WAYS: Mapping[str, tuple[Direction, ...]] = {
@@ -34,9 +37,6 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
     session: as its file is to stand.  arguments: session, ahead, out, overwrite, json.
     """
-    from keypose.app.editor.ahead import followed_session, up_to_date
-    from keypose.tracker.storage.files import open_video_of, save_session
-
     require_place(arguments)
     ways = _ways(session, arguments.ahead)
     stop, found = threading.Event(), []
@@ -63,9 +63,6 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
 def _ways(session: Session, asked: str) -> list[Direction]:
     """Keep the ways that lead anywhere; refused, before any work, where none of them does."""
-    from keypose.app.editor.ahead import start_frame
-    from keypose.app.editor.documents import ActionRefused
-
     possible: list[Direction] = []
     why: ActionRefused | None = None
     for way in _WAYS[asked]:
@@ -87,10 +84,6 @@ def _followed(
     stop: threading.Event,
     arguments: argparse.Namespace,
 ) -> FoundAhead:
-    from keypose.tracker.storage.sidecars import keypoints_of_session
-    from keypose.tracker.storage.tracking import track_ahead
-    from keypose.tracker.tracking.pool import Cancelled
-
     keypoints = keypoints_of_session(session, arguments.session.parent)
     with _reporter(arguments.json) as report:
 
@@ -122,8 +115,6 @@ def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
 
 
 def _print(found: list[FoundAhead], place: str, as_json: bool) -> None:
-    from keypose.app.editor.ahead import found_sentence
-
     if as_json:
         facts = [
             {"from": f.frame, "to": f.to_frame, **f.stop.model_dump(), "notes": list(f.notes)}

@@ -21,32 +21,41 @@ Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 OrderT = TypeVar("OrderT")
 
-COMMANDS: Final[Mapping[str, str]] = {
-    "open": "Open a video, a folder of meshes or a session in the browser: pose "
-    "keyframes over the picture, track, correct, export",
-    "draft": "Draft a pose for every frame, from a box around the person on one frame",
-    "track": "Track the motion between the keyframes",
-    "review": "List the places of the motion to look at, the worst first",
-    "reduce": "Reduce a dense motion to a few keyframes",
-    "fit": "Fit the body to observed surfaces, one mesh per time step",
-    "batch": "Track many saved sessions again, as the page would",
-    "evaluate": "Measure the tracked motion against a reference",
-    "shot": "Render the body at one frame into a PNG file",
-    "film": "Render the tracked body into an MP4 film (H.264, no sound)",
-    "sheet": "Draw all keyframes on one sheet, a PNG file",
-    "report": "Write a report on the tracking as one HTML file",
-    "export": "Write the tracked motion for other programs",
-    "import": "Import a motion recorded elsewhere, 2D keypoints, or a camera",
-    "hull": "Build one surface per time step from the silhouettes of calibrated cameras",
-    "info": "Show size, frames, rate and fingerprint of a video file or a folder of images",
-    "models": "List the networks that find keypoints, or add one",
-    "schema": "Print the JSON Schema of a body file or a session file",
-    "config": "Show the defaults of this computer and the file to change them in",
-    "doctor": "Check this computer: what is missing, and what to do about it",
-    "completion": "Print the completion for a shell",
+COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
+    "open": (
+        "program",
+        "Open a video, a folder of meshes or a session in the "
+        "browser: pose keyframes over the picture, track, correct, export",
+    ),
+    "draft": ("motion", "Draft a pose for every frame, from a box around the person on one frame"),
+    "track": ("motion", "Track the motion between the keyframes"),
+    "review": ("motion", "List the places of the motion to look at, the worst first"),
+    "reduce": ("motion", "Reduce a dense motion to a few keyframes"),
+    "fit": ("motion", "Fit the body to observed surfaces, one mesh per time step"),
+    "batch": ("motion", "Track many saved sessions again, as the page would"),
+    "evaluate": ("motion", "Measure the tracked motion against a reference"),
+    "shot": ("pictures", "Render the body at one frame into a PNG file"),
+    "film": ("pictures", "Render the tracked body into an MP4 film (H.264, no sound)"),
+    "sheet": ("pictures", "Draw all keyframes on one sheet, a PNG file"),
+    "report": ("pictures", "Write a report on the tracking as one HTML file"),
+    "export": ("files", "Write the tracked motion for other programs"),
+    "import": ("files", "Import a motion recorded elsewhere, 2D keypoints, or a camera"),
+    "hull": (
+        "files",
+        "Build one surface per time step from the silhouettes of calibrated cameras",
+    ),
+    "info": (
+        "files",
+        "Show size, frames, rate and fingerprint of a video file or a folder of images",
+    ),
+    "models": ("files", "List the networks that find keypoints, or add one"),
+    "schema": ("program", "Print the JSON Schema of a body file or a session file"),
+    "config": ("program", "Show the defaults of this computer and the file to change them in"),
+    "doctor": ("program", "Check this computer: what is missing, and what to do about it"),
+    "completion": ("program", "Print the completion for a shell"),
 }
-"""The commands in the order of the help, with summaries without a full stop. Each is `add` and
-`run` of the module of its name, which is loaded when it is asked for."""
+"""The commands in the order of the help: the module of `grammar` that declares it, its
+summary without a full stop. It is done by `run` of the module of its name here."""
 
 UNITS = ("m", "dm", "cm", "mm", "in", "ft")
 UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -62,12 +71,11 @@ WIDTH = 88
 def add_command(
     commands: Subcommands,
     name: str,
-    run: Callable[[argparse.Namespace], int],
     details: str,
     examples: str,
 ) -> argparse.ArgumentParser:
     """Add a command, which `COMMANDS` sums up."""
-    summary = COMMANDS[name]
+    summary = COMMANDS[name][1]
     command = commands.add_parser(
         name,
         help=summary,
@@ -75,7 +83,7 @@ def add_command(
         epilog=f"examples:\n{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    command.set_defaults(run=run)
+    command.set_defaults(run=name)
     return command
 
 

@@ -12,111 +12,33 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_json,
-    add_order,
-    add_overwrite,
-    file_name,
-    motion_formats,
     order_of,
-    whole_number,
 )
 from keypose.app.cli.batch_progress import BatchReporter, batch_reporter
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.app.export.motion_formats import require_meant
+from keypose.app.jobs.batch import scheduler
+from keypose.app.jobs.batch.cluster import ClusterPool
+from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
+from keypose.app.jobs.batch.journal import Journal
+from keypose.app.jobs.batch.pool import LocalPool, WorkerPool
+from keypose.app.jobs.batch.report import NAME, Entry, batch_html, is_report
+from keypose.app.jobs.batch.run_one import export_of, places
+from keypose.app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskStarted
+from keypose.app.jobs.batch.task import Summary, Task
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
-
-if TYPE_CHECKING:
-    from keypose.app.jobs.batch.journal import Journal
-    from keypose.app.jobs.batch.pool import WorkerPool
-    from keypose.app.jobs.batch.report import Entry
-    from keypose.app.jobs.batch.scheduler import TaskEvent
-    from keypose.app.jobs.batch.task import Summary, Task
+from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 
 DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
-MOST_WORKERS = 256
 WORKER_BYTES = 2_000_000_000
 """What a worker may want: the program and the clip of its longest segment."""
 
-_EXAMPLES = """\
-  keypose batch recordings
-  keypose batch recordings --only outdated --export bvh,glb --out motion
-  keypose batch */session.json --quality preview --workers 4 --json > events.jsonl
-  keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
-
-On a cluster, `dask scheduler` and `dask worker` of the Dask project do the work; they need Keypose
-installed and see the sessions and videos under the same paths as this computer. Their lines have
-no password: keep them to a network you trust.
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Results are written beside each session. Keyframes are never changed, and a session "
-        "that is open in the page is skipped. An error in one session does not stop the "
-        "others. A table and a page, batch-report.html, show the outcome. Ctrl+C or SIGTERM "
-        "keeps finished segments; run the same command again to continue with the sessions "
-        "that are left. The exit code is 1 when tracking was lost somewhere or a session was "
-        "not tracked."
-    )
-    command = add_command(commands, "batch", run, details, _EXAMPLES)
-    command.add_argument(
-        "paths",
-        metavar="PATH",
-        type=file_name,
-        nargs="+",
-        help="a session file, or a folder to search for sessions (hidden folders are skipped)",
-    )
-    command.add_argument(
-        "--only",
-        choices=("outdated",),
-        help="track only segments whose results are missing, outdated or of a lower quality",
-    )
-    of_session = "; each session's own when left out"
-    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
-    command.add_argument(
-        "--quality", choices=("full", "preview"), help=f"how much work{of_session}"
-    )
-    command.add_argument(
-        "--export",
-        metavar="FORMAT[,FORMAT]",
-        type=motion_formats,
-        default=(),
-        help="also export the motion, beside each session or below --out; formats as in "
-        "keypose export",
-    )
-    add_order(command, MotionOrder)
-    command.add_argument(
-        "--out",
-        metavar="DIR",
-        type=file_name,
-        help="folder for the report and the exported files; default: the deepest folder that "
-        "contains all sessions. The progress of the batch is kept there too, in "
-        ".keypose-batch",
-    )
-    command.add_argument(
-        "--workers",
-        metavar="N",
-        type=whole_number(1, MOST_WORKERS),
-        help="sessions to track at the same time, one process each; default: one per core, "
-        "with 2 GB of memory each",
-    )
-    command.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the Dask cluster of this scheduler instead"
-    )
-    add_json(command, "print JSON lines: events, the summary last")
-    add_overwrite(command)
-
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
-
     if arguments.scheduler is not None and arguments.workers is not None:
         raise SessionError("--workers is for this computer: a cluster has its own workers.")
     sessions = find_sessions(arguments.paths)
@@ -145,9 +67,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(batch: _Batch, place: Path, seconds: float) -> Path | None:
     """The report, None where it cannot be written."""
-    from keypose.app.jobs.batch.report import NAME, batch_html
-    from keypose.tracker.storage.atomic import write_file
-
     report = place / NAME
     content = batch_html(batch.entries, seconds)
     written = batch.note(lambda: write_file(report, content, overwrite=True))
@@ -167,9 +86,6 @@ def _code(batch: _Batch, whole: bool) -> int:
 
 def _require_place(out: Path) -> None:
     """Require before the work, not after, that the report can be written."""
-    from keypose.app.jobs.batch.report import NAME, is_report
-    from keypose.tracker.storage.atomic import make_folder, require_folder
-
     require_folder(out)
     make_folder(out)
     report = out / NAME
@@ -179,8 +95,6 @@ def _require_place(out: Path) -> None:
 
 @contextmanager
 def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
-    from keypose.app.jobs.batch.journal import Journal
-
     names = ("only", "method", "quality", "export")
     asked = {name: getattr(arguments, name) for name in names}
     asked |= {
@@ -198,14 +112,10 @@ def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
 def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]:
     pool: WorkerPool
     if arguments.scheduler is not None:
-        from keypose.app.jobs.batch.cluster import ClusterPool
-
         pool = ClusterPool(arguments.scheduler)
         if not pool.free_slots():
             print("The cluster has no workers yet: waiting for one.", file=sys.stderr)
     else:
-        from keypose.app.jobs.batch.pool import LocalPool
-
         warm_tracker()  # here, before several processes would do it at the same time
         pool = LocalPool(processes)
     try:
@@ -234,11 +144,6 @@ def _tasks(
     sessions: Sequence[Path], out: Path | None, arguments: argparse.Namespace, journal: Journal
 ) -> list[Task]:
     """Return what is to be done with every session; FormatError where a file is in the way."""
-    from keypose.app.jobs.batch.finding import common_folder
-    from keypose.app.jobs.batch.run_one import export_of, places
-    from keypose.app.jobs.batch.task import Task
-    from keypose.tracker.storage.atomic import require_absent
-
     folder = common_folder(sessions)
     workers = _workers(arguments)
     tasks = []
@@ -294,11 +199,9 @@ class _Batch:
 
     def run(self, pool: WorkerPool, reporter: BatchReporter) -> bool:
         """Do all; False when it was interrupted."""
-        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
-
         stop = threading.Event()
         with set_when_interrupted(stop):
-            for event in run(self.tasks, pool, stop):
+            for event in scheduler.run(self.tasks, pool, stop):
                 session = self.tasks[event.number].session
                 if isinstance(event, TaskStarted):
                     self.note(partial(self.journal.begin, session))
@@ -312,8 +215,6 @@ class _Batch:
 
     @property
     def entries(self) -> list[Entry]:
-        from keypose.app.jobs.batch.report import Entry
-
         return [Entry(self.names[n], self.summaries[n]) for n in sorted(self.summaries)]
 
     @property

@@ -6,14 +6,12 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from keypose.app.cli.json_output import json_value, print_json
-
-if TYPE_CHECKING:
-    from keypose.app.jobs.batch.report import Entry
-    from keypose.app.jobs.batch.scheduler import TaskEvent
-    from keypose.app.jobs.batch.task import Summary
+from keypose.app.jobs.batch.report import Entry
+from keypose.app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskStarted
+from keypose.app.jobs.batch.task import Summary
 
 WIDEST_NAME = 48
 QUARTER = 25
@@ -64,8 +62,6 @@ class _JsonReporter:
         print_json({"event": "batch_started", "sessions": self._paths, "done_before": continued})
 
     def event(self, event: TaskEvent) -> None:
-        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
-
         session = {"session": self._paths[event.number]}
         if isinstance(event, TaskStarted):
             print_json({"event": "session_started", **session, "again": event.again})
@@ -129,8 +125,6 @@ class _LineReporter(_TextReporter):
         self._ended = 0
 
     def event(self, event: TaskEvent) -> None:
-        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
-
         name, number = self._names[event.number], event.number
         if isinstance(event, TaskStarted):
             self._quarters[number] = 0
@@ -164,8 +158,6 @@ class _BarReporter(_TextReporter):
         )
 
     def event(self, event: TaskEvent) -> None:
-        from keypose.app.jobs.batch.scheduler import TaskFinished, TaskStarted
-
         number = event.number
         if isinstance(event, TaskStarted):
             self._bars[number] = self._tqdm(

@@ -6,24 +6,9 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from keypose.app.cli.arguments import Subcommands, add_command, file_name, session_file
+from keypose.app.cli.arguments import file_name, session_file
 
-_EXAMPLES = """\
-  keypose completion bash > ~/.local/share/bash-completion/completions/keypose
-  keypose completion zsh > ~/.zfunc/_keypose
-  keypose completion fish > ~/.config/fish/completions/keypose.fish
-"""
 _NAMES_A_FILE = (file_name, session_file, Path)
-
-
-def add(commands: Subcommands) -> None:
-    """The command's `grammar` is to be set to what makes the parser that is to be completed."""
-    details = (
-        "Written to the file of the examples, it works in the next shell, without starting Python. "
-        "zsh looks into ~/.zfunc where ~/.zshrc says `fpath+=~/.zfunc` before `compinit`."
-    )
-    command = add_command(commands, "completion", run, details, _EXAMPLES)
-    command.add_argument("shell", choices=("bash", "zsh", "fish"), help="which shell")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -6,28 +6,11 @@ import argparse
 import json
 from pathlib import Path
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json
 from keypose.app.cli.json_output import print_json
-
-_EXAMPLES = """\
-  keypose config
-  keypose config --json
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "What is printed is TOML: write the lines that you want to change into the file that is "
-        "named first. The command line goes before a session, a session before this file, and "
-        "the file before what is built in. The variable KEYPOSE_CONFIG names another file."
-    )
-    command = add_command(commands, "config", run, details, _EXAMPLES)
-    add_json(command)
+from keypose.app.document.defaults import Defaults, defaults_path, read_defaults
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.document.defaults import Defaults, defaults_path, read_defaults
-
     path, defaults = defaults_path(), read_defaults()
     values = defaults.model_dump(mode="json")
     if arguments.json:

@@ -19,7 +19,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json, file_name
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.motion_formats import FORMATS
 from keypose.tracker.errors import KeyposeError
@@ -289,25 +288,7 @@ def _adding(package: str) -> str:
 
 FOUND_AN_ERROR = 1
 
-_EXAMPLES = """\
-  keypose doctor
-  keypose doctor --json
-  keypose doctor --workspace /data/keypose
-"""
 _MARKS = {"ok": "ok", "note": "note", "warning": "warning", "error": "ERROR"}
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Checks the libraries, video coding, cores and memory, folders, compiled loops, networks, "
-        "the port, the browser and optional parts. Nothing is changed. The exit code is 1 when "
-        "something that Keypose needs does not work."
-    )
-    command = add_command(commands, "doctor", run, details, _EXAMPLES)
-    command.add_argument(
-        "--workspace", metavar="DIR", type=file_name, help="the workspace to check, as for `open`"
-    )
-    add_json(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -9,35 +9,30 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_json,
-    add_overwrite,
-    add_taken,
-    file_name,
-    frames_asked,
     taken_of,
-    whole_number,
 )
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
+from keypose.app.document.folder_lock import locked
+from keypose.app.document.new import new_session
+from keypose.app.editor.camera import as_taken
+from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
+from keypose.app.jobs.fits import DraftLeft, DraftReporter, drafted
+from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
-
-if TYPE_CHECKING:
-    from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
-    from keypose.tracker.geometry.camera import Camera
-    from keypose.tracker.session import Session
-    from keypose.tracker.video import Video
+from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
+from keypose.tracker.storage.files import session_json
+from keypose.tracker.storage.sidecars import save_keypoints
+from keypose.tracker.video import Video
 
 DONE, INTERRUPTED = 0, 130
 
-_EXAMPLES = """\
-  keypose draft jump.mp4 --box 210,80,420,610 --out jump
-  keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-90 --body adult_female --out j
-"""
 _REASONS = {
     "start": "first draft",
     "end": "last draft",
@@ -48,69 +43,7 @@ _REASONS = {
 }
 
 
-def add(commands: Subcommands) -> None:
-    details = (
-        "The bundled network finds the person's joints in every frame, and the body is fitted "
-        "to them. The session and its keypoints are written to the folder. One camera cannot "
-        "tell size from distance, so the body keeps its preset's height. Frames that do not "
-        "show the person well enough get no draft. Drafts become keyframes when you confirm "
-        "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
-        "nothing."
-    )
-    command = add_command(commands, "draft", run, details, _EXAMPLES)
-    command.add_argument(
-        "video", metavar="VIDEO", type=file_name, help="video file or folder of images"
-    )
-    command.add_argument(
-        "--box",
-        metavar="L,T,R,B",
-        type=_box,
-        action="append",
-        required=True,
-        help="left, top, right and bottom of the box, in pixels",
-    )
-    command.add_argument(
-        "--frame",
-        metavar="N",
-        type=whole_number(0),
-        help="the frame of the box; default: the first frame to draft",
-    )
-    command.add_argument(
-        "--frames",
-        metavar="A-B",
-        type=frames_asked,
-        help="first and last frame to draft; default: all",
-    )
-    command.add_argument(
-        "--body",
-        metavar="PRESET",
-        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male, or as "
-        "`keypose config` says",
-    )
-    command.add_argument(
-        "--field-of-view",
-        metavar="DEGREES",
-        type=_angle,
-        help="along the picture's longer side; default: from the file, else of a usual lens",
-    )
-    add_taken(command)
-    command.add_argument(
-        "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
-    )
-    add_json(command)
-    add_overwrite(command)
-
-
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.document.folder_lock import locked
-    from keypose.app.document.new import new_session
-    from keypose.app.editor.camera import as_taken
-    from keypose.app.editor.drafted import require_draftable
-    from keypose.app.jobs.fits import DraftLeft
-    from keypose.tracker.body.body import preset
-    from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
-    from keypose.tracker.video import Video
-
     if len(arguments.box) > 1:
         raise KeypointError("--box is given twice. Draft one person at a time.")
     (box,) = arguments.box
@@ -143,8 +76,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
-    from keypose.tracker.geometry.camera import Camera
-
     video = session.video
     angle = math.radians(arguments.field_of_view)
     return Camera.from_field_of_view(video.width, video.height, angle)
@@ -158,8 +89,6 @@ def _drafted(
     frames: tuple[int, int],
     as_json: bool,
 ) -> tuple[ClipDraft, str]:
-    from keypose.app.jobs.fits import DraftReporter, drafted
-
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:
         return drafted(
@@ -178,11 +107,6 @@ def _save(
     at: int, video: Video, overwrite: bool,
 ) -> tuple[Path, Path]:  # fmt: skip
     """The session's file and that of the keypoints, both written."""
-    from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session
-    from keypose.tracker.storage.atomic import write_file
-    from keypose.tracker.storage.files import session_json
-    from keypose.tracker.storage.sidecars import save_keypoints
-
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
@@ -262,24 +186,3 @@ def _facts(draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path]
 
 
 # --- arguments
-
-
-def _box(text: str) -> tuple[float, float, float, float]:
-    try:
-        left, top, right, bottom = (float(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a box: give left, top, right and bottom in pixels, such as "
-            "210,80,420,610"
-        ) from None
-    return left, top, right, bottom
-
-
-def _angle(text: str) -> float:
-    try:
-        angle = float(text)
-    except ValueError:
-        angle = math.nan
-    if not 1 <= angle <= 170:
-        raise argparse.ArgumentTypeError(f"{text!r} is not an angle from 1 to 170 degrees")
-    return angle

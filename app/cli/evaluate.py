@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_json,
-    add_session,
-    file_name,
     note,
 )
 from keypose.app.cli.json_output import json_value, print_json
-
-if TYPE_CHECKING:
-    from keypose.tracker.evaluate import Evaluation, Measure, Spread
-
-_EXAMPLES = """\
-  keypose evaluate session.json --reference truth.npz
-  keypose evaluate session.json --reference marked_joints.json --json
-"""
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.evaluate import Evaluation, Measure, Spread, evaluate, evaluate_joints
+from keypose.tracker.formats.apart import reading_apart
+from keypose.tracker.formats.reference import load_reference
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.fingerprints import open_ends
+from keypose.tracker.storage.outdated import outdated_words, tracked_keyframes
+from keypose.tracker.storage.tracks import load_trajectory
 
 _KINDS = {
     "pixels": ("in the picture", "px", 1.0),
@@ -31,24 +26,6 @@ _KINDS = {
     "angle_deg": ("joint angles", "°", 1.0),
 }
 """Each measure with its title, its unit on screen and that unit's factor."""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Only frames strictly between the keyframes of the tracking count. Linear "
-        "interpolation between them is shown for comparison. The reference is an .npz file of "
-        "poses or joint positions, or a .json file of marked joints in pixels."
-    )
-    command = add_command(commands, "evaluate", run, details, _EXAMPLES)
-    add_session(command)
-    command.add_argument(
-        "--reference",
-        metavar="FILE",
-        type=file_name,
-        required=True,
-        help="poses or joint positions (.npz), or marked joints (.json)",
-    )
-    add_json(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,16 +40,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
-    from keypose.tracker.body.skeleton import Skeleton
-    from keypose.tracker.body.trajectory import Trajectory
-    from keypose.tracker.evaluate import evaluate, evaluate_joints
-    from keypose.tracker.formats.apart import reading_apart
-    from keypose.tracker.formats.reference import load_reference
-    from keypose.tracker.storage.files import load_session
-    from keypose.tracker.storage.fingerprints import open_ends
-    from keypose.tracker.storage.outdated import outdated_words, tracked_keyframes
-    from keypose.tracker.storage.tracks import load_trajectory
-
     with reading_apart(load_reference) as read:
         session = load_session(session_path)
         skeleton, camera = Skeleton.of(session.body), session.camera

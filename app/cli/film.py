@@ -7,53 +7,25 @@ import sys
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_order,
-    add_output,
-    add_session,
     note,
     order_of,
 )
 from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
+from keypose.app.export.film import USUAL_FPS, film_of, film_words, write_film
 from keypose.app.orders.drawing import FilmOrder
-
-if TYPE_CHECKING:
-    from keypose.app.render.films import Film
-    from keypose.app.render.palette import Picture
-    from keypose.tracker.session import Session
-
-_EXAMPLES = """\
-  keypose film session.json --out overlay.mp4
-  keypose film session.json --view orbit --size 1280x720 --out round.mp4
-  keypose film session.json --view camera:120,15 --frames 10-60 --out batter.mp4
-  keypose film session.json --view all --fps 10 --out slowly.mp4 --overwrite
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Views: main draws the body over the video; all adds the top, side and front views; "
-        "orbit circles the body once while it moves; camera is a fixed viewpoint at an azimuth"
-        " and an elevation. An azimuth of 0 looks along the video's camera, 90 from the right "
-        "of its picture. Frames keep their times; frames without a pose are shown without the "
-        "body. An observed surface is shown in every view."
-    )
-    command = add_command(commands, "film", run, details, _EXAMPLES)
-    add_session(command)
-    add_order(command, FilmOrder)
-    add_output(command, "FILE.mp4")
+from keypose.app.render.films import Film
+from keypose.app.render.palette import Picture
+from keypose.app.render.poses import KnownPoses
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import open_video_of
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.export.film import film_of, film_words, write_film
-    from keypose.app.render.poses import KnownPoses
-
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
     order = order_of(FilmOrder, arguments)
     require_tint(session, order.tint)
@@ -76,9 +48,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _video(session: Session, session_path: Path, film: Film) -> Any:
     """The video, for its pictures or its times; a new camera does without it, with a note."""
-    from keypose.app.export.film import USUAL_FPS
-    from keypose.tracker.storage.files import open_video_of
-
     if film.needs_video:
         return open_video_of(session, session_path)
     if session.evidence.has_surface:  # and the session knows the pace

@@ -8,19 +8,17 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.jobs import JobFinished, PassFinished, Report, SegmentFinished
 from keypose.app.jobs.rerun import all_segments, rerun
 from keypose.tracker.errors import KeyposeError
+from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
-
-if TYPE_CHECKING:
-    from keypose.tracker.session import Session
-    from keypose.tracker.video import Video
+from keypose.tracker.video import Video
 
 Send: TypeAlias = Callable[[Report], None]
 Places: TypeAlias = Mapping[Span, int]

@@ -3,70 +3,30 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_json,
-    add_overwrite,
-    file_name,
     note,
 )
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_hull_kernels
 from keypose.tracker.errors import SurfaceError
-
-if TYPE_CHECKING:
-    from keypose.tracker.surface.cameras.hulls import Hulls
+from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
+from keypose.tracker.surface.cameras.hulls import Hulls, ply_bytes
+from keypose.tracker.surface.cameras.rig import Rig
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
 OnStep: TypeAlias = Callable[[int, str], None]
 """Receives a step that is done, and its outcome."""
 
-_EXAMPLES = """\
-  keypose hull cameras.json --out meshes
-  keypose hull cameras.json --voxel 0.02 --out meshes --overwrite
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Writes the visual hulls as step_0000.ply and so on, in the units and axes of the "
-        "cameras' file. If the file also names images, each vertex gets a zncc that says how "
-        "well the cameras that see it agree; fitting uses it to ignore false volume. A step "
-        "that fails is reported and skipped. Ctrl+C keeps finished steps."
-    )
-    command = add_command(commands, "hull", run, details, _EXAMPLES)
-    command.add_argument(
-        "rig", metavar="CAMERAS", type=file_name, help="JSON file with the calibrated cameras"
-    )
-    command.add_argument(
-        "--out", metavar="DIR", type=file_name, required=True, help="folder for the surfaces"
-    )
-    command.add_argument(
-        "--voxel",
-        metavar="METRES",
-        type=_length,
-        default=0.01,
-        help="edge length of a voxel in metres; default: 0.01",
-    )
-    add_json(command)
-    add_overwrite(command)
-
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder
-    from keypose.tracker.surface.cameras.hulls import Hulls
-    from keypose.tracker.surface.cameras.rig import Rig
-
     out: Path = arguments.out
     stop = threading.Event()
     with ExitStack() as stack:
@@ -90,23 +50,10 @@ def run(arguments: argparse.Namespace) -> int:
     return FAILED if refused else DONE
 
 
-def _length(text: str) -> float:
-    try:
-        metres = float(text)
-    except ValueError:
-        metres = math.nan
-    if not 0.0005 <= metres <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length from 0.0005 to 1 metre")
-    return metres
-
-
 def _make(
     hulls: Hulls, places: list[Path], stop: threading.Event, arguments: argparse.Namespace
 ) -> tuple[list[Path], dict[int, str]]:
     """The files written, and why others are not."""
-    from keypose.tracker.storage.atomic import write_file
-    from keypose.tracker.surface.cameras.hulls import ply_bytes
-
     written: list[Path] = []
     refused: dict[int, str] = {}
     with _progress(len(places), arguments.json) as on_step:

@@ -6,70 +6,45 @@ import argparse
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_json,
-    add_orders,
-    add_session,
-    file_name,
     note,
     order_of,
     require_of,
 )
-from keypose.app.cli.import_camera import add_camera, import_camera
+from keypose.app.cli.grammar.files import ORDERS
+from keypose.app.cli.import_camera import import_camera
 from keypose.app.cli.json_output import print_json
+from keypose.app.document.folder_lock import locked
+from keypose.app.export.importing import (
+    DraftImport,
+    MotionImport,
+    as_chosen,
+    import_keypoints,
+    import_motion,
+    names_of,
+)
 from keypose.app.orders.imports import LEAST_TRACKED, ImportCamera, ImportKeypoints, ImportMotion
 from keypose.app.words.imports import note_words
 from keypose.tracker.errors import FormatError
-
-if TYPE_CHECKING:
-    from keypose.app.export.importing import DraftImport, MotionImport
-    from keypose.tracker.session import Session
-
-ORDERS = {"motion": ImportMotion, "keypoints": ImportKeypoints}
+from keypose.tracker.formats.apart import reading_apart
+from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.session import Session
+from keypose.tracker.solver.fit_joints import POOR_M
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.sidecars import save_first_motion
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
 MOST_NAMES, LONGEST_NAME = 12, 60
 """Names that are listed as left out, and letters of one; JSON has all of them."""
 
-_EXAMPLES = """\
-  keypose import session.json walk.bvh
-  keypose import session.json walk.trc --offset-frames 12 --names names.json
-  keypose import session.json openpose/ --keypoints --frames 0,24,48
-  keypose import dog.json dogDLC.h5 --keypoints --map withers=neck --map tailtip=tail.end
-  keypose import session.json shot.chan --camera
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
-        "is fitted to the session's body, aligned with its keyframes and saved as an initial "
-        "guess, which tracking uses where it scores better than its own. With --keypoints, COCO, "
-        "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. "
-        "Keyframes are never changed."
-    )
-    command = add_command(commands, "import", run, details, _EXAMPLES)
-    add_session(command)
-    what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
-    command.add_argument("file", metavar="FILE", type=file_name, help=what)
-    command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
-    add_orders(command, ORDERS)
-    add_camera(command)
-    add_json(command)
-
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.app.document.folder_lock import locked
-    from keypose.tracker.formats.apart import reading_apart
-    from keypose.tracker.formats.keypoint_files import read_people
-    from keypose.tracker.formats.reading import load_motion
-    from keypose.tracker.storage.files import load_session, open_video_of
-
     path: Path = arguments.session
     # Reading it reports one that is not there.
     alone = locked(path, "close it there first") if path.is_file() else nullcontext()
@@ -87,13 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
     file: Path = arguments.file
     reader: Callable[..., Any] = read_people if arguments.keypoints else load_motion
     with reading_apart(reader) as read, alone:
-        from keypose.app.export.importing import (
-            DraftImport,
-            as_chosen,
-            import_keypoints,
-            import_motion,
-        )
-
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             info = video.info
@@ -118,9 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
-    from keypose.tracker.storage.files import save_session
-    from keypose.tracker.storage.sidecars import save_first_motion
-
     found, file = made.found, arguments.file.name
     motion = found.fit.trajectory
     saved = save_first_motion(session, arguments.session, motion, file, made.matched)
@@ -140,10 +105,6 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
 
 
 def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
-    import numpy as np
-
-    from keypose.app.export.importing import names_of
-    from keypose.tracker.solver.fit_joints import POOR_M
 
     found = made.found
     fit, rms = found.fit, found.fit.rms_m
@@ -194,16 +155,12 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 
 
 def _keep_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
-    from keypose.tracker.storage.files import save_session
-
     if found.drafts:
         save_session(found.added_to(session), arguments.session)
     _print_drafts(session, found, arguments)
 
 
 def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
-    from keypose.app.export.importing import names_of
-
     drafts, frames, names = found.drafts, found.frames, names_of(found.known, found.names)
     made = {draft.keyframe.frame for draft in drafts}
     posed = {k.frame for k in (*session.keyframes, *session.drafts)}

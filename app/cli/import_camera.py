@@ -6,27 +6,16 @@ import argparse
 from pathlib import Path
 
 from keypose.app.cli.json_output import print_json
-
-
-def add_camera(command: argparse.ArgumentParser) -> None:
-    """The option, in a group of its own."""
-    command.add_argument_group("camera").add_argument(
-        "--camera",
-        action="store_true",
-        help="the file holds a camera that stands still: .json or .chan as export writes them, "
-        ".glb or .gltf; sets the lens, what is up and, where the file has it, the floor",
-    )
+from keypose.app.export.import_camera import SAME_DEG, with_camera_file
+from keypose.app.export.recognising import camera_facts
+from keypose.tracker.formats.apart import reading_apart
+from keypose.tracker.formats.reading_camera import load_camera
+from keypose.tracker.formats.recording import CAMERA_UP
+from keypose.tracker.storage.files import load_session, save_session
 
 
 def import_camera(arguments: argparse.Namespace) -> None:
     """Read the file into the session, which nobody else has open, and say what changed."""
-    from keypose.app.export.import_camera import SAME_DEG, with_camera_file
-    from keypose.app.export.recognising import camera_facts
-    from keypose.tracker.formats.apart import reading_apart
-    from keypose.tracker.formats.reading_camera import load_camera
-    from keypose.tracker.formats.recording import CAMERA_UP
-    from keypose.tracker.storage.files import load_session, save_session
-
     path: Path = arguments.session
     with reading_apart(load_camera) as read:
         session = load_session(path)

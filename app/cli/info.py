@@ -6,51 +6,24 @@ import argparse
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json, file_name
+import numpy as np
+
 from keypose.app.cli.json_output import print_json
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.errors import SurfaceError
-
-if TYPE_CHECKING:
-    from keypose.tracker.surface.files.sequence import MeshSequence
-    from keypose.tracker.video import Video
+from keypose.tracker.surface.files.sequence import MeshSequence, describe_unusable
+from keypose.tracker.surface.new_session import first_mesh
+from keypose.tracker.surface.picture import CONTAINER
+from keypose.tracker.surface.source import holds_meshes
+from keypose.tracker.video import Video
 
 Description: TypeAlias = tuple[dict[str, Any], list[str]]
 """The facts, and the same in lines for a person."""
 
-_EXAMPLES = """\
-  keypose info jump.mp4
-  keypose info jump.mp4 --json
-  keypose info jump.mp4 --check
-  keypose info scan --check
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "For a folder of meshes, one per time step: the number of steps, their size, whether "
-        "the first one has holes, and which steps have no file."
-    )
-    command = add_command(commands, "info", run, details, _EXAMPLES)
-    command.add_argument(
-        "video",
-        metavar="VIDEO|MESHES",
-        type=file_name,
-        help="video file, folder of images, or folder of meshes",
-    )
-    command.add_argument(
-        "--check",
-        action="store_true",
-        help="decode every frame of a video and list the damaged ones; of meshes, read all and "
-        "list those that cannot be used",
-    )
-    add_json(command)
-
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.tracker.surface.source import holds_meshes
-
     if holds_meshes(arguments.video):
         facts, lines = _of_meshes(arguments.video, arguments.check)
     else:
@@ -64,8 +37,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _of_video(path: Path, check: bool) -> Description:
-    from keypose.tracker.video import Video
-
     with Video.open(path) as video:
         if check:
             _examine(video)
@@ -84,10 +55,6 @@ def _examine(video: Video) -> None:
 
 
 def _of_meshes(path: Path, check: bool) -> Description:
-    from keypose.tracker.surface.files.sequence import MeshSequence
-    from keypose.tracker.surface.new_session import first_mesh
-    from keypose.tracker.surface.picture import CONTAINER
-
     with MeshSequence.open(path) as meshes:
         frame, mesh = first_mesh(meshes)
         if check:
@@ -124,8 +91,6 @@ def _read_all(meshes: MeshSequence) -> None:
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
-    from keypose.tracker.surface.files.sequence import describe_unusable
-
     size = " × ".join(f"{length:.4g}" for length in facts["extent"])
     units = facts["units"] or "units, which the files do not state"
     lines = [
@@ -207,9 +172,6 @@ def _lines(facts: dict[str, Any]) -> list[str]:
 
 def _damage(facts: dict[str, Any]) -> str:
     """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
-    import numpy as np
-
-    from keypose.tracker.body.trajectory import runs
 
     frames = facts["damaged_frames"]
     flags = np.isin(np.arange(facts["frame_count"]), frames)

@@ -7,10 +7,10 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from keypose.tracker.session.verdict import Verdict
+from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.session.verdict import Verdict
 
 
 def print_json(value: object, *, indent: int | None = None) -> None:
@@ -20,8 +20,6 @@ def print_json(value: object, *, indent: int | None = None) -> None:
 
 def verdict_fields(verdict: Verdict | None) -> dict[str, Any]:
     """A verdict in the fields of its segment; null where there is none yet."""
-    from keypose.tracker.formats.verdict_words import verdict_words
-
     if verdict is None:
         return dict.fromkeys(("verdict", "words", "cause", "part", "frames", "go"))
     return {

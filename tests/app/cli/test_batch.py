@@ -11,15 +11,14 @@ from typing import Any
 
 import pytest
 
+from keypose.app.cli import batch as command
 from keypose.app.cli.main import main
-from keypose.app.jobs.batch import pool
 from keypose.app.jobs.batch.journal import FOLDER
 from keypose.app.jobs.batch.pool import News, WorkerDied
 from keypose.app.jobs.batch.report import NAME
 from keypose.app.jobs.batch.task import SegmentSummary, Step, Summary, Task
 from keypose.tracker import warm
 from keypose.tracker.errors import FormatError
-from keypose.tracker.storage import atomic
 from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
 from tests.app.full_disks import fill
@@ -46,7 +45,7 @@ def meeting(monkeypatch: pytest.MonkeyPatch, befalls: Befalls) -> list[Here]:
         made.append(Here(processes, befalls))
         return made[-1]
 
-    monkeypatch.setattr(pool, "LocalPool", make)
+    monkeypatch.setattr(command, "LocalPool", make)
     return made
 
 
@@ -357,7 +356,7 @@ def test_a_report_that_cannot_be_written_is_reported_after_the_table(
     def full(*_: object, **__: object) -> None:
         raise FormatError("The report cannot be written: No space left on device.")
 
-    monkeypatch.setattr(atomic, "write_file", full)
+    monkeypatch.setattr(command, "write_file", full)
     assert batch(root(sessions)) == 2
     out, err = capsys.readouterr()
     assert "3 of 3 sessions done" in out

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
+from keypose.app.cli import draft
 from keypose.app.cli.main import main
-from keypose.app.jobs import fits
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.sidecars import keypoints_of_session
@@ -104,13 +104,13 @@ def test_a_session_that_is_there_is_not_overwritten_unless_asked(
 def test_ctrl_c_leaves_nothing_behind(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = fits.drafted
+    whole = draft.drafted
 
     def interrupted(session: Session, *given: Any, **named: Any) -> Any:
         signal.raise_signal(signal.SIGINT)
         return whole(session, *given, **named)
 
-    monkeypatch.setattr(fits, "drafted", interrupted)
+    monkeypatch.setattr(draft, "drafted", interrupted)
     before = everything_in(tmp_path)
     assert run(command(tmp_path / "new")) == 130
     assert everything_in(tmp_path) == before

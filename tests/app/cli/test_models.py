@@ -6,13 +6,13 @@ import hashlib
 import io
 import json
 import tarfile
-import urllib.request
 from dataclasses import replace
 from pathlib import Path
 from urllib.error import URLError
 
 import pytest
 
+from keypose.app.cli import models as command
 from keypose.app.cli.main import main
 from keypose.tracker.keypoints import model_files
 
@@ -25,6 +25,7 @@ def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     digest = hashlib.sha256(CONTENT).hexdigest()
     models = (model_files.FULL, replace(model_files.HEAVY, sha256=digest))
     monkeypatch.setattr(model_files, "MODELS", models)
+    monkeypatch.setattr(command, "MODELS", models)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path / "cache" / "keypose" / "models" / model_files.HEAVY.file
 
@@ -107,7 +108,7 @@ def test_wrong_arguments_are_reported_in_one_sentence(
 
 
 def test_a_network_is_downloaded(added: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(urllib.request, "urlopen", lambda url, timeout: io.BytesIO(packed()))
+    monkeypatch.setattr(command, "urlopen", lambda url, timeout: io.BytesIO(packed()))
     assert run("add", "heavy") == 0
     assert added.read_bytes() == CONTENT
 
@@ -118,7 +119,7 @@ def test_without_a_network_it_says_how_to_use_a_file(
     def offline(url: str, timeout: float) -> None:
         raise URLError("Name or service not known")
 
-    monkeypatch.setattr(urllib.request, "urlopen", offline)
+    monkeypatch.setattr(command, "urlopen", offline)
     assert run("add", "heavy") == 2
     err = capsys.readouterr().err
     assert "Name or service not known" in err

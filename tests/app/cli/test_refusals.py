@@ -190,10 +190,10 @@ def test_a_name_that_no_file_can_have_is_refused(
 @pytest.mark.parametrize(
     ("command", "reader"),
     [
-        (["import", "FILE"], "tracker.formats.reading.load_motion"),
-        (["import", "FILE", "--keypoints"], "tracker.formats.keypoint_files.read_people"),
-        (["import", "FILE", "--camera"], "tracker.formats.reading_camera.load_camera"),
-        (["evaluate", "--reference", "FILE"], "tracker.formats.reference.load_reference"),
+        (["import", "FILE"], "import_.load_motion"),
+        (["import", "FILE", "--keypoints"], "import_.read_people"),
+        (["import", "FILE", "--camera"], "import_camera.load_camera"),
+        (["evaluate", "--reference", "FILE"], "evaluate.load_reference"),
     ],
     ids=["motion", "keypoints", "camera", "reference"],
 )
@@ -207,6 +207,6 @@ def test_a_file_that_ends_its_reader_is_refused_as_any_other(
 ) -> None:
     harm = tmp_path / "harm.npz"
     harm.write_text("import os; os._exit(0)")
-    monkeypatch.setattr(f"keypose.{reader}", runpy.run_path)
+    monkeypatch.setattr(f"keypose.app.cli.{reader}", runpy.run_path)
     name, *options = [str(harm) if word == "FILE" else word for word in command]
     assert "harm.npz is damaged" in refused(capsys, tmp_path, [name, tracked_path, *options])

@@ -1,0 +1,1 @@
+"""Declare the arguments of the commands; what does them is loaded when it is called."""

@@ -1,0 +1,491 @@
+"""Grammar of the commands that find, review and reduce a motion."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from typing import TYPE_CHECKING
+
+from keypose.app.cli.arguments import (
+    UNITS,
+    UP_AXES,
+    Subcommands,
+    add_command,
+    add_json,
+    add_order,
+    add_overwrite,
+    add_session,
+    add_taken,
+    add_work,
+    file_name,
+    frames_asked,
+    motion_formats,
+    names_of,
+    session_file,
+    whole_number,
+)
+from keypose.app.orders.motion import MotionOrder
+
+if TYPE_CHECKING:
+    from keypose.tracker.reduction.result import Every, Tolerance
+
+
+_DRAFT_EXAMPLES = """\
+  keypose draft jump.mp4 --box 210,80,420,610 --out jump
+  keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-90 --body adult_female --out j
+"""
+
+
+def add_draft(commands: Subcommands) -> None:
+    details = (
+        "The bundled network finds the person's joints in every frame, and the body is fitted "
+        "to them. The session and its keypoints are written to the folder. One camera cannot "
+        "tell size from distance, so the body keeps its preset's height. Frames that do not "
+        "show the person well enough get no draft. Drafts become keyframes when you confirm "
+        "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
+        "nothing."
+    )
+    command = add_command(commands, "draft", details, _DRAFT_EXAMPLES)
+    command.add_argument(
+        "video", metavar="VIDEO", type=file_name, help="video file or folder of images"
+    )
+    command.add_argument(
+        "--box",
+        metavar="L,T,R,B",
+        type=_box,
+        action="append",
+        required=True,
+        help="left, top, right and bottom of the box, in pixels",
+    )
+    command.add_argument(
+        "--frame",
+        metavar="N",
+        type=whole_number(0),
+        help="the frame of the box; default: the first frame to draft",
+    )
+    command.add_argument(
+        "--frames",
+        metavar="A-B",
+        type=frames_asked,
+        help="first and last frame to draft; default: all",
+    )
+    command.add_argument(
+        "--body",
+        metavar="PRESET",
+        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male, or as "
+        "`keypose config` says",
+    )
+    command.add_argument(
+        "--field-of-view",
+        metavar="DEGREES",
+        type=_angle,
+        help="along the picture's longer side; default: from the file, else of a usual lens",
+    )
+    add_taken(command)
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
+    )
+    add_json(command)
+    add_overwrite(command)
+
+
+def _box(text: str) -> tuple[float, float, float, float]:
+    try:
+        left, top, right, bottom = (float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a box: give left, top, right and bottom in pixels, such as "
+            "210,80,420,610"
+        ) from None
+    return left, top, right, bottom
+
+
+def _angle(text: str) -> float:
+    try:
+        angle = float(text)
+    except ValueError:
+        angle = math.nan
+    if not 1 <= angle <= 170:
+        raise argparse.ArgumentTypeError(f"{text!r} is not an angle from 1 to 170 degrees")
+    return angle
+
+
+_TRACK_EXAMPLES = """\
+  keypose track session.json
+  keypose track session.json --quality preview --workers 2 --out try
+  keypose track session.json --json > events.jsonl
+  keypose track session.json --method paper --initial templates --leave-out right_hand
+  keypose track session.json --cues brightness
+  keypose track session.json --ahead forward
+"""
+
+
+def add_track(commands: Subcommands) -> None:
+    details = (
+        "Results are written beside the session. With --out, a copy of the session and the "
+        "results are written to that folder and the session is not changed. Ctrl+C or SIGTERM "
+        "keeps finished segments. A session that is open in the page is not tracked. The exit "
+        "code is 1 when tracking was lost somewhere."
+    )
+    command = add_command(commands, "track", details, _TRACK_EXAMPLES)
+    add_session(command)
+    of_session = "; default: the session's setting"
+    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
+    command.add_argument(
+        "--quality",
+        choices=("full", "preview"),
+        help=f"full, or less accurate and faster{of_session}",
+    )
+    command.add_argument(
+        "--initial",
+        choices=("auto", "templates", "import"),
+        help="initial guess of each segment: the best of all (auto), template matching of head, "
+        f"hands and feet, or an imported motion{of_session}",
+    )
+    command.add_argument(
+        "--leave-out",
+        metavar="PART",
+        action="append",
+        help=f"a part to exclude from template matching; can be repeated{of_session}",
+    )
+    command.add_argument(
+        "--static-camera",
+        choices=("yes", "no"),
+        help=f"whether the camera is static{of_session}, by default detected in the video",
+    )
+    command.add_argument(
+        "--cues",
+        metavar="CUE,…",
+        type=_cues,
+        help="what to track from: brightness, keypoints or both, and silhouette, separated by"
+        f" commas{of_session}. Keypoints need a person's body, silhouette needs a static "
+        "camera; the published method uses brightness alone",
+    )
+    command.add_argument(
+        "--network",
+        choices=("full", "heavy"),
+        help="network that finds keypoints: the bundled one (full), or a slower and more "
+        f"accurate one that `keypose models add heavy` adds{of_session}",
+    )
+    command.add_argument(
+        "--smooth",
+        choices=("yes", "no"),
+        help=f"whether the motion is smoothed in space as far as the video allows{of_session}",
+    )
+    command.add_argument(
+        "--ahead",
+        choices=("forward", "backward", "both"),
+        help="instead, follow the body on from the last keyframe, back from the first, or both, as "
+        "far as it is seen well; one keyframe is enough. The poses become drafts of the session",
+    )
+    add_taken(command)
+    add_work(command)
+
+
+def _cues(text: str) -> tuple[str, ...]:
+    """Names of cues; the silhouette only judges the motion that the others lead to."""
+    cues = names_of("brightness", "keypoints", "silhouette")(text)
+    if cues == ("silhouette",):
+        words = "silhouette cannot track alone; add brightness or keypoints"
+        raise argparse.ArgumentTypeError(words)
+    return cues
+
+
+GOALS = (3, 5, 8, 12)
+"""As in app.editor.review, which would load more than help needs."""
+
+_REVIEW_EXAMPLES = """\
+  keypose review session.json
+  keypose review session.json --above 8
+  keypose review session.json --json
+"""
+
+
+def add_review(commands: Subcommands) -> None:
+    details = (
+        "Each with its frame, its part, the error expected there and the reason; what a person has "
+        "answered on the page is left out. Drafts to confirm come first."
+    )
+    command = add_command(commands, "review", details, _REVIEW_EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--above",
+        metavar="PIXELS",
+        type=int,
+        choices=GOALS,
+        help="list what is expected to be off by more: 3, 5, 8 or 12; default: 5, or the least "
+        "that this video allows",
+    )
+    add_json(command)
+
+
+REDUCED_EVERY = 20
+"""Frames that one keyframe stands for, where nothing else is asked for."""
+
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+_SOURCES = ("tracked", "drafts", "imported")
+"""As in app.editor.reduced, which would load more than help needs."""
+
+_REDUCE_EXAMPLES = """\
+  keypose reduce jump.keypose
+  keypose reduce jump.keypose --every 40 --frames 40-120
+  keypose reduce jump.keypose --tolerance 2cm
+  keypose reduce jump.keypose --tolerance 4px --from drafts
+  keypose reduce jump.keypose --limb left_forearm --dry-run
+"""
+
+
+def add_reduce(commands: Subcommands) -> None:
+    details = (
+        "The motion that was tracked, drafted or imported becomes keyframes to edit it by: one in "
+        "20 frames, where it bends most. What lies between stays as it is, beside the session: a "
+        "keyframe you correct bends the two segments beside it and nothing else, and tracking "
+        "starts from it and keeps to it where the film shows nothing. With --tolerance there are "
+        "the fewest from which interpolation alone gives the motion back, for programs that know "
+        "nothing else. Keyframes that are there stay."
+    )
+    command = add_command(commands, "reduce", details, _REDUCE_EXAMPLES)
+    add_session(command)
+    goal = command.add_mutually_exclusive_group()
+    goal.add_argument(
+        "--every",
+        dest="goal",
+        metavar="N",
+        type=_every,
+        default=str(REDUCED_EVERY),
+        help=f"one keyframe in about so many frames; default: {REDUCED_EVERY}",
+    )
+    goal.add_argument(
+        "--tolerance",
+        dest="goal",
+        metavar="DISTANCE",
+        type=_tolerance,
+        help="instead as many as interpolation needs to stay so near to the motion: in space, such "
+        "as 2cm, in the picture, such as 5px, or both, 2cm,5px",
+    )
+    command.add_argument(
+        "--frames",
+        metavar="A-B",
+        type=frames_asked,
+        help="first and last frame to reduce; default: all",
+    )
+    command.add_argument(
+        "--limb",
+        metavar="PART",
+        action="append",
+        default=[],
+        help="key the limb of this part alone, as part keyframes; may be repeated",
+    )
+    command.add_argument(
+        "--from",
+        dest="source",
+        choices=_SOURCES,
+        help="the motion to reduce; default: the first of these that there is",
+    )
+    command.add_argument(
+        "--replace-keyframes",
+        action="store_true",
+        help="let keyframes that are there go where the motion does not need them",
+    )
+    command.add_argument(
+        "--dry-run", action="store_true", help="print what would be, write nothing"
+    )
+    add_json(command)
+
+
+def _every(text: str) -> Every:
+    from keypose.tracker.reduction.result import Every
+
+    return Every(whole_number(1)(text))
+
+
+def _tolerance(text: str) -> Tolerance:
+    """ "2cm", "5px", or both with a comma between."""
+    from keypose.tracker.errors import ReductionError
+    from keypose.tracker.reduction.result import Tolerance
+
+    given = {"metres": math.inf, "pixels": math.inf}
+    for word in text.split(","):
+        match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(m|cm|mm|px)\s*", word)
+        if match is None:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not a distance such as 2cm, 15mm, 5px or 2cm,5px"
+            )
+        number, unit = float(match[1]), match[2]
+        if unit == "px":
+            given["pixels"] = number
+        else:
+            given["metres"] = number * _METRES[unit]
+    try:
+        return Tolerance(**given)
+    except ReductionError as error:
+        raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
+
+
+_FIT_EXAMPLES = """\
+  keypose open scan
+  keypose fit scan
+  keypose fit --session session.json --weights contact --out try --json > events.jsonl
+"""
+
+_FIT_DETAILS = (
+    "Pose the body in at least one mesh first, with `keypose open MESHES`; the surface of that"
+    " mesh then moves with the body. Results are written beside the session. With --out, a "
+    "copy of the session and the results are written to that folder and the session is not "
+    "changed. An unusable mesh is skipped and reported. Ctrl+C or SIGTERM keeps finished "
+    "steps. The exit code is 1 when the body was lost somewhere."
+)
+
+
+def add_fit(commands: Subcommands) -> None:
+    command = add_command(commands, "fit", _FIT_DETAILS, _FIT_EXAMPLES)
+    command.add_argument(
+        "meshes",
+        metavar="MESHES",
+        type=file_name,
+        nargs="?",
+        help="a folder of numbered PLY, OBJ or GLB files; default: the session's meshes",
+    )
+    command.add_argument(
+        "--session",
+        metavar="SESSION",
+        type=session_file,
+        help="the session's file or folder; default: the one beside the meshes, or in this folder",
+    )
+    of_session = "; default: the session's setting"
+    command.add_argument(
+        "--cameras",
+        metavar="FILE",
+        type=file_name,
+        help="JSON file with the calibrated cameras, whose images tell which parts of the "
+        f"surfaces are reliable{of_session}",
+    )
+    command.add_argument(
+        "--weights",
+        choices=("both", "contact", "photo", "none"),
+        help="give surface near other parts (contact), surface where cameras disagree "
+        f"(photo), or both less weight{of_session}",
+    )
+    command.add_argument(
+        "--distance",
+        choices=("plane", "point"),
+        help=f"measure distance to the surface's tangent plane or to its nearest point{of_session}",
+    )
+    command.add_argument(
+        "--binding",
+        choices=("nearest", "smooth"),
+        help="nearest: each surface point moves with the nearest part; smooth: near joints "
+        f"with both parts{of_session}",
+    )
+    command.add_argument(
+        "--units", choices=UNITS, help="unit of the meshes; must match the session's"
+    )
+    command.add_argument(
+        "--up",
+        choices=UP_AXES,
+        help="up axis of the meshes, such as --up=-z; must match the session's",
+    )
+    command.add_argument(
+        "--quality",
+        choices=("full", "preview"),
+        help=f"full, or less accurate and faster{of_session}",
+    )
+    add_work(command)
+
+
+MOST_WORKERS = 256
+
+_BATCH_EXAMPLES = """\
+  keypose batch recordings
+  keypose batch recordings --only outdated --export bvh,glb --out motion
+  keypose batch */session.json --quality preview --workers 4 --json > events.jsonl
+  keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
+
+On a cluster, `dask scheduler` and `dask worker` of the Dask project do the work; they need Keypose
+installed and see the sessions and videos under the same paths as this computer. Their lines have
+no password: keep them to a network you trust.
+"""
+
+
+def add_batch(commands: Subcommands) -> None:
+    details = (
+        "Results are written beside each session. Keyframes are never changed, and a session "
+        "that is open in the page is skipped. An error in one session does not stop the "
+        "others. A table and a page, batch-report.html, show the outcome. Ctrl+C or SIGTERM "
+        "keeps finished segments; run the same command again to continue with the sessions "
+        "that are left. The exit code is 1 when tracking was lost somewhere or a session was "
+        "not tracked."
+    )
+    command = add_command(commands, "batch", details, _BATCH_EXAMPLES)
+    command.add_argument(
+        "paths",
+        metavar="PATH",
+        type=file_name,
+        nargs="+",
+        help="a session file, or a folder to search for sessions (hidden folders are skipped)",
+    )
+    command.add_argument(
+        "--only",
+        choices=("outdated",),
+        help="track only segments whose results are missing, outdated or of a lower quality",
+    )
+    of_session = "; each session's own when left out"
+    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
+    command.add_argument(
+        "--quality", choices=("full", "preview"), help=f"how much work{of_session}"
+    )
+    command.add_argument(
+        "--export",
+        metavar="FORMAT[,FORMAT]",
+        type=motion_formats,
+        default=(),
+        help="also export the motion, beside each session or below --out; formats as in "
+        "keypose export",
+    )
+    add_order(command, MotionOrder)
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        type=file_name,
+        help="folder for the report and the exported files; default: the deepest folder that "
+        "contains all sessions. The progress of the batch is kept there too, in "
+        ".keypose-batch",
+    )
+    command.add_argument(
+        "--workers",
+        metavar="N",
+        type=whole_number(1, MOST_WORKERS),
+        help="sessions to track at the same time, one process each; default: one per core, "
+        "with 2 GB of memory each",
+    )
+    command.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the Dask cluster of this scheduler instead"
+    )
+    add_json(command, "print JSON lines: events, the summary last")
+    add_overwrite(command)
+
+
+_EVALUATE_EXAMPLES = """\
+  keypose evaluate session.json --reference truth.npz
+  keypose evaluate session.json --reference marked_joints.json --json
+"""
+
+
+def add_evaluate(commands: Subcommands) -> None:
+    details = (
+        "Only frames strictly between the keyframes of the tracking count. Linear "
+        "interpolation between them is shown for comparison. The reference is an .npz file of "
+        "poses or joint positions, or a .json file of marked joints in pixels."
+    )
+    command = add_command(commands, "evaluate", details, _EVALUATE_EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--reference",
+        metavar="FILE",
+        type=file_name,
+        required=True,
+        help="poses or joint positions (.npz), or marked joints (.json)",
+    )
+    add_json(command)
