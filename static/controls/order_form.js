@@ -37,7 +37,7 @@ export function orderFields(options, values, change, further = {}) {
     const known = { ...one, ...more };
     const set = (text) => change({ [one.name]: text });
     const chosen = known.options?.find(({ id }) => id === values[one.name]);
-    const note = chosen && 'note' in chosen && known.kind === 'choice' && chosen.note ? chosen.note : (known.note ?? '');
+    const note = [chosen?.note, known.note].filter(Boolean).join('; ');
     const content = more.field ? more.field() : (FIELDS[known.kind] ?? text)(known, values[one.name], set);
     return field(one.label, content, note);
   });
@@ -59,9 +59,9 @@ function range({ label }, value, act) {
     <span class="dim">to</span>${textField({ label: `Last ${name}`, value: last, most: 9, act: (one) => act(`${first}-${one}`) })}`;
 }
 
-function choice({ label, options, empty, usual, kind }, value, act) {
+function choice({ label, options, empty, usual }, value, act) {
   if (usual && options.length <= MOST_SIDE_BY_SIDE && !options.some(({ note }) => note)) return segmented({ label, value, options, act });
-  const all = usual || kind === 'which' ? options : [{ id: '', label: empty }, ...options];
+  const all = usual || options.some(({ id }) => !id) ? options : [{ id: '', label: empty }, ...options];
   return dropdown({ label, value, text: all.find(({ id }) => id === value)?.label, kind: 'field', options: all, act });
 }
 
