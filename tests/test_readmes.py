@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from keypose.app.cli.arguments import COMMANDS
 from keypose.sample_videos.make_pictures import GALLERY
 
 ROOT = Path(__file__).parents[1]
@@ -68,3 +69,9 @@ def test_its_gallery_is_what_the_script_makes_and_small() -> None:
 
 def test_the_first_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text("utf-8").split()) <= MOST_WORDS
+
+
+def test_its_commands_are_those_that_there_are() -> None:
+    text = (ROOT / "app" / "README.md").read_text("utf-8").partition("## What opens")[0]
+    listed = dict(re.findall(r"^\| `([a-z]+)` \| (.+) \|$", text, re.M))
+    assert listed == {name: summary for name, (_, summary) in COMMANDS.items()}
