@@ -8,13 +8,12 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
-from keypose.app.orders.values import Misread, Switch, Value
+from keypose.app.orders.values import Choice, Misread, Switch, Value, Whole
 from keypose.tracker.errors import FormatError
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -184,86 +183,6 @@ def host_name(text: str) -> str:
     return text.lower()
 
 
-def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
-    """A parser of whole numbers from `least` on, up to `most` where there is one."""
-    allowed = f"from {least} on" if most is None else f"from {least} to {most}"
-
-    def parse(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if number < least or (most is not None and number > most):
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number {allowed}")
-        return number
-
-    return parse
-
-
-def frames_asked(text: str) -> tuple[int, int]:
-    """First and last frame of a range such as 0-90; whether there are such frames is not asked."""
-    parse = whole_number(0)
-    first, dash, last = text.partition("-")
-    if not dash:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
-    return parse(first), parse(last)
-
-
-def names_of(*known: str) -> Callable[[str], tuple[str, ...]]:
-    """A parser of one or several of these names, with commas between; in their own order."""
-
-    def parse(text: str) -> tuple[str, ...]:
-        asked = [name.strip() for name in text.split(",")]
-        unknown = [name for name in asked if name not in known]
-        if unknown:
-            choices = f"choose from {', '.join(known)}"
-            raise argparse.ArgumentTypeError(f"invalid choice: {unknown[0]!r} ({choices})")
-        return tuple(name for name in known if name in asked)
-
-    return parse
-
-
-FASTEST_FPS = 1_000_000
-
-
-def add_taken(command: argparse.ArgumentParser) -> None:
-    """Add how a film was taken, where its file does not say so."""
-    command.add_argument(
-        "--recorded-fps",
-        metavar="N",
-        type=_recorded_rate,
-        help="frames a second at which it was recorded, such as 240 of slow motion, or at which a "
-        "folder's images were taken: times and speeds follow it, and the session keeps it; "
-        "default: the file's rate, 30 for images",
-    )
-    command.add_argument(
-        "--deinterlace",
-        choices=("yes", "no"),
-        help="whether frames that are marked interlaced are deinterlaced, which the session keeps; "
-        "default: yes",
-    )
-
-
-def taken_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return what was said of it, by the fields of the session's video."""
-    known = {"recorded_fps": arguments.recorded_fps}
-    if arguments.deinterlace is not None:
-        known["deinterlace"] = arguments.deinterlace == "yes"
-    return {name: value for name, value in known.items() if value is not None}
-
-
-def _recorded_rate(text: str) -> float:
-    try:
-        rate = float(Fraction(text)) if len(text) <= 16 and "e" not in text.lower() else 0.0
-    except (ValueError, ZeroDivisionError):
-        rate = 0.0
-    if not 0.001 <= rate <= FASTEST_FPS:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a rate from 0.001 to {FASTEST_FPS} frames a second"
-        )
-    return rate
-
-
 def add_work(command: argparse.ArgumentParser) -> None:
     """Add the options of work on a session's segments: where results go, how many at a time, how it
     is printed.
@@ -274,7 +193,7 @@ def add_work(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--workers",
         metavar="N",
-        type=whole_number(1),
+        type=typed(Whole(least=1)),
         default=1,
         help="segments to track at the same time; default: 1",
     )
@@ -337,7 +256,8 @@ def _how(one: Option) -> dict[str, Any]:
     names = getattr(one.value, "names", ())
     metavar = one.value.metavar or (f"{{{','.join(names)}}}" if names else None)
     repeated = {"action": "append"} if one.repeated else {}
-    return {"type": typed(one.value), "metavar": metavar, **repeated}
+    known = {"choices": names} if type(one.value) is Choice else {}  # for a shell to complete
+    return {"type": typed(one.value), "metavar": metavar, **known, **repeated}
 
 
 def _help(order: type, name: str, one: Option) -> str:
@@ -361,6 +281,6 @@ def order_of(order: type[OrderT], arguments: argparse.Namespace) -> OrderT:
     """The order that was given; FormatError for two options that mean the same."""
     options = options_of(order)
     all_given = {name: getattr(arguments, name, None) for name in options}
-    given = {n: value for n, value in all_given.items() if value is not None and value is not False}
+    given = {name: value for name, value in all_given.items() if value is not None}
     require_one_of_each_group(options, given, lambda name: _flag(name, options[name]))
     return order(**{name: tuple(v) if options[name].repeated else v for name, v in given.items()})

@@ -30,6 +30,7 @@ from keypose.app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskStarte
 from keypose.app.jobs.batch.task import Summary, Task
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
+from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 
@@ -160,7 +161,7 @@ def _tasks(
         done = str(session) in journal.done
         missing_only = arguments.only is not None or done
         threads = 1 if arguments.scheduler else max(1, workers // len(sessions))
-        how = (arguments.method, arguments.quality, missing_only, export, threads)
+        how = (order_of(TrackOrder, arguments), missing_only, export, threads)
         tasks.append(Task(session, *how))
     return tasks
 

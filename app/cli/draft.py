@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.arguments import (
-    taken_of,
+    order_of,
 )
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
@@ -21,6 +21,7 @@ from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
 from keypose.app.jobs.fits import DraftLeft, DraftReporter, drafted
+from keypose.app.orders.tracking import FilmTaken, said
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
@@ -52,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.overwrite:
         require_absent([place], error=SessionError)
     require_folder(arguments.out, error=SessionError)
-    taken = taken_of(arguments)
+    taken = said(order_of(FilmTaken, arguments))
     with Video.open(arguments.video, deinterlace=taken.get("deinterlace", True)) as video:
         session = as_taken(new_session(video, place), taken)
         if body is not None:

@@ -13,6 +13,7 @@ from keypose.app.cli.arguments import (
 from keypose.app.cli.outcome import track_and_save
 from keypose.app.document.new import path_from
 from keypose.app.jobs.rerun import require_trackable, with_settings
+from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import surface_of
@@ -29,7 +30,9 @@ def run(arguments: argparse.Namespace) -> int:
     require_trackable(session, arguments.session)
     surface = _surface(session, arguments)
     session = session.model_copy(update={"surface": surface})
-    return track_and_save(session, with_settings(session, None, arguments.quality), arguments)
+    return track_and_save(
+        session, with_settings(session, TrackOrder(quality=arguments.quality)), arguments
+    )
 
 
 def _usual_place(meshes: Path | None) -> Path:

@@ -15,13 +15,14 @@ from pathlib import Path
 
 from keypose.app.cli.arguments import (
     note,
+    order_of,
     session_file,
-    taken_of,
 )
 from keypose.app.document.defaults import read_defaults
 from keypose.app.document.library import Library, usual_folders
 from keypose.app.document.new import open_as_taken, open_with_reading
 from keypose.app.document.open import copy_session
+from keypose.app.orders.tracking import FilmTaken, said
 from keypose.app.server.addresses import bind, host_in_url, is_wildcard, reachable
 from keypose.app.server.links import Links
 from keypose.app.server.server import Server
@@ -79,7 +80,7 @@ def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
     """Return what to open, once its film or meshes are read as a person says."""
-    if taken := taken_of(arguments):
+    if taken := said(order_of(FilmTaken, arguments)):
         if path is None:
             raise KeyposeError("--recorded-fps and --deinterlace need a video or a session.")
 

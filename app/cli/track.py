@@ -5,19 +5,18 @@ from __future__ import annotations
 import argparse
 
 from keypose.app.cli.ahead import track_ahead_and_save
-from keypose.app.cli.arguments import (
-    taken_of,
-)
+from keypose.app.cli.arguments import order_of
 from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.editor.camera import as_taken
 from keypose.app.jobs.rerun import require_trackable, with_settings
+from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 
 
 def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
     """The session as the film was taken, which its file says too, unless a copy is tracked."""
-    if not (taken := taken_of(arguments)):
+    if not (taken := said(order_of(FilmTaken, arguments))):
         return session
     session = as_taken(session, taken)
     if arguments.out is None:
@@ -30,18 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     session = _as_taken(load_session(arguments.session), arguments)
     if arguments.ahead is None:
         require_trackable(session, arguments.session)
-    still = None if arguments.static_camera is None else arguments.static_camera == "yes"
-    asked = with_settings(
-        session,
-        arguments.method,
-        arguments.quality,
-        arguments.initial,
-        arguments.leave_out,
-        still,
-        arguments.cues,
-        arguments.network,
-        None if arguments.smooth is None else arguments.smooth == "yes",
-    )
+    asked = with_settings(session, order_of(TrackOrder, arguments))
     if arguments.ahead is not None:
         return track_ahead_and_save(session, asked, arguments)
     return track_and_save(session, asked, arguments)

@@ -17,11 +17,11 @@ from typing import Any
 from keypose.app.jobs import Report, Wanted
 from keypose.app.jobs.messages import Order
 from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.orders.tracking import TrackOrder, said
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session import results as saved
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
-from keypose.tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import (
     Results,
@@ -59,29 +59,15 @@ def _of_surfaces(session: Session, session_path: Path) -> str:
 _LACKING = ByEvidence({FilmEvidence: _of_film, SurfaceEvidence: _of_surfaces})
 
 
-def with_settings(
-    session: Session,
-    method: MethodName | None,
-    quality: Quality | None,
-    initial: Initial | None = None,
-    left_out: Sequence[str] | None = None,
-    static_camera: bool | None = None,
-    cues: Sequence[Cue] | None = None,
-    network: NetworkName | None = None,
-    smooth: bool | None = None,
-) -> Session:
+def with_settings(session: Session, order: TrackOrder) -> Session:
     """The session as it is to be tracked in this run; its file keeps its own settings.
 
-    BodyError where `left_out` names a part that the body has not.
+    BodyError where the order leaves out a part that the body has not.
     """
-    for name in left_out or ():
+    for name in order.left_out or ():
         session.body.index(name)
-    parts = None if left_out is None else tuple(left_out)
-    wanted: dict[str, object] = {"method": method, "quality": quality, "initial": initial}
-    wanted |= {"left_out": parts, "static_camera": static_camera}
-    wanted |= {"cues": None if cues is None else tuple(cues), "network": network, "smooth": smooth}
-    chosen = {name: value for name, value in wanted.items() if value is not None}
-    return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
+    settings = session.settings.model_copy(update=said(order))
+    return session.model_copy(update={"settings": settings})
 
 
 def require_trackable(session: Session, session_path: Path) -> None:

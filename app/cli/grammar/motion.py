@@ -16,16 +16,15 @@ from keypose.app.cli.arguments import (
     add_order,
     add_overwrite,
     add_session,
-    add_taken,
     add_work,
     file_name,
-    frames_asked,
     motion_formats,
-    names_of,
     session_file,
-    whole_number,
+    typed,
 )
 from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.tracking import FilmTaken, TrackOrder
+from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
     from keypose.tracker.reduction.result import Every, Tolerance
@@ -61,13 +60,13 @@ def add_draft(commands: Subcommands) -> None:
     command.add_argument(
         "--frame",
         metavar="N",
-        type=whole_number(0),
+        type=typed(Whole(least=0)),
         help="the frame of the box; default: the first frame to draft",
     )
     command.add_argument(
         "--frames",
         metavar="A-B",
-        type=frames_asked,
+        type=typed(FrameRange()),
         help="first and last frame to draft; default: all",
     )
     command.add_argument(
@@ -82,7 +81,7 @@ def add_draft(commands: Subcommands) -> None:
         type=_angle,
         help="along the picture's longer side; default: from the file, else of a usual lens",
     )
-    add_taken(command)
+    add_order(command, FilmTaken)
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
     )
@@ -130,66 +129,15 @@ def add_track(commands: Subcommands) -> None:
     )
     command = add_command(commands, "track", details, _TRACK_EXAMPLES)
     add_session(command)
-    of_session = "; default: the session's setting"
-    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
-    command.add_argument(
-        "--quality",
-        choices=("full", "preview"),
-        help=f"full, or less accurate and faster{of_session}",
-    )
-    command.add_argument(
-        "--initial",
-        choices=("auto", "templates", "import"),
-        help="initial guess of each segment: the best of all (auto), template matching of head, "
-        f"hands and feet, or an imported motion{of_session}",
-    )
-    command.add_argument(
-        "--leave-out",
-        metavar="PART",
-        action="append",
-        help=f"a part to exclude from template matching; can be repeated{of_session}",
-    )
-    command.add_argument(
-        "--static-camera",
-        choices=("yes", "no"),
-        help=f"whether the camera is static{of_session}, by default detected in the video",
-    )
-    command.add_argument(
-        "--cues",
-        metavar="CUE,…",
-        type=_cues,
-        help="what to track from: brightness, keypoints or both, and silhouette, separated by"
-        f" commas{of_session}. Keypoints need a person's body, silhouette needs a static "
-        "camera; the published method uses brightness alone",
-    )
-    command.add_argument(
-        "--network",
-        choices=("full", "heavy"),
-        help="network that finds keypoints: the bundled one (full), or a slower and more "
-        f"accurate one that `keypose models add heavy` adds{of_session}",
-    )
-    command.add_argument(
-        "--smooth",
-        choices=("yes", "no"),
-        help=f"whether the motion is smoothed in space as far as the video allows{of_session}",
-    )
+    add_order(command, TrackOrder)
     command.add_argument(
         "--ahead",
         choices=("forward", "backward", "both"),
         help="instead, follow the body on from the last keyframe, back from the first, or both, as "
         "far as it is seen well; one keyframe is enough. The poses become drafts of the session",
     )
-    add_taken(command)
+    add_order(command, FilmTaken)
     add_work(command)
-
-
-def _cues(text: str) -> tuple[str, ...]:
-    """Names of cues; the silhouette only judges the motion that the others lead to."""
-    cues = names_of("brightness", "keypoints", "silhouette")(text)
-    if cues == ("silhouette",):
-        words = "silhouette cannot track alone; add brightness or keypoints"
-        raise argparse.ArgumentTypeError(words)
-    return cues
 
 
 GOALS = (3, 5, 8, 12)
@@ -268,7 +216,7 @@ def add_reduce(commands: Subcommands) -> None:
     command.add_argument(
         "--frames",
         metavar="A-B",
-        type=frames_asked,
+        type=typed(FrameRange()),
         help="first and last frame to reduce; default: all",
     )
     command.add_argument(
@@ -298,7 +246,7 @@ def add_reduce(commands: Subcommands) -> None:
 def _every(text: str) -> Every:
     from keypose.tracker.reduction.result import Every
 
-    return Every(whole_number(1)(text))
+    return Every(typed(Whole(least=1))(text))
 
 
 def _tolerance(text: str) -> Tolerance:
@@ -431,11 +379,7 @@ def add_batch(commands: Subcommands) -> None:
         choices=("outdated",),
         help="track only segments whose results are missing, outdated or of a lower quality",
     )
-    of_session = "; each session's own when left out"
-    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
-    command.add_argument(
-        "--quality", choices=("full", "preview"), help=f"how much work{of_session}"
-    )
+    add_order(command, TrackOrder)
     command.add_argument(
         "--export",
         metavar="FORMAT[,FORMAT]",
@@ -456,7 +400,7 @@ def add_batch(commands: Subcommands) -> None:
     command.add_argument(
         "--workers",
         metavar="N",
-        type=whole_number(1, MOST_WORKERS),
+        type=typed(Whole(least=1, most=MOST_WORKERS)),
         help="sessions to track at the same time, one process each; default: one per core, "
         "with 2 GB of memory each",
     )

@@ -8,9 +8,10 @@ from keypose.app.cli.arguments import (
     add_order,
     add_output,
     add_session,
-    whole_number,
+    typed,
 )
 from keypose.app.orders.drawing import FilmOrder, PictureOrder, SheetOrder
+from keypose.app.orders.values import Whole
 
 _SHOT_EXAMPLES = """\
   keypose shot session.json --frame 40 --view main --out frame40.png
@@ -32,7 +33,7 @@ def add_shot(commands: Subcommands) -> None:
     command = add_command(commands, "shot", details, _SHOT_EXAMPLES)
     add_session(command)
     command.add_argument(
-        "--frame", metavar="N", type=whole_number(0), required=True, help="the frame to draw"
+        "--frame", metavar="N", type=typed(Whole(least=0)), required=True, help="the frame to draw"
     )
     add_order(command, PictureOrder)
     add_output(command, "FILE.png")

@@ -8,11 +8,13 @@ from keypose.app.cli.arguments import (
     Subcommands,
     add_command,
     add_json,
-    add_taken,
+    add_order,
     file_name,
     host_name,
-    whole_number,
+    typed,
 )
+from keypose.app.orders.tracking import FilmTaken
+from keypose.app.orders.values import Whole
 
 _OPEN_EXAMPLES = """\
   keypose open jump.mp4
@@ -38,7 +40,7 @@ def add_open(commands: Subcommands) -> None:
     command.add_argument(
         "--port",
         metavar="N",
-        type=whole_number(0, 65535),
+        type=typed(Whole(least=0, most=65535)),
         default=None,
         help="port to serve; default: 8090, or the next free one; 0: any free one",
     )
@@ -67,7 +69,7 @@ def add_open(commands: Subcommands) -> None:
         type=file_name,
         help="JSON file with the calibrated cameras of new meshes",
     )
-    add_taken(command)
+    add_order(command, FilmTaken)
     command.add_argument(
         "--host",
         default="127.0.0.1",

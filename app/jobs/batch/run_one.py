@@ -104,7 +104,7 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     session = load_session(task.session)
     require_trackable(session, task.session)
     session = _as_exported(session, task.session)
-    asked = with_settings(session, task.method, task.quality)
+    asked = with_settings(session, task.order)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     found = _Found([])
     if wanted:
@@ -213,6 +213,6 @@ def _summary(task: Task, found: _Found) -> Summary:
     if found.cancelled:
         return Summary(name, "interrupted", tracks=tracks, segments=summaries)
     state: State = "tracked" if found.tracks else "kept"
-    edited = bool(_missing(with_settings(now, task.method, task.quality), task.session))
+    edited = bool(_missing(with_settings(now, task.order), task.session))
     words = "Edited while it was tracked: some segments are out of date again." if edited else ""
     return Summary(name, state, words, tracks=tracks, segments=summaries)

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
-from keypose.tracker.session.settings import MethodName, Quality
+from keypose.app.orders.tracking import AS_SET, TrackOrder
+from keypose.tracker.session.settings import Quality
 
 State: TypeAlias = Literal["tracked", "kept", "failed", "open", "interrupted"]
 """kept: nothing was missing.  open: another Keypose has it, so it was left alone."""
@@ -27,13 +28,12 @@ class Export:
 class Task:
     """Track one session.
 
-    method, quality: the session's own when None.  missing_only: leave the segments alone that have
+    order: how.  missing_only: leave the segments alone that have
     a result which fits.  threads: segments side by side.
     """
 
     session: Path
-    method: MethodName | None = None
-    quality: Quality | None = None
+    order: TrackOrder = AS_SET
     missing_only: bool = False
     export: Export | None = None
     threads: int = 1

@@ -76,8 +76,8 @@ WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "two boxes": (("--box", "10,10,90,90"), AROUND, "--box is given twice"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
-    "frames that fall": (("--frames", "5-2"), AROUND, "within those of the video"),
-    "no range": (("--frames", "5"), AROUND, "not a range of frames"),
+    "frames that fall": (("--frames", "5-2"), AROUND, "are no frames such as 10-60"),
+    "no range": (("--frames", "5"), AROUND, "are no frames such as 10-60"),
     "no body": (("--body", "giant"), AROUND, "There is no body 'giant'"),
     "no angle": (("--field-of-view", "200"), AROUND, "not an angle"),
 }

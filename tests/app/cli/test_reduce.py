@@ -83,7 +83,7 @@ def test_one_keyframe_in_twenty_frames_where_nothing_else_is_asked_for(
         (["--every", "9", "--tolerance", "2cm"], "not allowed with argument"),
         (["--tolerance", "0cm"], "The tolerance must be at least 0.1 mm"),
         (["--tolerance", "1px,0.02m", "--frames", "70-99"], "The video has frames 0 to 72"),
-        (["--frames", "7"], "not a range of frames"),
+        (["--frames", "7"], "are no frames such as 10-60"),
         (["--frames", "30-32"], "There is no motion to reduce in these frames"),
         (["--from", "imported"], "No motion has been imported"),
         (["--limb", "tail"], "The body has no part 'tail'"),

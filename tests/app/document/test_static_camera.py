@@ -11,6 +11,7 @@ import pytest
 
 from keypose.app.document.new import new_session
 from keypose.app.jobs.rerun import with_settings
+from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.session import Session, TrackSettings
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.fingerprints import segment_keys
@@ -82,5 +83,5 @@ def test_the_session_of_a_film_that_shakes_is_begun_without(tmp_path: Path) -> N
 
 def test_a_run_may_choose_otherwise_and_the_session_keeps_its_own() -> None:
     of = session(None, True)
-    assert not with_settings(of, None, None, static_camera=False).has_static_camera
-    assert with_settings(of, None, None).settings.static_camera is None
+    assert not with_settings(of, TrackOrder(static_camera=False)).has_static_camera
+    assert with_settings(of, TrackOrder()).settings.static_camera is None

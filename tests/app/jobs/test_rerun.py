@@ -19,6 +19,7 @@ from keypose.app.jobs.batch.run_one import run_task
 from keypose.app.jobs.batch.task import Task
 from keypose.app.jobs.rerun import all_segments, rerun, save_found, with_settings
 from keypose.app.jobs.work import Job
+from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate
 from keypose.tracker.errors import SessionError
@@ -141,7 +142,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
         raise ZeroDivisionError
 
     path = copied(tmp_path / "box", (PIN,), quality="preview", smooth=True)
-    session = with_settings(load_session(path), None, "full")
+    session = with_settings(load_session(path), TrackOrder(quality="full"))
     with open_video_of(session, path) as video:
         given = (session, path, video, all_segments(session))
         reports = list(rerun(*given, workers=1, stop=Event()))
@@ -230,7 +231,10 @@ def test_with_nothing_found_nothing_is_written(tmp_path: Path) -> None:
 
 def test_settings_that_are_not_asked_for_stay_the_session_s_own(tmp_path: Path) -> None:
     session = load_session(cases.write_session(tmp_path))
-    assert with_settings(session, None, None) == session
-    assert with_settings(session, "paper", None).settings.method == "paper"
-    assert with_settings(session, "paper", None).settings.quality == session.settings.quality
-    assert with_settings(session, None, None, cues=["brightness"]).settings.cues == ("brightness",)
+    assert with_settings(session, TrackOrder()) == session
+    assert with_settings(session, TrackOrder(method="paper")).settings.method == "paper"
+    assert (
+        with_settings(session, TrackOrder(method="paper")).settings.quality
+        == session.settings.quality
+    )
+    assert with_settings(session, TrackOrder(cues=("brightness",))).settings.cues == ("brightness",)

@@ -20,6 +20,7 @@ from keypose.app.jobs.messages import Order
 from keypose.app.jobs.rerun import rerun
 from keypose.app.jobs.work import Job
 from keypose.app.orders.motion import MotionOrder
+from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
@@ -76,9 +77,9 @@ def test_only_what_a_change_made_outdated_is_tracked_and_comes_out_as_if_all_wer
 
 
 def test_a_lower_quality_does_not_fit_where_a_higher_one_is_asked_for(path: Path) -> None:
-    done(path, quality="preview")
-    assert done(path, missing_only=True, quality="full")[0].state == "tracked"
-    assert done(path, missing_only=True, quality="preview")[0].state == "kept"
+    done(path, order=TrackOrder(quality="preview"))
+    assert done(path, missing_only=True, order=TrackOrder(quality="full"))[0].state == "tracked"
+    assert done(path, missing_only=True, order=TrackOrder(quality="preview"))[0].state == "kept"
 
 
 def test_a_damaged_or_missing_tracks_file_is_tracked_again(path: Path) -> None:
@@ -93,7 +94,7 @@ def test_a_damaged_or_missing_tracks_file_is_tracked_again(path: Path) -> None:
 
 
 def test_the_method_is_of_this_run_only(path: Path) -> None:
-    summary, _ = done(path, method="paper")
+    summary, _ = done(path, order=TrackOrder(method="paper"))
     session = load_session(path)
     assert summary.state == "tracked"
     assert session.results is not None
@@ -160,7 +161,7 @@ def test_a_fault_of_the_program_fails_its_session_and_is_logged(
 def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_fit(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    done(path, quality="preview")
+    done(path, order=TrackOrder(quality="preview"))
     stop = Event()
 
     def stopped(order: Order, cancelled: Event, send: Callable[[Report], None]) -> Job:
@@ -174,7 +175,7 @@ def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_f
         return Job(order, cancelled, told)
 
     monkeypatch.setattr("keypose.app.jobs.rerun.Job", stopped)
-    summary, _ = done(path, stop, quality="full")
+    summary, _ = done(path, stop, order=TrackOrder(quality="full"))
     assert summary.state == "interrupted"
     assert [(s.first, s.quality) for s in summary.segments] == [(0, "full"), (4, "preview")]
 
