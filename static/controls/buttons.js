@@ -91,7 +91,7 @@ export function checkbox({ label, on, act, title = label, key = '', off = '', ro
   return html`<button
     type="button"
     role=${role}
-    class="cb ${on ? 'on' : ''} ${off ? 'off' : ''}"
+    class="row cb ${on ? 'on' : ''} ${off ? 'off' : ''}"
     aria-checked=${on}
     aria-disabled=${off ? 'true' : nothing}
     title=${off || title}

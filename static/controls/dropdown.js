@@ -95,7 +95,7 @@ class DropDown extends HTMLElement {
     const heading = option.group && option.group !== before?.group;
     return html`${heading ? html`<div class="mh">${option.group}</div>` : nothing}
       <div
-        class="mi ${i === this.at ? 'hov' : ''} ${option.off ? 'off' : ''}"
+        class="row mi ${i === this.at ? 'hov' : ''} ${option.off ? 'off' : ''}"
         role="option"
         aria-selected=${option.id === this.known.value}
         title=${option.off || nothing}

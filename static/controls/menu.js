@@ -200,7 +200,7 @@ function row(entry) {
 function choice(item) {
   const role = item.checked === undefined ? 'menuitem' : 'menuitemradio';
   return html`<button
-    class="mi ${item.kind ?? ''}"
+    class="row mi ${item.kind ?? ''}"
     role=${role}
     tabindex="-1"
     aria-checked=${item.checked ?? nothing}
@@ -230,7 +230,7 @@ function question({ icon: sign, label, ask, run }) {
     closeMenu();
     run(frame);
   };
-  return html`<div class="mi asks">${icon(sign)}<label for="tmenu-frame">${label}</label>
+  return html`<div class="row mi asks">${icon(sign)}<label for="tmenu-frame">${label}</label>
     <input id="tmenu-frame" inputmode="numeric" autocomplete="off" .value=${String(ask.value)}
       @input=${(event) => event.target.removeAttribute('aria-invalid')} />
     <button class="btn sm" @click=${answer}>${ask.answer}</button></div>`;

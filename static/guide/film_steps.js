@@ -35,7 +35,7 @@ export function lensCard() {
 
 /** @param {import('../actions/lens.js').Kind} kind */
 function kindButton(kind, isHere, i) {
-  return html`<button type="button" class="lens ${isHere ? 'on' : ''}" role="radio" aria-checked=${isHere}
+  return html`<button type="button" class="stack lens ${isHere ? 'on' : ''}" role="radio" aria-checked=${isHere}
     title=${kind.mm ? `${kind.label} (${i + 1})` : `Fitted with the first two keyframes (${i + 1})`} @click=${() => chooseKind(kind)}>
     <b>${icon(kind.icon)}${kind.label}</b><span>${kind.detail}</span>
   </button>`;

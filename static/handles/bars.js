@@ -26,7 +26,7 @@ import { drawBoxAt, sketchHint } from './sketch.js';
 
 export function headbar() {
   const name = largeView();
-  return html`<div class="glass" id="mhead">
+  return html`<div class="glass row" id="mhead">
     <span class="row b what name" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${VIEW_KEYS[name]}</kbd>${VIEW_NAMES[name]}</span>
     <span class="vsep"></span>
     ${poseStatus()}
@@ -124,7 +124,7 @@ export function footbars() {
 
 function frameBox() {
   const { frame } = server.view;
-  return html`<div class="glass" id="mfoot">
+  return html`<div class="glass row" id="mfoot">
     <span class="fr num">${frame}</span>
     <span class="num dim of">of ${server.file.frames - 1}<br />${clock(secondsAt(frame))}</span>
   </div>`;
@@ -143,7 +143,7 @@ function zoomBox() {
   const { width, height, scale } = view.window;
   const zoom = (factor) => view.zoomAt(width / 2, height / 2, factor);
   const film = view.name === 'main';
-  return html`<div class="glass" id="mzoom">
+  return html`<div class="glass row" id="mzoom">
     <button class="ib s" aria-label="Zoom out" title="Zoom out" @click=${() => zoom(1 / ZOOM_STEP)}>${icon('minus')}</button>
     <button class="btn ghost sm num z" title=${film ? 'One to one' : 'Pixels per metre'}
       @click=${() => film && zoom(1 / scale)}>${film ? `${Math.round(100 * scale)} %` : `${Math.round(scale)} px/m`}</button>
@@ -160,7 +160,7 @@ function sketchLine() {
   const isWarning = ui.tool === 'box' && smallWords() !== '';
   const name = isWarning ? 'warn' : HINT_ICONS[ui.tool];
   const place = ui.tool === 'box' ? 'low' : '';
-  return html`<div class="glass ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(name)}${hint}</div>`;
+  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(name)}${hint}</div>`;
 }
 
 export function draftbar() {
@@ -169,7 +169,7 @@ export function draftbar() {
   const nobody = nobodyWords();
   const person = personWords();
   const at = nobody && boxFrameFor(draft);
-  return html`<div class="glass ${nobody || person ? 'lacking' : ''}" id="mdraft" role="status">
+  return html`<div class="glass row ${nobody || person ? 'lacking' : ''}" id="mdraft" role="status">
     ${icon(nobody || person ? 'warn' : 'check')}
     <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`} ${person}</span>
     ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}

@@ -17,7 +17,7 @@ const TOOLS = /** @type {const} */ (['select', 'rotate', 'move', 'ends', 'size']
 const PAN_KEY = 'Space'; // while it is down, whatever the tool
 
 export function toolbar() {
-  return html`<div class="glass" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools" @keydown=${walk}>
+  return html`<div class="glass stack" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools" @keydown=${walk}>
     ${TOOLS.map((id) => toolButton(id, keyOf(id)))}
     <hr />
     ${toolButton('pan', PAN_KEY)}
@@ -50,7 +50,7 @@ const LEARNT = 'keypose.orbited';
 export function freebar() {
   const view = viewNamed('free');
   const { camera } = view.habits;
-  return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
+  return html`<div class="glass row" id="mdisp" role="group" aria-label="Display">
     ${toggle('ghosts')}${toggle('trail')}
     <button class="ib s" data-toggle="film" aria-label="Film camera" aria-pressed=${camera}
       @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip" aria-hidden="true">Film camera</span></button>
@@ -63,7 +63,7 @@ export function freebar() {
 /** How to turn the view, until somebody did for the first time. */
 export function orbitHint() {
   if (inBrowser.read(LEARNT)) return nothing;
-  return html`<div class="glass low" id="morbit" role="status">${icon('rot')}<span>Right-drag to orbit
+  return html`<div class="glass row low" id="morbit" role="status">${icon('rot')}<span>Right-drag to orbit
     <span class="mut">· right-click a part for its menu</span></span></div>`;
 }
 
@@ -88,7 +88,7 @@ export function onSlide(fn) {
 export function displaybar() {
   if (ui.layout === 'free') return freebar();
   const quad = ui.layout === 'quad';
-  return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
+  return html`<div class="glass row" id="mdisp" role="group" aria-label="Display">
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
@@ -165,7 +165,7 @@ function setOpacity(value) {
 
 export function tintbar() {
   if (!server.surface) return nothing;
-  return html`<div class="glass" id="mtint" role="group" aria-label="Colours of the surface">
+  return html`<div class="glass stack" id="mtint" role="group" aria-label="Colours of the surface">
       <div class="seg">${server.surface.tints.map(choice)}</div>
       ${legend()}
     </div>

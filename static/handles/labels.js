@@ -97,7 +97,7 @@ function drawName(view) {
   if (!over?.named || over.view !== view.name || ui.dragging) return nothing;
   const { x, y } = over.at;
   const left = x + 150 > view.el.clientWidth;
-  return html`<div class="flt name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">
+  return html`<div class="flt row name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">
     ${over.side ? html`<span class="dot" style="background:var(--b${over.side})"></span>` : nothing}${over.label}${over.which ? html` <span class="mut">${over.which}</span> <kbd>Tab</kbd>` : nothing}
   </div>`;
 }

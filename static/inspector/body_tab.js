@@ -122,7 +122,7 @@ export function freedom() {
 }
 
 function freedoms(part, wordy) {
-  return html`<div class="free ${part.name === server.view.selected && !wordy ? 'sel' : ''}">
+  return html`<div class="listrow free ${part.name === server.view.selected && !wordy ? 'sel' : ''}">
       ${partName(part)}${toggles(part, TURNS, wordy)}
     </div>
     ${part.parent ? nothing : place(part, wordy)}`;
@@ -130,7 +130,7 @@ function freedoms(part, wordy) {
 
 /** Only the root may move as well as turn. */
 function place(part, wordy) {
-  return html`<div class="free"><span class="mut indent">Position</span>${toggles(part, MOVES, wordy)}</div>`;
+  return html`<div class="listrow free"><span class="mut indent">Position</span>${toggles(part, MOVES, wordy)}</div>`;
 }
 
 function toggles(part, dofs, wordy) {
@@ -241,7 +241,7 @@ function link() {
 /** Fit the sizes to the images of all keyframes; surfaces have none. */
 function fitSizesRow() {
   if (isSurface()) return nothing;
-  return html`<div class="fitsizes">
+  return html`<div class="row fitsizes">
     ${actionButton('fitSizes')}
     ${checkbox({
       label: 'With focal length', on: fitsFocal(), act: (on) => setUi('fitFocal', on),
@@ -253,7 +253,7 @@ function fitSizesRow() {
 /** A row per part with its two leading sizes; while left and right change together, one for both. */
 function table() {
   return html`<div class="sizes" role="group" aria-label="Sizes in centimetres">
-    <div class="size dim head"><span>Part</span><span>Length</span><span>Width</span></div>
+    <div class="listrow size dim head"><span>Part</span><span>Length</span><span>Width</span></div>
     ${rows().map(row)}
   </div>`;
 }
@@ -282,7 +282,7 @@ function rowOfPair(one, other) {
 
 function row(part) {
   const both = server.view.link && Boolean(part.mirror);
-  return html`<div class="size ${part.name === server.view.selected ? 'sel' : ''}">
+  return html`<div class="listrow size ${part.name === server.view.selected ? 'sel' : ''}">
     ${partName(part, both)}${leading(part).map((one) => {
       const spec = sizeSpec(part, one);
       return numberField({ ...spec, title: `${part.label}, ${spec.label.toLowerCase()}: drag sideways or type` });

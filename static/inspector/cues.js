@@ -36,7 +36,7 @@ function jointRow(point) {
     openKeypointMenu(point, frame, [left, bottom]);
   };
   const mark = (joint) => () => setUi('keypointHover', joint);
-  return html`<button type="button" class="kp ${unsure(point) ? 'unsure' : ''}" aria-haspopup="menu"
+  return html`<button type="button" class="listrow kp ${unsure(point) ? 'unsure' : ''}" aria-haspopup="menu"
     title=${`${point.label}: put back or ignore here. Drag its ring to correct it`}
     @click=${open} @contextmenu=${open} @mouseenter=${mark(point.joint)} @mouseleave=${mark(null)}
     @focus=${mark(point.joint)} @blur=${mark(null)}>
@@ -64,7 +64,7 @@ function mask(one, index) {
   const here = one.first <= server.view.frame && server.view.frame <= one.last;
   const change = (fields) => ({ do: 'change_mask', index, ...fields });
   return html`<div
-    class="mask ${here ? 'here' : ''} ${index === ui.mask ? 'sel' : ''}"
+    class="listrow mask ${here ? 'here' : ''} ${index === ui.mask ? 'sel' : ''}"
     title=${here ? 'Holds at this frame' : `Does not hold at frame ${server.view.frame}`}
   >
     <button

@@ -57,7 +57,7 @@ function places() {
   if (all.length === 0) return nothing;
   return html`<div class="places" role="group" aria-label="Places to confirm">
     <h3 aria-level="2">To confirm: correct the pose there, then press K</h3>
-    ${all.map((place, i) => html`<button type="button" class="place ${place.frame === server.view.frame ? 'sel' : ''}"
+    ${all.map((place, i) => html`<button type="button" class="listrow place ${place.frame === server.view.frame ? 'sel' : ''}"
       title=${`${reasonOf(place)}. Go to frame ${place.frame}`} @click=${() => (stopPlaying(), goTo(place.frame))}>
       <i class="num">${i + 1}</i><span class="cut">${reasonOf(place)}</span><span class="num dim">${place.frame}</span>
     </button>`)}

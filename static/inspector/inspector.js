@@ -45,7 +45,7 @@ let shownSelected = null;
 export function mount() {
   const inspector = document.getElementById('insp');
   const room = document.createElement('div');
-  room.className = 'insp-room';
+  room.className = 'insp-room stack';
   inspector.append(room);
   addDrawer(inspector);
   room.addEventListener('mousedown', keepKeysWithTheFrame);

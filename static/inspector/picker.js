@@ -156,7 +156,7 @@ function row(part, look) {
   return html`<button
     type="button"
     role="treeitem"
-    class="${look.selected ? 'sel' : ''} ${look.hovered ? 'hov' : ''}"
+    class="row ${look.selected ? 'sel' : ''} ${look.hovered ? 'hov' : ''}"
     tabindex=${look.first ? 0 : -1}
     aria-selected=${look.selected}
     title=${part.label}
@@ -191,7 +191,7 @@ export function picker() {
   const person = isPerson(server.body);
   return html`<div class="pick ${person ? '' : 'listed'}">
     <div class="fig" @keydown=${walk}>${person ? figure(server.body, faceOf) : tree(server.body, faceOf)}</div>
-    <div class="inf">${part ? about(part) : nothingSelected()}
+    <div class="stack inf">${part ? about(part) : nothingSelected()}
       <span class="sp"></span>
       <span class="row walk">${part ? steps() : nothing}<span class="sp"></span>${byName()}</span>
     </div>

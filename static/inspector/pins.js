@@ -55,7 +55,7 @@ function named(pin, kind) {
   const inside = pin.first <= server.view.frame && server.view.frame <= pin.last;
   return html`<svg class=${`swatch ${pin.side} ${kind}`} width="14" height="10" aria-hidden="true">
       ${svg`<rect x="0.75" y="0.75" width="12.5" height="8.5" rx="3" />`}</svg>
-    <button type="button" class="name" title=${`Go to frame ${pin.first}${kind && ', proposed'}`} aria-current=${inside ? 'true' : nothing}
+    <button type="button" class="row name" title=${`Go to frame ${pin.first}${kind && ', proposed'}`} aria-current=${inside ? 'true' : nothing}
       @click=${() => showPin(pin, inside ? server.view.frame : pin.first)}>
       <span class="cut">${pin.label}</span><span class="mut num">${framesOf(pin)}</span></button>
     <span class="sp"></span>`;

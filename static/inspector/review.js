@@ -103,7 +103,7 @@ function drawRow(list, row) {
     <button type="button" class="rv-go" title=${`Go to frame ${row.frame}`} @click=${() => visit(row.id)}>
       <frame-crop aria-hidden="true" .spec=${row}></frame-crop>
       <span class="rv-what">
-        <span class="rv-name"><i class="dot" style="background:var(--${row.side})"></i><b class="cut">${row.label}</b><span class="num">${row.frame}</span></span>
+        <span class="row rv-name"><i class="dot" style="background:var(--${row.side})"></i><b class="cut">${row.label}</b><span class="num">${row.frame}</span></span>
         <span class="num rv-size">${answer ? html`<span class="said">${icon('check')}${SAID[answer]}</span>` : row.size || (row.kind === 'draft' ? 'to confirm' : 'size not known')}</span>
         <span class="rv-why cut">${row.reason}</span>
       </span>

@@ -9,14 +9,14 @@ import { setUi, ui } from '../store/state.js';
 /** A titled block; right: what stands at the right end of its heading. */
 export function section(title, body, right = nothing) {
   return html`<section class="sec" aria-label=${title}>
-    <div class="hd"><span class="cut">${title}</span><span class="sp"></span>${right}</div>
+    <div class="row hd"><span class="cut">${title}</span><span class="sp"></span>${right}</div>
     ${body}
   </section>`;
 }
 
 /** The name of a part with the colour of its side; a click selects it. `both`: it stands for its pair. */
 export function partName(part, both = false) {
-  return html`<button type="button" class="name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+  return html`<button type="button" class="row name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
     <span class="dot ${both ? 'both' : ''}" style="background:var(--${part.side})"></span>
     <span class="cut">${both ? part.short : part.label}</span>
   </button>`;

@@ -33,7 +33,7 @@ function row({ part: name, frame, px, cm }) {
   const share = clamp(px / FULL_PX, 0, 1);
   return html`<button
     type="button"
-    class="error ${name === server.view.selected ? 'sel' : ''}"
+    class="listrow error ${name === server.view.selected ? 'sel' : ''}"
     title=${`Largest at frame ${frame}. Select ${label.toLowerCase()} and go there`}
     @click=${() => visit(name, frame)}
   >

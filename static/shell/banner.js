@@ -63,7 +63,7 @@ function banner() {
 /** It stirs while one drags: what is done shows only when the line is back. */
 function noLine() {
   const pulse = ui.dragging ? 'pulse' : '';
-  return html`<div class="banner lost ${pulse}" role="alert">
+  return html`<div class="row banner lost ${pulse}" role="alert">
     ${icon('warn')}<span>${ui.line === 'ended' ? isTurnedAway() : isAway()}</span>
   </div>`;
 }
@@ -90,7 +90,7 @@ function waitingEdits() {
 /** Edits from before the connection was lost, which cannot simply be sent to this server. */
 function notSent({ client, why, file, count: many }) {
   const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent.`;
-  return html`<div class="banner check" role="alert">
+  return html`<div class="row banner check" role="alert">
     ${icon('warn')}<span><b>${edits}</b> ${WHY_NOT_SENT[why](file)}</span>
     ${UNSENT_BUTTON[why]?.(client, file) ?? nothing}
     <button class="btn sm" @click=${() => discard(client)}>Discard</button>
@@ -112,7 +112,7 @@ const button = (label, act) => html`<button class="btn sm" @click=${act}>${label
 
 /** In a narrow window, where the top bar has no room for it. */
 function notSaved(words) {
-  return html`<div class="banner lost" role="alert">
+  return html`<div class="row banner lost" role="alert">
     ${icon('lost')}<span><b>Not saved.</b> ${words}</span>
     ${button('Try again', () => send({ do: 'save_again' }))}
   </div>`;
@@ -130,7 +130,7 @@ function flat() {
 }
 
 function dismissible(sign, words, dismiss) {
-  return html`<div class="banner check" role="alert">
+  return html`<div class="row banner check" role="alert">
     ${icon(sign)}<span>${words}</span>
     <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${dismiss}>${icon('x')}</button>
   </div>`;

@@ -139,7 +139,7 @@ function group({ title, lines }) {
     <h3>${title}</h3>
     ${lines.map(
       ({ words, keys }) =>
-        html`<div class="kl"><span>${words}</span>${keys.map((chord) => html`<kbd>${spell(chord)}</kbd>`)}</div>`,
+        html`<div class="row kl"><span>${words}</span>${keys.map((chord) => html`<kbd>${spell(chord)}</kbd>`)}</div>`,
     )}
   </div>`;
 }

@@ -46,7 +46,7 @@ function dialog() {
   at = Math.min(at, Math.max(0, entries.length - 1));
   const isAll = ui.search === 'All';
   const grouped = isAll && !query.trim();
-  return html`<div class="in palette" @keydown=${onKey}>
+  return html`<div class="in stack palette" @keydown=${onKey}>
     <div class="row ask">${icon('find')}<input type="text" role="combobox" aria-expanded="true" aria-autocomplete="list"
         aria-controls="search-list" aria-activedescendant=${entries.length ? `search-${at}` : nothing} aria-label="Search commands"
         placeholder=${isAll ? 'Search commands, parts, settings, notes, or type a frame' : `Search ${ui.search.toLowerCase()}s`} autocomplete="off" spellcheck="false" maxlength="80" autofocus
@@ -62,7 +62,7 @@ function dialog() {
 
 function row(entry, i) {
   const { title, off, key, on, more, side, icon: sign, kind } = entry;
-  return html`<div class="hit ${i === at ? 'hov' : ''} ${off ? 'off' : ''}" role="option" id=${`search-${i}`}
+  return html`<div class="row hit ${i === at ? 'hov' : ''} ${off ? 'off' : ''}" role="option" id=${`search-${i}`}
     aria-selected=${i === at} aria-disabled=${off ? 'true' : nothing}
     @pointermove=${() => point(i)} @click=${() => choose(entry)}>
     ${side ? html`<span class="dot" style=${`background:var(--${side})`}></span>` : sign ? icon(sign) : html`<span class="i"></span>`}

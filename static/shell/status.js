@@ -84,21 +84,21 @@ function hintsNow() {
   return canPin ? [...hints, [keyOf('pin'), `pin or unpin the ${selectedPart().short.toLowerCase()}`]] : hints;
 }
 
-const hint = (keys, words) => html`<span class="h"><kbd>${keys}</kbd>${words}</span>`;
+const hint = (keys, words) => html`<span class="row h"><kbd>${keys}</kbd>${words}</span>`;
 
 function tabs() {
   if (!server.tabs) return nothing;
-  return html`<span class="h">${icon('tabs')}${count(server.tabs, 'tab')} open</span>`;
+  return html`<span class="row h">${icon('tabs')}${count(server.tabs, 'tab')} open</span>`;
 }
 
 function connection() {
   if (ui.connected) {
-    return html`<span class="h"
+    return html`<span class="row h"
       ><i class="dot" style="background:var(--good)"></i>Connected
       <span class="dim num">${location.host}</span></span
     >`;
   }
   const waiting = backlog() ? ` ${count(backlog(), 'edit')} waiting` : '';
   const words = `${ui.line === 'ended' ? 'Not connected.' : 'Reconnecting…'}${waiting}`;
-  return html`<span class="h lostlink" role="status">${icon('warn')}${words}</span>`;
+  return html`<span class="row h lostlink" role="status">${icon('warn')}${words}</span>`;
 }

@@ -36,7 +36,7 @@ function dialog() {
   const folders = isSearch ? [] : ui.place?.folders ?? [];
   const isTop = !isSearch && ui.place?.way.length === 0;
   const files = isTop ? newest(kind) : sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
-  return html`<div class="in" @keydown=${onKey}>
+  return html`<div class="in stack" @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
       <input
@@ -96,7 +96,7 @@ function up() {
 
 function columns() {
   const { by, down } = ui.fileSort ?? { by: 'name', down: false };
-  const column = ([id, label]) => html`<button class="fcol ${id}" aria-pressed=${by === id} title="Sort by ${label.toLowerCase()}"
+  const column = ([id, label]) => html`<button class="row fcol ${id}" aria-pressed=${by === id} title="Sort by ${label.toLowerCase()}"
     @click=${() => setUi('fileSort', { by: id, down: by === id ? !down : id !== 'name' })}>
     ${label}${by === id ? html`<span class="dir ${down ? '' : 'turned'}">${icon('chev')}</span>` : nothing}
   </button>`;

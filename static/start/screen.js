@@ -47,7 +47,7 @@ function content() {
   const recents = recentSessions();
   return html`<div class="card ${recents === nothing ? 'alone' : ''}">
     <div>${dropZone()}${samples()}${privacyNote()}</div>
-    ${recents === nothing ? nothing : html`<div class="recents">${recents}</div>`}
+    ${recents === nothing ? nothing : html`<div class="stack recents">${recents}</div>`}
     <div class="how">
       ${STEPS.map(([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`)}
     </div>
@@ -58,7 +58,7 @@ function content() {
 const SAMPLE_TITLES = { walk: 'Try a walk', balance: 'Try a balance beam', arms: 'Try surfaces' };
 
 function dropZone() {
-  return html`<div class="dz ${ui.dropping ? 'over' : ''}">
+  return html`<div class="stack dz ${ui.dropping ? 'over' : ''}">
     ${PICTURE}
     <h1>Drop a video here</h1>
     <p class="mut">

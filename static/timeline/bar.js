@@ -56,11 +56,11 @@ function drawSuggestion() {
   if (!confirmation() && proposedPins().length) return drawProposals();
   if (!confirmation() && contradictions().length) return drawContradictions();
   const suggest = confirmation() ?? server.suggest;
-  if (!suggest) return html`<div class="sug none"></div>`;
+  if (!suggest) return html`<div class="row sug none"></div>`;
   const { title, words } = server.job ?? {};
   const atWork = isUnderWay(suggest);
   const shown = atWork ? { title, detail: words } : { title: suggest.title, detail: detailOf(suggest) };
-  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
+  return html`<div class=${`row sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
     <span class="tx"><b>${shown.title}</b> <span class="mut">${shown.detail}</span></span>
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
@@ -72,7 +72,7 @@ const detailOf = ({ kind, detail, ahead }) =>
 
 /** New sizes wait for an answer before anything else. */
 function newSizes() {
-  return html`<div class="sug preview" role="status">${icon('size')}
+  return html`<div class="row sug preview" role="status">${icon('size')}
     <span class="tx"><b>New sizes fit better.</b> <span class="mut">${outdatedWords()}</span></span>
     <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button></div>`;
 }
@@ -82,14 +82,14 @@ function reviewing(row) {
   const away = isElsewhere();
   const asked = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
   const title = away ? `In review: frame ${row.frame}` : asked;
-  return html`<div class="sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
+  return html`<div class="row sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
     <span class="tx"><b>${title}</b> <span class="mut">${away ? row.label : 'Enter accepts, drag corrects.'}</span></span>
     ${primary('acceptPlace', labelOf('acceptPlace'))}${primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')}</div>`;
 }
 
 /** The review was closed before its end. */
 function interrupted() {
-  return html`<div class="sug" role="status">${icon('flag')}
+  return html`<div class="row sug" role="status">${icon('flag')}
     <span class="tx"><b>Review: ${placesToReview().length} left</b></span>
     <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
     <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button></div>`;
@@ -99,7 +99,7 @@ function interrupted() {
 function drawProposals() {
   const title = `${count(proposedPins().length, 'pin')} proposed.`;
   const why = `The ${proposedWord()} still in these frames.`;
-  return html`<div class="sug proposed" role="status" title=${`${title} ${why}`}>
+  return html`<div class="row sug proposed" role="status" title=${`${title} ${why}`}>
     ${icon('anchor')}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>
     <button class="btn sm ghost" title=${titleOf('dismissPins')} @click=${() => perform('dismissPins')}>${labelOf('dismissPins')}</button>
     <button class="btn sm pri" @click=${() => perform('acceptPins')}>${labelOf('acceptPins')}</button></div>`;
@@ -117,7 +117,7 @@ function proposedWord() {
 function drawContradictions() {
   const [{ words }] = contradictions();
   const title = `Pins contradict ${count(contradicted().length, 'keyframe')}.`;
-  return html`<div class="sug look" role="status" title=${`${title} ${words}`}>
+  return html`<div class="row sug look" role="status" title=${`${title} ${words}`}>
     ${icon('warn')}<span class="tx"><b>${title}</b> <span class="mut">${words}.</span></span>
     <button class="btn sm pri" title=${titleOf('softKeys')} @click=${() => perform('softKeys')}>${labelOf('softKeys')}</button></div>`;
 }
@@ -160,12 +160,12 @@ function counts() {
 }
 
 function drawCount(number, state) {
-  if (number === 0) return html`<span class="count ${state}"></span>`;
+  if (number === 0) return html`<span class="row count ${state}"></span>`;
   const word = state === 'check' ? 'to check' : state;
   const inside = html`${icon(VERDICTS[state].sign)}${number}<span class="word"> ${word}</span>`;
   const words = `${number} ${word}`;
-  if (state === 'good') return html`<span class="count good" title=${words}>${inside}</span>`;
-  return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
+  if (state === 'good') return html`<span class="row count good" title=${words}>${inside}</span>`;
+  return html`<button class=${`row count ${state}`} aria-label=${`${words}, go to the next`}
     title=${titleOf('nextProblem', state)} data-key=${keyOf('nextProblem')}
     @click=${() => perform('nextProblem', state)}>${inside}</button>`;
 }
@@ -174,7 +174,7 @@ function drawCount(number, state) {
 function notes() {
   const { length } = server.notes ?? [];
   if (length === 0) return nothing;
-  return html`<button class="count noted" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
+  return html`<button class="row count noted" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
     @click=${() => perform('notes')}>${icon('note')}${length}</button>`;
 }
 
@@ -192,7 +192,7 @@ function right() {
 
 function frameBox() {
   const digits = String(lastFrame()).length;
-  return html`<label class="fbox" title="Type a frame, or +5 and -5">
+  return html`<label class="row fbox" title="Type a frame, or +5 and -5">
     ${icon('film', 'width:14px;color:var(--t3)')}
     <input aria-label="Frame" inputmode="numeric" autocomplete="off" spellcheck="false"
       style=${`width:${Math.max(2, digits)}ch`} @focus=${(event) => event.target.select()}

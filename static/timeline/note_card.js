@@ -45,7 +45,7 @@ function follow() {
 
 function draw(text) {
   const left = LONGEST - text.length;
-  render(html`<div class="menu notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus @keydown=${onKey}>
+  render(html`<div class="menu stack notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus @keydown=${onKey}>
     <div class="row"><span class="i14">${icon('note')}</span><b>Note at frame ${open.frame}</b><span class="sp"></span>
       <span class="dim num" aria-live="polite">${left <= LONGEST - NEARLY_FULL ? `${left} left` : nothing}</span></div>
     <textarea rows="3" maxlength=${LONGEST} aria-label="Note" placeholder="Left empty, it is a flag"

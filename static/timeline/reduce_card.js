@@ -51,7 +51,7 @@ function put() {
 
 function card() {
   const { first, last, source, busy, limbs } = server.reduction;
-  return html`<div class="menu reducecard" role="dialog" aria-label="Reduce to keyframes">
+  return html`<div class="menu stack reducecard" role="dialog" aria-label="Reduce to keyframes">
     <div class="row"><span class="i14">${icon('mid')}</span><b>Reduce to keyframes</b><span class="sp"></span>
       <span class="dim num">${SOURCES[source]} ${range(first, last)}</span></div>
     ${goal()}

@@ -57,7 +57,7 @@ export function mount() {
 }
 
 function frameOf() {
-  return html`<div id="tr" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
+  return html`<div id="tr" class="row" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
