@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array
@@ -154,6 +153,8 @@ def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verd
 
 def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict:
     """Judge by how far the body is from covering what moves, and nothing else."""
+    from scipy.ndimage import median_filter  # scipy: loads longer than a page needs to start
+
     beside = median_filter(mismatch.excess, BESIDE_FRAMES, mode="nearest")
     beside[[0, -1]] = 0.0
     found = [run for run in runs(beside > BESIDE_BODY) if run[1] - run[0] + 1 >= SHORTEST_RUN]
