@@ -31,14 +31,15 @@ export const usualOf = (options) => Object.fromEntries(options.map(({ name, usua
  * @param {Record<string, Further>} [further]  By the names of options.
  */
 export function orderFields(options, values, change, further = {}) {
-  return options.map((one) => {
+  const needed = options.filter(({ name }) => further[name]?.needed);
+  return [...needed, ...options.filter((one) => !needed.includes(one))].map((one) => {
     const more = further[one.name] ?? {};
     if (more.out) return nothing;
     const known = { ...one, ...more };
     const set = (text) => change({ [one.name]: text });
     const chosen = known.options?.find(({ id }) => id === values[one.name]);
     const note = [chosen?.note, known.note].filter(Boolean).join('; ');
-    const content = more.field ? more.field() : (FIELDS[known.kind] ?? text)(known, values[one.name], set);
+    const content = more.field ? more.field() : (known.options ? choice : (FIELDS[known.kind] ?? text))(known, values[one.name], set);
     return field(one.label, content, note);
   });
 }
@@ -69,7 +70,7 @@ const toggle = ({ label, labels }, value, act) => segmented({
   label, value: value || 'false', act, options: [{ id: 'false', label: labels[0] }, { id: 'true', label: labels[1] }],
 });
 
-const FIELDS = { range, choice, view: choice, size: choice, which: choice, switch: toggle };
+const FIELDS = { range, switch: toggle };
 
 /**
  * What is wrong with the values, a sentence, or ''.
@@ -89,11 +90,12 @@ export function whyNotOrder(options, values, count, further = {}) {
   return '';
 }
 
+const FAR = 1e5; // bounds beyond are not worth saying
 const isWhole = (word) => /^\d{1,9}$/.test(word.trim());
 
 function bounds({ label, least, most, unit }) {
-  const upTo = most === null ? `from ${least} on` : `from ${least} to ${most}`;
-  return `${label} is a number ${upTo}${unit ? ` ${unit}` : ''}.`;
+  const upTo = most === null || most >= FAR ? ` from ${least} on` : ` from ${least} to ${most}`;
+  return `${label} is a number${least <= -FAR ? '' : upTo}${unit ? ` ${unit}` : ''}.`;
 }
 
 const isWithin = ({ least, most }, value) => value >= least && value <= (most ?? Infinity);

@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Locator
 
 from keypose.tracker.body.skeleton import Skeleton
+from tests.app.server.test_imports import sleap
 from tests.browser.interaction import until
 from tests.browser.shared import Desk, desk
 from tests.tracker.formats import recordings
@@ -49,7 +50,7 @@ def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
     start = sheet.get_by_label("Start frame")
     start.fill("first")
     start.blur()
-    shown(sheet, "The start frame is a whole number")
+    shown(sheet, "Start frame is a whole number")
     button = sheet.get_by_role("button", name="Import", exact=True)
     assert button.is_disabled()
     start.fill("")
@@ -78,11 +79,22 @@ def test_a_name_that_is_not_known_is_given_its_place_on_the_body(work: Desk) -> 
     listen = page.expect_request(lambda sent: sent.method == "POST" and "/imports/" in sent.url)
     with listen as sent:
         sheet.get_by_role("button", name="Import", exact=True).click()
-    assert sent.value.post_data_json["places"] == {"Paw_1": "left_foot"}
+    assert sent.value.post_data_json["places"] == ["Paw_1=left_foot"]
     until(lambda: not sheet.is_visible(), "the end of the dialog")
     until(lambda: work.served["undo"]["undo"] == "import", "a step to undo")
     work.visitor.do(do="undo")
     until(lambda: work.served["undo"]["undo"] is None, "the session as it was")
+
+
+def test_of_several_individuals_one_is_chosen(work: Desk) -> None:
+    drop(work, "mice.csv", sleap("anna", "bert"))
+    sheet = work.page.locator("#importing")
+    shown(sheet, "Choose: Individual.")
+    sheet.get_by_label("Individual:").click()
+    work.page.get_by_role("option", name="bert").click()
+    until(sheet.get_by_role("button", name="Import", exact=True).is_enabled, "an order")
+    work.page.keyboard.press("Escape")
+    until(lambda: not sheet.is_visible(), "the end of the dialog")
 
 
 def test_what_cannot_be_imported_is_said_in_the_dialog_which_asks_for_another(work: Desk) -> None:

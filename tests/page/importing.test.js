@@ -37,7 +37,7 @@ test('what cannot be ordered is said in a sentence', () => {
   assert.match(whyNotBegin(KEYPOINTS, { offset_frames: 'x' }, 9), /whole number/);
   assert.match(whyNotBegin(MOTION, { fps: '0' }, 100), /Rate/);
   assert.match(whyNotBegin(KEYPOINTS, { frames: '0, 100' }, 100), /no frame 100.*is 99/);
-  assert.match(whyNotBegin(KEYPOINTS, { every: '0' }, 100), /from 1 to/);
+  assert.match(whyNotBegin(KEYPOINTS, { every: '0' }, 100), /from 1 on/);
   assert.match(whyNotBegin(KEYPOINTS, { every: '9', frames: '0, 3' }, 100), /leave one empty/);
 });
 
