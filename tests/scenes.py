@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeVar
 
 from keypose.app.document.library import Library
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import Report
+from keypose.app.jobs.job import Job, Report
 from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
@@ -40,6 +40,9 @@ async def opened_store(path: Path, *, ends: bool = True) -> AsyncIterator[Store]
             await store.stop()
 
 
+Asked = TypeVar("Asked", bound=Job)
+
+
 class IdleWorker:
     """Stands for the worker: takes orders, and says what the test says."""
 
@@ -48,13 +51,16 @@ class IdleWorker:
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
         self.report = report
         self.cancelled = 0
-        self.jobs = 0
+        self.jobs: list[Job] = []
         type(self).newest = self
 
-    def job(self) -> int:
-        """The number of a new job."""
-        self.jobs += 1
-        return self.jobs
+    def start(self, job: Job) -> int:
+        self.jobs.append(job)
+        return len(self.jobs)
+
+    def of(self, kind: type[Asked]) -> list[Asked]:
+        """The jobs of a kind that were begun."""
+        return [job for job in self.jobs if isinstance(job, kind)]
 
     def cancel(self) -> None:
         self.cancelled += 1

@@ -20,7 +20,7 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
-from keypose.app.jobs.fits import DraftLeft, DraftReporter, drafted
+from keypose.app.jobs.draft import DraftReporter, drafted
 from keypose.app.orders.tracking import FilmTaken, said
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
@@ -30,6 +30,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import session_json
 from keypose.tracker.storage.sidecars import save_keypoints
+from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 
 DONE, INTERRUPTED = 0, 130
@@ -66,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         require_draftable(session, at, box, frames)
         try:
             draft, network = _drafted(session, video, at, box, frames, arguments.json)
-        except DraftLeft:
+        except Cancelled:
             print("Interrupted: nothing was written.", file=sys.stderr)
             return INTERRUPTED
         make_folder(arguments.out, error=SessionError)

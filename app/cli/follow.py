@@ -12,15 +12,17 @@ from typing import Any, TypeAlias
 
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import set_when_interrupted
-from keypose.app.jobs import JobFinished, PassFinished, Report, SegmentFinished
+from keypose.app.jobs.job import Finished
 from keypose.app.jobs.rerun import all_segments, rerun
+from keypose.app.jobs.track import Found, found_in
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.pool import PassFinished, SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
-Send: TypeAlias = Callable[[Report], None]
+Send: TypeAlias = Callable[[Found], None]
 Places: TypeAlias = Mapping[Span, int]
 """Of every segment, its number among all."""
 
@@ -48,11 +50,13 @@ def follow(session: Session, session_path: Path, video: Video, workers: int, as_
     with set_when_interrupted(stop), _reporter(session, as_json) as send:
         try:
             for report in rerun(*given, workers=workers, stop=stop):
-                if isinstance(report, SegmentFinished):
-                    finished[report.result.span] = report.result
-                if isinstance(report, JobFinished):
+                found = found_in(report)
+                if isinstance(report, Finished):
                     cancelled = report.cancelled
-                _send_or_stop(send, report, stop)
+                if isinstance(found, SegmentFinished):
+                    finished[found.result.span] = found.result
+                if found is not None:
+                    _send_or_stop(send, found, stop)
         except KeyboardInterrupt:
             return Run(_in_order(finished), interrupted=True)
         except KeyposeError as error:
@@ -60,7 +64,7 @@ def follow(session: Session, session_path: Path, video: Video, workers: int, as_
     return Run(_in_order(finished), interrupted=cancelled)
 
 
-def _send_or_stop(send: Send, report: Report, stop: threading.Event) -> None:
+def _send_or_stop(send: Send, report: Found, stop: threading.Event) -> None:
     try:
         send(report)
     except OSError:  # nobody listens any more
@@ -83,7 +87,7 @@ def _reporter(session: Session, as_json: bool) -> Iterator[Send]:
         yield lambda report: _line(report, places)
 
 
-def _line(report: Report, places: Places) -> None:
+def _line(report: Found, places: Places) -> None:
     """One quiet line for each finished segment, for logs."""
     if isinstance(report, SegmentFinished):
         track = report.result
@@ -104,11 +108,11 @@ def _bar(session: Session) -> Iterator[Send]:
     done: dict[Span, float] = {}
     with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 
-        def send(report: Report) -> None:
+        def send(report: Found) -> None:
             if isinstance(report, PassFinished):
                 share = min((report.number + 1) / max(report.of, 1), 1.0)  # numbers start at 0
                 done[report.result.span] = (report.result.last - report.result.first) * share
-            elif isinstance(report, SegmentFinished) and not report.result.missing:
+            elif not report.result.missing:
                 done[report.result.span] = report.result.last - report.result.first
             bar.n = min(round(sum(done.values())), total)
             bar.refresh()
@@ -123,11 +127,11 @@ class _JsonReporter:
         self._places = places
         self._begun: set[Span] = set()
 
-    def send(self, report: Report) -> None:
+    def send(self, report: Found) -> None:
         if isinstance(report, PassFinished):
             self._begin(report.result.span)
             print_json(self._passed(report))
-        elif isinstance(report, SegmentFinished):
+        else:
             self._begin(report.result.span)
             print_json(self._finished(report.result))
 

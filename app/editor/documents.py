@@ -157,3 +157,13 @@ def with_times(doc: Session, times_s: Array) -> Session:
     return with_poses(
         doc, lambda pose: pose.model_copy(update={"time_s": float(times_s[pose.frame])})
     )
+
+
+def unchanged(old: tuple[Any, ...] | None, new: tuple[Any, ...]) -> bool:
+    """Compare by identity what is large and immutable, by value plain numbers and words."""
+    if old is None or len(old) != len(new):
+        return False
+    return all(
+        a is b or (isinstance(a, int | float | str) and a == b)
+        for a, b in zip(old, new, strict=True)
+    )

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
-from keypose.app.jobs.messages import PassFinished, Report, SegmentFinished, Started
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.results import Span
+from keypose.tracker.tracking.pool import PassFinished, SegmentFinished
 
 COST = {"preview": 1.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""
 KNOWN_SHARE, KNOWN_SECONDS = 0.1, 1.0
 """Before so much is done, and so long has passed, the time that is left is not known."""
 
+Wanted: TypeAlias = tuple[int, int, str]
+"""First frame, last frame and key of a segment to track."""
 Step = tuple[Span, Quality]
 
 
 @dataclass(frozen=True)
-class Progress:
-    """Shares of a job's steps (a segment at one quality) that are done. Immutable.
+class Shares:
+    """Those of a job's steps (a segment at one quality) that are done. Immutable.
 
     started_at, now: any clock in seconds, the same one throughout.
     given: the share of the whole job that was there when it began: a fit may go on.
@@ -31,28 +34,25 @@ class Progress:
     given: float = 0.0
 
     @classmethod
-    def of(cls, started: Started, now: float) -> Progress:
+    def of(cls, wanted: Sequence[Wanted], stages: Sequence[Quality], now: float) -> Shares:
         """Nothing is done yet."""
         weights = {
             ((first, last), quality): (last - first) * COST[quality]
-            for first, last, _ in started.wanted
-            for quality in started.stages
+            for first, last, _ in wanted
+            for quality in stages
         }
         return cls(now, weights)
 
-    def after(self, report: Report) -> Progress:
-        """Add what a report tells."""
-        if isinstance(report, PassFinished):
-            # a segment may take more passes than expected, and is not done before it is judged
-            share = min((report.number + 1) / (report.of + 1), 0.95)
-            step = (report.result.span, report.result.quality)
-            after = self._with(step, share)
-            if report.unit == "pass" or step in self.shares:
-                return after
-            return replace(after, given=after.given + after.share - self.share)
-        if isinstance(report, SegmentFinished):
-            return self._with((report.result.span, report.result.quality), 1.0)
-        return self
+    def after(self, event: PassFinished | SegmentFinished) -> Shares:
+        """Add what tracking tells."""
+        step = (event.result.span, event.result.quality)
+        if isinstance(event, SegmentFinished):
+            return self._with(step, 1.0)
+        # a segment may take more passes than expected, and is not done before it is judged
+        after = self._with(step, min((event.number + 1) / (event.of + 1), 0.95))
+        if not _is_of_surfaces(event) or step in self.shares:
+            return after
+        return replace(after, given=after.given + after.share - self.share)
 
     @property
     def share(self) -> float:
@@ -61,23 +61,30 @@ class Progress:
         done = sum(share * self.weights.get(step, 0.0) for step, share in self.shares.items())
         return done / total if total else 1.0
 
-    @property
-    def percent(self) -> int:
-        return int(100 * self.share)
-
-    def percent_of(self, span: Span) -> int:
+    def share_of(self, span: Span) -> float:
         """Return the share of one segment, all its stages together."""
         weights = {step: weight for step, weight in self.weights.items() if step[0] == span}
         done = sum(self.shares.get(step, 0.0) * weight for step, weight in weights.items())
-        return int(100 * done / sum(weights.values())) if weights else 0
+        return done / sum(weights.values()) if weights else 0.0
 
     def seconds_left(self, now: float) -> float | None:
         """Extrapolate as if the rest went as fast as what is done; None while that says little."""
         return seconds_left(now - self.started_at, self.share, self.given)
 
-    def _with(self, step: Step, share: float) -> Progress:
+    def _with(self, step: Step, share: float) -> Shares:
         reached = max(share, self.shares.get(step, 0.0))
         return replace(self, shares={**self.shares, step: reached})
+
+
+def words_of(event: PassFinished) -> str:
+    """Such as "pass 3 of 8"."""
+    unit = "step" if _is_of_surfaces(event) else "pass"
+    return f"{unit} {event.number + 1} of {max(event.of, event.number + 1)}"
+
+
+def _is_of_surfaces(event: PassFinished) -> bool:
+    """Of surfaces the steps of time that are done are counted."""
+    return event.result.steps == ("fit",)
 
 
 def seconds_left(elapsed: float, share: float, given: float = 0.0) -> float | None:

@@ -14,9 +14,10 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from keypose.app.jobs import Report, Wanted
-from keypose.app.jobs.messages import Order
-from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.jobs.job import Context, Finished, Report
+from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.track import Track
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.app.orders.tracking import TrackOrder, said
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
@@ -32,7 +33,7 @@ from keypose.tracker.storage.results import (
     tidy_tracks,
 )
 from keypose.tracker.storage.space import solved
-from keypose.tracker.tracking.pool import stream
+from keypose.tracker.tracking.pool import Cancelled, stream
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
@@ -100,20 +101,20 @@ def rerun(
     `stop` set by the caller ends it within one pass; what is finished has been reported by then.
     The first error is raised last, for it does not stop the other segments.
     """
-    content = session.model_copy(update={"results": None}).model_dump_json().encode()
-    path, stages = str(video.info.path), (session.settings.quality,)
-    order = Order(1, content, path, tuple(wanted), stages, str(session_path.parent))
+    stages = (session.settings.quality,)
+    job = Track.of(session, video.info.path, wanted, stages, session_path.parent)
 
     def work(send: Callable[[Report], None]) -> None:
-        job, worker_cache = Job(order, stop, send), WorkerCache()
+        worker_cache = WorkerCache()
         try:
             with ThreadPoolExecutor(workers) as threads:
-                job.run(worker_cache, threads)
+                job.run(Context(1, worker_cache, threads, stop.is_set, send))
+            send(Finished(1))
+        except Cancelled:
+            send(Finished(1, cancelled=True))
         finally:
             with suppress(KeyposeError, OSError):
                 worker_cache.close()
-        if job.error is not None:
-            raise job.error
 
     with closing(stream(work, stop)) as reports:  # other sessions of a batch share `stop`
         yield from reports

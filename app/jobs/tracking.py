@@ -4,41 +4,17 @@ from it."""
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from keypose.app.jobs.messages import (
-    Cancel,
-    FitOrder,
-    Fitted,
-    JobFailed,
-    JobFinished,
-    Learned,
-    Order,
-    Pause,
-    Ready,
-    Report,
-    SpaceOrder,
-    Wanted,
-    Warming,
-)
+from keypose.app.jobs.job import Failed, Finished, Job, Report, Warming
 from keypose.app.jobs.process import WorkerProcess
-from keypose.tracker.session import Session
-from keypose.tracker.session.settings import Quality
-from keypose.tracker.storage.stretches import SegmentRun
+from keypose.app.jobs.worker import Cancel, Order, Pause
 
 WARM_AFTER_S = 2.0
 """The page that a person waits for comes first; the worker takes as long to load as the server."""
-
-LIVE: tuple[Quality, ...] = ("preview", "full")
-"""The stages while a person poses: something to see at once, then what is meant."""
-
-_DIED = "Tracking stopped unexpectedly; what was finished is kept, track again."
-_DIED_SOLVING = "Smoothing stopped unexpectedly; the motion is as it was tracked."
-_DIED_FITTING = "Fitting stopped unexpectedly; everything is as it was, fit again."
 
 
 class Tracking:
@@ -54,67 +30,29 @@ class Tracking:
         self._loop = loop
         self._worker: WorkerProcess | None = None
         self._last_job = 0
-        self._open: dict[int, str] = {}
-        """Jobs that have not ended, with what is said should the worker die."""
+        self._open: dict[int, Job] = {}
+        """Those that have not ended."""
         self._warming: Warming | None = None
         self._closed = False
         loop.call_soon_threadsafe(loop.call_later, WARM_AFTER_S, self._warm_up)
 
-    def start(
-        self,
-        session: Session,
-        video_path: Path,
-        wanted: Sequence[Wanted],
-        stages: Sequence[Quality] = ("full",),
-        folder: Path | None = None,
-    ) -> int:
-        """Track these segments, in this order, at one quality after another; the job's number.
+    def start(self, job: Job) -> int:
+        """Begin a job; its number.
 
-        folder: of the session's file, which may have an imported motion beside it.
-
-        Ends a job that is at work. Every job ends in one JobFinished or JobFailed; one that has to
-        wait until the worker is ready receives a Warming of its own.
+        Ends a job that is at work. Every job ends in one Finished or Failed; one that has to wait
+        until the worker is ready receives a Warming of its own.
         """
-        job = self._begin(_DIED)
-        content = _only_needed(session, wanted).model_dump_json().encode()
-        place = "" if folder is None else str(folder)
-        self._ensure_worker().send(
-            Order(job, content, str(video_path), tuple(wanted), tuple(stages), place)
-        )
-        return job
-
-    def fit(self, order: FitOrder) -> int:
-        """Fit a pose or the sizes, draft a clip or track ahead; the job's number, which takes the
-        place of the order's own.
-
-        Ends a job that is at work, as tracking does. Ends in one Fitted, or as other jobs do.
-        """
-        job = self._begin(_DIED_FITTING)
-        self._ensure_worker().send(replace(order, job=job))
-        return job
-
-    def solve_space(self, session: Session, stretches: Sequence[SegmentRun]) -> int:
-        """Solve for the motion in space of these stretches; the job's number.
-
-        Ends a job that is at work. Every job ends in one JobFinished or JobFailed.
-        """
-        job = self._begin(_DIED_SOLVING)
-        content = session.model_copy(update={"drafts": (), "results": None}).model_dump_json()
-        self._ensure_worker().send(SpaceOrder(content.encode(), tuple(stretches), job))
-        return job
-
-    def _begin(self, died: str) -> int:
-        """The number of one more job."""
         if self._closed:
             raise RuntimeError("tracking is closed")
         self._last_job += 1
-        self._open[self._last_job] = died
+        self._open[self._last_job] = job
         if self._warming is not None:
             self._loop.call_soon(self._report, replace(self._warming, job=self._last_job))
+        self._ensure_worker().send(Order(self._last_job, job))
         return self._last_job
 
     def cancel(self) -> None:
-        """Leave the newest job within one pass; it then ends with JobFinished(cancelled=True)."""
+        """Leave the newest job within one pass; it then ends with a cancelled Finished."""
         if self._worker is not None and self._last_job in self._open:
             self._worker.send(Cancel(self._last_job))
 
@@ -160,11 +98,11 @@ class Tracking:
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
-        if isinstance(report, JobFinished | JobFailed | Fitted | Learned):
+        if isinstance(report, Finished | Failed):
             self._open.pop(report.job, None)
-        if isinstance(report, Warming | Ready):
+        elif isinstance(report, Warming):
             report = replace(report, job=self.job)
-            self._warming = report if isinstance(report, Warming) else None
+            self._warming = report if report.words else None
         self._report(report)
 
     def _on_died(self, worker: WorkerProcess) -> None:
@@ -174,14 +112,5 @@ class Tracking:
         self._worker = self._warming = None
         worker.stop()
         jobs, self._open = self._open, {}
-        for job, words in jobs.items():
-            self._report(JobFailed(job, words))
-
-
-def _only_needed(session: Session, wanted: Sequence[Wanted]) -> Session:
-    """The session without what these segments do not need: it is read anew for every job."""
-    frames = {frame for first, last, _ in wanted for frame in (first, last)}
-    if session.model_keyframe is not None:  # its surface moves with the body, everywhere
-        frames.add(session.model_keyframe.frame)
-    keyframes = tuple(k for k in session.keyframes if k.frame in frames)
-    return session.model_copy(update={"keyframes": keyframes, "drafts": (), "results": None})
+        for number, job in jobs.items():
+            self._report(Failed(number, job.died))

@@ -6,23 +6,34 @@ import os
 import signal
 import traceback
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from threading import Condition, Event, Lock, Thread
 
-from keypose.app.jobs.messages import (
-    AnyOrder,
-    Cancel,
-    FitOrder,
-    JobFinished,
-    Order,
-    PassFinished,
-    Pause,
-    Ready,
-    Report,
-    SpaceOrder,
-    Warming,
-)
+from keypose.app.jobs.job import Context, Finished, Job, Report, Warming, do
 from keypose.app.jobs.wire import receive, send
+
+
+@dataclass(frozen=True)
+class Order:
+    """A job, which is called by its number from then on."""
+
+    job: int
+    asked: Job
+
+
+@dataclass(frozen=True)
+class Cancel:
+    """Leave a job within one pass."""
+
+    job: int
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Pause during a drag (`on`), or continue: each pass waits, though not for long."""
+
+    on: bool
 
 
 class LatestOrder:
@@ -30,10 +41,10 @@ class LatestOrder:
 
     def __init__(self) -> None:
         self._changed = Condition()
-        self._waiting: AnyOrder | None = None
+        self._waiting: Order | None = None
         self._at_work: tuple[int, Event] | None = None
 
-    def put(self, order: AnyOrder) -> AnyOrder | None:
+    def put(self, order: Order) -> Order | None:
         """Put down a new order, which cancels the one at work; the order it takes the place of."""
         with self._changed:
             replaced, self._waiting = self._waiting, order
@@ -42,7 +53,7 @@ class LatestOrder:
             self._changed.notify()
             return replaced
 
-    def cancel(self, job: int) -> AnyOrder | None:
+    def cancel(self, job: int) -> Order | None:
         """Cancel a job, if it is here; its order, where work on it had not begun."""
         with self._changed:
             waiting = self._waiting
@@ -53,7 +64,7 @@ class LatestOrder:
                 self._at_work[1].set()
             return None
 
-    def take(self) -> tuple[AnyOrder, Event]:
+    def take(self) -> tuple[Order, Event]:
         """Wait for an order and take it up; the event is set when it is to be left."""
         with self._changed:
             self._at_work = None
@@ -98,17 +109,17 @@ class Worker:
         except (EOFError, OSError):
             os._exit(0)  # whatever is at work is of no use to anyone now
 
-    def _handle(self, message: AnyOrder | Cancel | Pause) -> None:
+    def _handle(self, message: Order | Cancel | Pause) -> None:
         if isinstance(message, Pause):
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
-        if isinstance(message, Order | FitOrder | SpaceOrder):
+        if isinstance(message, Order):
             dropped = self._latest.put(message)
         else:
             dropped = self._latest.cancel(message.job)
         if dropped is not None:
-            self._send(JobFinished(dropped.job, cancelled=True))
+            self._send(Finished(dropped.job, cancelled=True))
 
     def _work(self) -> None:
         try:
@@ -124,25 +135,22 @@ class Worker:
 
         self._send(Warming("Getting the tracker ready." if is_warm() else preparing_words()))
         warm()
-        self._send(Ready())
+        self._send(Warming(""))
 
     def _take_orders(self) -> None:
-        from keypose.app.jobs.fits import FitJob
-        from keypose.app.jobs.work import Job, WorkerCache, solve_order
+        from keypose.app.jobs import fit_pose  # noqa: F401 — loads what every fit stands on
+        from keypose.app.jobs.worker_cache import WorkerCache
 
         worker_cache = WorkerCache()
         with ThreadPoolExecutor(THREADS) as threads:
             while True:
                 order, cancelled = self._latest.take()
-                if isinstance(order, Order):
-                    Job(order, cancelled, self._send).run(worker_cache, threads)
-                elif isinstance(order, SpaceOrder):
-                    solve_order(order, cancelled, self._send)
-                else:
-                    FitJob(order, cancelled, self._send).run(worker_cache)
+                given = (worker_cache, threads, cancelled.is_set, self._send, self._hold)
+                do(order.asked, Context(order.job, *given))
+
+    def _hold(self) -> None:
+        self._may_go_on.wait(LONGEST_PAUSE_S)
 
     def _send(self, report: Report) -> None:
-        if isinstance(report, PassFinished):
-            self._may_go_on.wait(LONGEST_PAUSE_S)
         with self._sending:
             send(self._connection, report)

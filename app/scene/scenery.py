@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from keypose.app.editor.documents import unchanged
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import view_rotations
 from keypose.app.scene.scene import Scenery, Trail
 from keypose.app.scene.viser_compat import Role
-from keypose.app.store.sections.json_value import unchanged
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.rotations import Array

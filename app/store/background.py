@@ -8,17 +8,19 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from keypose.app.document.open import OpenSession
-from keypose.app.editor.drafted import near_frames, newly_posed, with_learned
+from keypose.app.editor.documents import unchanged
+from keypose.app.editor.drafted import newly_posed
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.jobs.job import Ended, Finished
+from keypose.app.jobs.learn import LearnDrafts, Learned
 from keypose.app.store.runner import Runner
-from keypose.app.store.sections.json_value import unchanged
 from keypose.app.store.state import KnownKeypoints, StateOwner
 from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -207,7 +209,7 @@ class DraftLearner:
         self._runner = runner
         self._host = host
         self._waiting: frozenset[int] = frozenset()
-        self._found: tuple[Session, Learned] | None = None
+        self._found: tuple[LearnDrafts, EditorState, Learned] | None = None
         self._announced = False
 
     def closed(self) -> None:
@@ -223,34 +225,24 @@ class DraftLearner:
         opened, edit = self._host.opened, self._host.app_state.edit
         if opened is None or edit is None or edit.stroke is not None:
             return
-        if self._found is not None:
-            self._take(edit)
-            return
         around = self._waiting.intersection(edit.keys)
-        if not around:
-            return
-        doc, folder = edit.doc, str(opened.session_path.absolute().parent)
-        content = near_frames(doc, around).model_dump_json().encode()
-        order = LearnOrder(content, str(opened.video.info.path), tuple(sorted(around)), folder)
-        self._runner.learn(order, lambda found: self._on_end(doc, around, found))
+        if self._found is not None:
+            self._take(*self._found)
+        elif around:
+            job = LearnDrafts.of(opened, edit, around)
+            self._runner.follow(job, lambda end: self._on_end(job, edit, end))
 
-    def _on_end(self, doc: Session, around: frozenset[int], found: Learned | None) -> None:
-        self._waiting -= around
-        if found is not None:
-            self._found = doc, found
+    def _on_end(self, job: LearnDrafts, began: EditorState, end: Ended) -> None:
+        self._waiting -= {*job.around}
+        if isinstance(end, Finished) and not end.cancelled:
+            self._found = job, began, end.result
         self.go_on()
 
-    def _take(self, edit: EditorState) -> None:
-        assert self._found is not None
-        (used, found), self._found = self._found, None
-        try:
-            after = with_learned(edit, used, found.poses)
-        except KeyposeError:
-            return  # drafts that cannot be stay as they are
-        if after is edit or after.doc.drafts == edit.doc.drafts:
-            return
-        self._host.show_learned(after)
-        if not self._announced:
-            self._announced = True
-            words = f"{len(found.poses)} drafts learned from your keyframe and were moved."
-            self._host.note("info", words)
+    def _take(self, job: LearnDrafts, began: EditorState, found: Learned) -> None:
+        self._found = None
+        with suppress(KeyposeError):  # drafts that cannot be stay as they are
+            after, words = job.taken(found, began, self._host.app_state)
+            self._host.take(after)
+            if words and not self._announced:
+                self._announced = True
+                self._host.note("info", words)

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, unchanged
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.importing import DraftImport, Import, MotionImport
 from keypose.app.orders.imports import LEAST_TRACKED
-from keypose.app.store.sections.json_value import unchanged
 from keypose.app.words.imports import note_words
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session

@@ -8,12 +8,12 @@ from typing import Protocol, TypedDict, Unpack
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import ReduceOrder
+from keypose.app.jobs.fit_pose import FitOutcome
+from keypose.app.jobs.fit_sizes import SizesPreview
+from keypose.app.jobs.reduce import ReduceMotion, ReductionPreview
 from keypose.app.store.fitter import Fitter
-from keypose.app.store.previews import REDUCTION_WAITING as REDUCTION_WAITING
-from keypose.app.store.previews import WAITING, ReductionPreview, SizesPreview
 from keypose.app.store.saving import WriteLock
-from keypose.app.store.state import FitOutcome, StateOwner
+from keypose.app.store.state import StateOwner
 
 
 class Shown(TypedDict, total=False):
@@ -50,9 +50,9 @@ class Proposals:
     def require_none(self) -> None:
         """Refused while one waits."""
         if self._host.app_state.preview is not None:
-            raise ActionRefused(WAITING)
+            raise ActionRefused("Apply or discard the new sizes first.")
         if self._host.app_state.reduction is not None:
-            raise ActionRefused(REDUCTION_WAITING)
+            raise ActionRefused("Apply or discard the keyframes of the reduction first.")
 
     def answer_sizes(self, action: actions.Previewing) -> None:
         """Apply or discard new sizes, or choose whether poses change with them."""
@@ -73,10 +73,10 @@ class Proposals:
         known = self._host.app_state.reduction
         if known is None:
             self.require_none()
-        order = self._fitter.ask(action).order
-        assert isinstance(order, ReduceOrder)
-        asked = known.asking(action, order.found) if known else None
-        self._change(reduction=asked or ReductionPreview(action, order.found), fit=None)
+        job = self._fitter.ask(action)
+        assert isinstance(job, ReduceMotion)
+        shown = known.reduction if known else None  # stays until the other is known
+        self._change(reduction=ReductionPreview(action, job.found, shown), fit=None)
 
     def answer_reduction(self, action: actions.ApplyReduction | actions.DiscardReduction) -> None:
         """Apply or discard the keyframes that were found."""

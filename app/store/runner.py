@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias
 
@@ -12,67 +11,36 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.advice import why_nothing_to_do
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import (
-    AheadOrder,
-    Drafted,
-    Drafting,
-    DraftOrder,
-    FitOrder,
-    Fitted,
-    FollowedAhead,
-    FollowingAhead,
-    JobFailed,
-    JobFinished,
-    Learned,
-    LearnOrder,
-    PassFinished,
-    PoseFitted,
-    Progress,
-    Ready,
-    Reduced,
-    ReduceOrder,
-    Reducing,
-    Report,
-    SegmentFinished,
-    SizesFitted,
-    SpaceSolved,
-    Started,
-    Tracking,
-    Wanted,
-    Warming,
-    seconds_left,
-)
-from keypose.app.store.state import Job, Running
-from keypose.app.words.jobs import (
-    Ending,
-    closing_words,
-    drafting_progress,
-    following_progress,
-    spans_text,
-)
+from keypose.app.jobs.ahead import Following
+from keypose.app.jobs.job import Ended, Failed, Finished, Job, JobState, Progress, Report, Warming
+from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.space import SolveSpace
+from keypose.app.jobs.track import Track, Tracked
+from keypose.app.jobs.tracking import Tracking
+from keypose.app.store.state import Running
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
-from keypose.tracker.session.verdict import worst_of
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage.results import Results, Span, segment_keys
-from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.tracking.pool import SegmentFinished
 
 What: TypeAlias = Literal["this", "changed", "all"]
-OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed | JobFinished], None]
-FitKind: TypeAlias = Literal["fit", "draft", "ahead", "reduce"]
+OnEnd: TypeAlias = Callable[[Ended], None]
 
-_FIT_KINDS: Mapping[type[FitOrder], FitKind] = {
-    DraftOrder: "draft", AheadOrder: "ahead", ReduceOrder: "reduce",
-}  # fmt: skip
-"""Those that know how far they are."""
 SECONDS_TO_LEAVE = 3.0
 """A pass, or a step of time, takes less."""
+
+
+def _ignore(_: Ended) -> None:
+    """Nobody waits for the end."""
 
 
 class Runner:
     """One job at a time. `notify` is called after each report; its flag: a segment is done.
 
-    A fit goes before tracking: what is at work, and what is asked for meanwhile, waits for it and
-    is resumed, as it is posed then, by `resume`.
+    What a person waits for goes before tracking: what is at work, and what is asked for meanwhile,
+    waits for it and is resumed, as it is posed then, by `resume`. What follows by itself begins
+    where nothing is at work, and ends with whatever is asked for.
     """
 
     def __init__(
@@ -80,24 +48,22 @@ class Runner:
     ) -> None:
         self._notify = notify
         self._tracking = Tracking(self._on_report, loop)
-        self._number = self._newest = 0
-        self._past = 0
-        self._began = 0.0
-        self._wanted: dict[Span, str] = {}
+        self._jobs: dict[int, Job] = {}
+        """Of this session, those that have not ended."""
+        self._number = 0
+        self._on_end: OnEnd = _ignore
+        self._track: Track | None = None
         self._keep: tuple[str, ...] = ()
         self._stages: tuple[Quality, ...] = ()
-        self._verbs = ("", "")
-        self._fit_done: OnFitEnd | None = None
+        self._fitting = self._has_begun = False
         self._waiting: frozenset[Span] = frozenset()
         self._interrupted: frozenset[Span] = frozenset()
         self._unsolvable: frozenset[str] = frozenset()
-        self._ended = Job()
-        self._learned: Callable[[Learned | None], None] = lambda found: None
-        self._progress: Progress | None = None
+        self._before = JobState()
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
-        self.following: FollowingAhead | None = None
-        self.job = Job()
+        self.following: Following | None = None
+        self.job = JobState()
 
     # --- called by the store
 
@@ -108,9 +74,8 @@ class Runner:
     def closed(self) -> None:
         """No session is open any more; what a job still reports does not count."""
         self._tracking.cancel()
-        self._past = self._newest
-        self._number, self._fit_done, self._waiting = 0, None, frozenset()
-        self.running, self.results, self.job = {}, None, Job()
+        self._jobs, self._number, self._fitting, self._waiting = {}, 0, False, frozenset()
+        self.running, self.results, self.job = {}, None, JobState()
         self.following = None
 
     def stop(self) -> None:
@@ -120,7 +85,7 @@ class Runner:
     def changed(self, opened: OpenSession | None, edit: EditorState) -> None:
         """The document changed: what has no keyframes any more is tracked no further; with live on,
         what it made outdated is tracked at once."""
-        if self.running and self._fit_done is None and not {*self.running} & {*edit.doc.spans}:
+        if self.running and not self._fitting and not {*self.running} & {*edit.doc.spans}:
             self._tracking.cancel()  # keyframes are gone: nothing is left of what is tracked
         if not edit.display.live or opened is None or not edit.doc.spans:
             return
@@ -138,21 +103,19 @@ class Runner:
             raise ActionRefused(f"All segments are {done} and up to date.")
         self._start(opened, edit.doc, wanted, (edit.doc.settings.quality,))
 
-    def fit(self, order: FitOrder, title: str, on_end: OnFitEnd) -> None:
-        """Fit; `on_end` receives its outcome, unless it is dropped or replaced before."""
-        if self._fit_done is None:
+    def fit(self, job: Job, on_end: OnEnd) -> None:
+        """Do what a person waits for; `on_end` receives its end, unless it is dropped or replaced
+        before."""
+        if not self._fitting:
             self._waiting = frozenset(self.running)
-            self._interrupted = frozenset(self._wanted) if self.running else frozenset()
+            at_work = self._track.spans if self._track is not None and self.running else ()
+            self._interrupted = frozenset(at_work)
         if self.job.kind == "space":  # which it ends, and which is asked for again after it
             self._unsolvable = frozenset()
-        self._fit_done = on_end
-        self._number = self._newest = self._tracking.fit(order)
-        self._progress = None
-        self._began = time.monotonic()
+        self._fitting = True
         self.running = dict.fromkeys(self._waiting, Running())
         words = "tracking continues after it" if self._waiting else ""
-        self.job = Job("running", title, words, kind=_FIT_KINDS.get(type(order), "fit"))
-        self._notify(self, False)
+        self._begin(job, words, on_end)
 
     def drop_fit(self) -> None:
         """Drop the fit at work."""
@@ -163,9 +126,9 @@ class Runner:
         """The fit is over: track what waited for it, and again what it made outdated of the same
         order."""
         again = self._interrupted & self._outdated(edit)
-        waiting, self._waiting, self._fit_done = self._waiting | again, frozenset(), None
+        waiting, self._waiting, self._fitting = self._waiting | again, frozenset(), False
         self.following = None
-        self.job, self.running = Job(), {}
+        self.job, self.running = JobState(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
         if wanted:
@@ -178,33 +141,22 @@ class Runner:
         known = self.results.wanted(edit.settled) if self.results is not None else ()
         return {(first, last) for first, last, _ in known}
 
+    def follow(self, job: Job, on_end: OnEnd = _ignore) -> None:
+        """Do what follows by itself, where nothing is at work. `on_end` receives its end, unless
+        other work is asked for before."""
+        if self.job.state != "running":
+            self._before = self.job
+            self._begin(job, "", on_end)
+
     def solve_space(self, edit: EditorState) -> None:
         """Solve for the motion in space wherever it is not known, where nothing is at work."""
         if self.results is None or self.job.state == "running" or edit.stroke is not None:
             return
         unsolved = self.results.unsolved(edit.doc)
         wanted = [stretch for stretch in unsolved if stretch.key not in self._unsolvable]
-        if not wanted:
-            return
-        self._unsolvable |= {stretch.key for stretch in wanted}  # asked for once
-        self._ended = self.job
-        self._progress = None
-        self._number = self._newest = self._tracking.solve_space(edit.doc, wanted)
-        spans = spans_text([stretch.span for stretch in wanted])
-        self.job = Job("running", f"Smoothing {spans}", kind="space")
-        self._notify(self, False)
-
-    def learn(self, order: LearnOrder, on_end: Callable[[Learned | None], None]) -> None:
-        """Solve for drafts anew, where nothing is at work. `on_end` receives the outcome, None
-        where there is none, unless other work is asked for before.
-        """
-        if self.job.state == "running":
-            return
-        self._ended, self._learned = self.job, on_end
-        self._progress = None
-        self._number = self._newest = self._tracking.fit(order)
-        self.job = Job("running", "Drafts learn from keyframes", kind="drafts")
-        self._notify(self, False)
+        if wanted:
+            self._unsolvable |= {stretch.key for stretch in wanted}  # asked for once
+            self.follow(SolveSpace.of(edit.doc, wanted))
 
     def pause(self, on: bool) -> None:
         """Pause while something is dragged."""
@@ -216,8 +168,8 @@ class Runner:
 
     async def leave(self) -> None:
         """Stop what is being tracked, and wait a moment for what was done until then."""
-        is_at_work = self.job.state == "running" and self._progress is not None
-        if not is_at_work or self._fit_done is not None:
+        is_at_work = self.job.state == "running" and self.job.kind == "track"
+        if not is_at_work or not self._has_begun:
             return
         self.cancel()
         clock = asyncio.get_running_loop().time
@@ -231,132 +183,99 @@ class Runner:
         self, opened: OpenSession, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
         self._stages, self._unsolvable = tuple(stages), frozenset()
-        if self._fit_done is not None:
+        if self._fitting:
             self._waiting |= {(first, last) for first, last, _ in wanted}
             self.running = dict.fromkeys(self._waiting, Running())
             self._notify(self, False)
             return
-        self._wanted = {(first, last): key for first, last, key in wanted}
         self._keep = tuple(segment_keys(doc).values())
-        self.running = dict.fromkeys(self._wanted, Running())
-        words = doc.evidence.words
-        self._verbs = (words.doing.capitalize(), words.done.capitalize())
-        self.job = Job("running", f"{self._verbs[0]} {spans_text(list(self._wanted))}", "starting")
-        self._progress = None
         folder = opened.session_path.parent
-        self._number = self._newest = self._tracking.start(
-            doc, opened.video.info.path, wanted, stages, folder
-        )
+        self._track = Track.of(doc, opened.video.info.path, wanted, stages, folder)
+        self.running = dict.fromkeys(self._track.spans, Running())
+        self._begin(self._track, "starting")
+
+    def _begin(self, job: Job, words: str, on_end: OnEnd = _ignore) -> None:
+        self._number, self._on_end = self._tracking.start(job), on_end
+        self._jobs[self._number] = job
+        self._has_begun = False
+        self.job = JobState("running", job.title, words, kind=job.kind)
         self._notify(self, False)
 
     def _is_tracking(self, wanted: Sequence[Wanted]) -> bool:
         """Return whether this is what is being tracked already."""
-        at_work = self.job.state == "running" and self._fit_done is None
-        return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
+        at_work = self.job.state == "running" and self.job.kind == "track"
+        return at_work and self._track is not None and self._track.keys == {k for *_, k in wanted}
 
     def _on_report(self, report: Report) -> None:
-        """Results count whichever job of this session they are of, for their keys; the rest for
-        the newest job."""
-        if self.results is None or (report.job is not None and report.job <= self._past):
+        """What is there by now counts whichever job of this session it is of; the rest of the
+        newest job alone."""
+        finished = False
+        if self.results is None:
             return
-        finished = isinstance(report, SegmentFinished | SpaceSolved)
-        if isinstance(report, SpaceSolved):
-            self.results = self.results.with_space(report.result)
-        if isinstance(report, PassFinished | SegmentFinished):
-            self.results = self.results.with_result(report.result, self._keep)
-        if report.job == self._number:
-            self._on_own(report)
+        if report.job is not None:
+            job = self._jobs.get(report.job)
+            if job is None:
+                return
+            if isinstance(report, Progress):
+                finished = self._take(report.partial, self.results)
+            if isinstance(report, Finished | Failed):
+                del self._jobs[report.job]
+            if report.job == self._number:
+                self._on_own(report, job)
         self._notify(self, finished)
 
-    def _on_own(self, report: Report) -> None:
-        if self._progress is not None:
-            self._progress = self._progress.after(report)
+    def _take(self, partial: object, results: Results) -> bool:
+        """Add what is there by now to the results; whether it is to be saved."""
+        if isinstance(partial, Tracked):
+            self.results = results.with_result(partial.found.result, self._keep)
+            return isinstance(partial.found, SegmentFinished)
+        if isinstance(partial, SpaceResult):
+            self.results = results.with_space(partial)
+            return True
+        return False
+
+    def _on_own(self, report: Report, job: Job) -> None:
         match report:
-            case Warming():
+            case Warming() if report.words or job.kind != "track":
                 self.job = replace(self.job, words=report.words)
-            case Ready() if self.job.kind != "track":
-                self.job = replace(self.job, words="")
-            case Started():
-                self._progress = Progress.of(report, time.monotonic())
-            case PassFinished():
-                self._on_pass(report)
-            case SegmentFinished():
-                self._on_segment(report.result)
-            case Drafting():
-                self._on_drafting(report)
-            case FollowingAhead():
-                self._on_following(report)
-            case Learned():
-                self.job = self._ended
-                self._learned(report)
-            case Reducing():
-                percent = 100 * report.done / report.expected
-                self.job = replace(self.job, percent=percent)
-            case PoseFitted() | SizesFitted() | Drafted() | FollowedAhead() | Reduced():
-                self._on_fit_end(report)
-            case JobFailed() | JobFinished() if self._fit_done is not None:
-                self._on_fit_end(report)
-            case JobFinished() | JobFailed() if self.job.kind == "drafts":
-                self.job = self._ended
-                self._learned(None)
-            case JobFinished() if self.job.kind == "space":
-                self.job = self._ended
-            case JobFailed() if self.job.kind == "space":
-                self.job = Job("failed", "Smoothing failed", report.words, 100)
-            case JobFinished():
-                self._on_end("cancelled" if report.cancelled else "done")
-            case JobFailed():
-                self._on_end("failed", report.words)
+            case Progress():
+                self._on_progress(report)
+            case Finished() | Failed():
+                self._number, self.following = 0, None
+                if not self._fitting:
+                    self.job, self.running = self._ended(report, job), {}
+                self._on_end(report)
 
-    def _on_drafting(self, report: Drafting) -> None:
-        words, percent = drafting_progress(report)
-        left = seconds_left(time.monotonic() - self._began, percent / 100)
-        self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
+    def _ended(self, end: Ended, job: Job) -> JobState:
+        if isinstance(end, Failed) and job.failed:
+            return JobState("failed", job.failed, end.words, 100)
+        if isinstance(end, Finished) and isinstance(job, Track) and self.results is not None:
+            return job.closing(end.cancelled, self.results)
+        return self._before
 
-    def _on_following(self, report: FollowingAhead) -> None:
-        self.following = report
-        words, percent = following_progress(report)
-        self.job = replace(self.job, words=words, percent=percent)
+    def _on_progress(self, report: Progress) -> None:
+        self._has_begun = True
+        if isinstance(report.partial, Following):
+            self.following = report.partial
+        elif isinstance(report.partial, Tracked):
+            self._on_tracked(report.partial)
+        self.job = replace(
+            self.job,
+            words=report.words or self.job.words,
+            percent=100 * report.share,
+            seconds_left=report.seconds_left,
+        )
 
-    def _on_fit_end(self, report: Fitted | JobFailed | JobFinished) -> None:
-        self._number, self.following = 0, None
-        if self._fit_done is not None:
-            self._fit_done(report)
-
-    def _on_pass(self, report: PassFinished) -> None:
-        known = self.running.get(report.result.span, Running())
-        scores = (*(known.scores if report.number else ()), report.result.scores[-1])
-        number, of = report.number + 1, max(report.of, report.number + 1)
-        percent = self._progress.percent_of(report.result.span) if self._progress else 0
-        at_work = Running("tracking", number, of, percent, scores)
-        self.running = {**self.running, report.result.span: at_work}
-        self._set_message(report.words)
-
-    def _on_segment(self, track: SegmentResult) -> None:
-        if self._progress is not None and self._progress.percent_of(track.span) >= 100:
-            self.running = {span: r for span, r in self.running.items() if span != track.span}
-        self._set_message(self.job.words)
-
-    def _set_message(self, words: str) -> None:
-        share = self._progress
-        percent = share.percent if share else 0
-        left = share.seconds_left(time.monotonic()) if share else None
-        self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
-
-    def _on_end(self, state: Ending, words: str = "") -> None:
-        doing, done = self._verbs
-        finished = f"{done} {spans_text(list(self._wanted))}"
-        title = {"done": finished, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
-        found = [] if words else self._found()
-        worst = worst_of(track.kind for track in found if track is not None)
-        closing = words or closing_words(state, found)
-        self.job = Job(state, title, closing, 100, worst=worst)
-        self.running = {}
-
-    def _found(self) -> list[SegmentResult | None]:
-        """Return what there is of the segments that were to be tracked."""
-        known = self.results.by_key if self.results else {}
-        return [known.get(key) for key in self._wanted.values()]
+    def _on_tracked(self, step: Tracked) -> None:
+        found, span = step.found, step.found.result.span
+        if not isinstance(found, SegmentFinished):
+            known = self.running.get(span, Running())
+            scores = (*(known.scores if found.number else ()), found.score)
+            number, of = found.number + 1, max(found.of, found.number + 1)
+            at_work = Running("tracking", number, of, int(100 * step.share), scores)
+            self.running = {**self.running, span: at_work}
+        elif step.share >= 1:
+            self.running = {other: r for other, r in self.running.items() if other != span}
 
 
 def _spans_to_track(edit: EditorState, what: What) -> list[Wanted]:

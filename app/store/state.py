@@ -11,49 +11,18 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.ahead import followed_so_far
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import FollowingAhead
-from keypose.app.store.previews import ReductionPreview, SizesPreview
+from keypose.app.jobs.ahead import Following
+from keypose.app.jobs.fit_pose import FitOutcome
+from keypose.app.jobs.fit_sizes import SizesPreview
+from keypose.app.jobs.job import JobState
+from keypose.app.jobs.reduce import ReductionPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.verdict import Kind
 from keypose.tracker.video import VideoInfo
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor import actions
-    from keypose.tracker.reduction.result import Reduction
-
-
-@dataclass(frozen=True)
-class Job:
-    """What the tracker is doing, in words; seconds_left is None when nobody can know.
-
-    kind: a "fit", a solve in "space", or one of "drafts" does not know how far it is.
-    worst: the verdict of its worst segment, once it has tracked some.
-    """
-
-    state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
-    title: str = ""
-    words: str = ""
-    percent: float = 0.0
-    seconds_left: float | None = None
-    kind: Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts"] = "track"
-    worst: Kind | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class FitOutcome:
-    """What the last fit of a pose did, until something else is edited.
-
-    frame: of the pose.
-    before, after: the documents.  looking_back: `before` is shown just now.
-    """
-
-    frame: int
-    words: str
-    before: Session
-    after: Session
-    looking_back: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +118,7 @@ class AppState:
     revision: str = ""
     opened: OpenedFile | None = None
     edit: EditorState | None = None
-    job: Job = Job()
+    job: JobState = field(default_factory=JobState)
     saved: Saved = Saved()
     guide: Guide = Guide()
     tabs: int = 0
@@ -157,12 +126,18 @@ class AppState:
     fit: FitOutcome | None = None
     draft: Session | None = None
     keypoints: KnownKeypoints = KnownKeypoints()
-    following: FollowingAhead | None = None
+    following: Following | None = None
     preview: SizesPreview | None = None
     reduction: ReductionPreview | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
     poses: tuple[KeptPose, ...] = ()
+
+    @property
+    def editing(self) -> EditorState:
+        """Return what is edited while something is open."""
+        assert self.edit is not None
+        return self.edit
 
     @cached_property
     def displayed(self) -> AppState:
@@ -211,16 +186,6 @@ class StateOwner(Protocol):
 
     def broadcast(self, message: dict[str, Any]) -> None: ...
 
-    def show_learned(self, edit: EditorState) -> None: ...
-
-    def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
-
-    def show_draft(self, edit: EditorState) -> None: ...
-
-    def show_ahead(self, edit: EditorState) -> None: ...
-
-    def show_preview(self, preview: SizesPreview) -> None: ...
-
-    def show_reduction(self, reduction: Reduction | None) -> None: ...
+    def take(self, after: AppState) -> None: ...
 
     def show_damage(self, info: VideoInfo) -> None: ...

@@ -25,6 +25,7 @@ from keypose.app.editor.message import Look
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
+from keypose.app.jobs.job import JobState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.render.video_frames import Frames
 from keypose.app.store.background import DraftLearner, KeypointFinder
@@ -32,7 +33,6 @@ from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
 from keypose.app.store.opener import Opener
-from keypose.app.store.previews import SizesPreview
 from keypose.app.store.proposals import Proposals
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
@@ -40,9 +40,7 @@ from keypose.app.store.sections import Sections
 from keypose.app.store.session_manager import PoseLibrary, Shelf
 from keypose.app.store.state import (
     AppState,
-    FitOutcome,
     Guide,
-    Job,
     KnownKeypoints,
     OpenedFile,
     Saved,
@@ -50,7 +48,6 @@ from keypose.app.store.state import (
 )
 from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
 from keypose.tracker.errors import one_sentence
-from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.storage.edit_history import mark_of
 from keypose.tracker.video import VideoInfo
 
@@ -318,34 +315,12 @@ class Store:
             else:
                 self._fitter.ask(action)
 
-    # --- fitting
-
-    def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None:
-        """Go on from what was fitted, and show what changed."""
-        self._edit_to(edit)
-        self._set(fit=outcome)
-
-    def show_preview(self, preview: SizesPreview) -> None:
-        """Show new sizes, and wait for an answer."""
-        self._set(preview=preview, fit=None)
-
-    def show_reduction(self, reduction: Reduction | None) -> None:
-        """Show the keyframes that were found, and wait for an answer; None: there are none."""
-        known = self._app_state.reduction
-        self._set(reduction=None if known is None or reduction is None else known.done(reduction))
-
-    def show_draft(self, edit: EditorState) -> None:
-        """Go on from the drafts of the clip."""
-        self._edit_to(edit)
-        self._set(draft=edit.doc)
-
-    def show_learned(self, edit: EditorState) -> None:
-        """Go on from drafts that learned from keyframes."""
-        self._edit_to(edit)
-
-    def show_ahead(self, edit: EditorState) -> None:
-        """Go on from what was tracked ahead."""
-        self._edit_to(edit)
+    def take(self, after: AppState) -> None:
+        """Go on from what a job made of the state."""
+        self._set(
+            fit=after.fit, draft=after.draft, preview=after.preview, reduction=after.reduction
+        )
+        self._edit_to(after.editing)
 
     # --- files from elsewhere
 
@@ -433,7 +408,7 @@ class Store:
         self._runner.closed()
         self._writer.close()
         self._clients = Clients()
-        self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
+        self._set(opened=None, edit=None, running={}, job=JobState(), saved=Saved(), fit=None)
         self._set(
             draft=None,
             preview=None,

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from keypose.tracker.session.verdict import VERDICT_KINDS
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
 
-if TYPE_CHECKING:
-    from keypose.app.jobs import Drafting, FollowingAhead
-
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
-
-NETWORK_SHARE = 0.9
-"""Of the time that a draft takes."""
 
 
 def spans_text(spans: Sequence[Span]) -> str:
@@ -24,25 +18,6 @@ def spans_text(spans: Sequence[Span]) -> str:
     if all(one[1] == other[0] for one, other in pairwise(spans)):
         return f"{spans[0][0]}–{spans[-1][1]}"
     return f"{len(spans)} segments"
-
-
-def drafting_progress(report: Drafting) -> tuple[str, float]:
-    """Words and percent. The network takes most of the time."""
-    share = report.done / max(report.expected, 1)
-    looking = report.stage == "keypoints"
-    percent = 100 * (
-        NETWORK_SHARE * share if looking else NETWORK_SHARE + (1 - NETWORK_SHARE) * share
-    )
-    if looking:  # at frames from before and from after them, some twice
-        return f"Looking for the person: {100 * share:.0f} %", percent
-    return f"Posing: {report.done} of {report.expected} frames", percent
-
-
-def following_progress(report: FollowingAhead) -> tuple[str, float]:
-    """Words and percent."""
-    steps = len(report.motion) - 1
-    words = f"{steps} frames so far" if steps else "Looking for the person"
-    return words, 100 * steps / report.of
 
 
 def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:

@@ -5,13 +5,12 @@ What is done is noted as a person does it, with the mouse and the keyboard, and 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import Event
 from typing import Any
 
 import numpy as np
@@ -26,20 +25,23 @@ from keypose.app.editor.posing import Drag
 from keypose.app.editor.shown import ShownPose, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import Go, Switch, update
-from keypose.app.jobs.fits import FitJob, learned
-from keypose.app.jobs.messages import Drafted, JobFailed, Order, Report, SegmentFinished
-from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.jobs.draft import DraftClip
+from keypose.app.jobs.job import Context, Report
+from keypose.app.jobs.learn import learned
+from keypose.app.jobs.track import Track as TrackJob
+from keypose.app.jobs.track import found_in
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.app.posing.gesture import GestureContext, Handle, Ring
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.turning import EDGE_ON, EDGE_RADIUS_M
 from keypose.app.posing.vectors import across, any_across, cross, unit
-from keypose.app.store.fitter import FitRequest, apply_draft
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.space import solved
+from keypose.tracker.tracking.pool import SegmentFinished, never
 from keypose.tracker.video import Video
 
 
@@ -185,14 +187,10 @@ class Desk:
             self.state = with_learned(self.state, used, found)
 
     def _draft(self, action: Draft) -> None:
-        request = FitRequest.of(self.opened, self.state, action)
-        reports: list[Report] = []
-        FitJob(replace(request.order, job=1), Event(), reports.append).run(self._cache)
-        match reports[-1]:
-            case Drafted() as found:
-                self.state = apply_draft(request, found, self.state, self.opened)
-            case JobFailed() as failed:
-                raise AssertionError(failed.words)
+        job = DraftClip.of(self.opened, self.state, action)
+        self.state = job.taken(
+            job.run(self._context(ignored)), self.state, self.opened.session_path
+        )
 
     def _track(self) -> None:
         """Whatever is not tracked as it is posed now, and the motion in space."""
@@ -200,23 +198,27 @@ class Desk:
         wanted = self.state.results.wanted(doc)
         if not doc.spans:
             return
-        content = doc.model_copy(update={"drafts": (), "results": None}).model_dump_json().encode()
-        folder, stages = str(self.opened.session_path.parent), (doc.settings.quality,)
-        order = Order(1, content, str(self.video.info.path), tuple(wanted), stages, folder)
-        job = Job(order, Event(), self._take)
         if wanted:
-            job.run(self._cache, self._threads)
-        if job.error is not None:
-            raise job.error
+            folder, stages = self.opened.session_path.parent, (doc.settings.quality,)
+            job = TrackJob.of(doc, self.video.info.path, wanted, stages, folder)
+            job.run(self._context(self._take))
         results = self.state.results
         for stretch in results.unsolved(doc):
             results = results.with_space(solved(doc, stretch))
         self.state = replace(self.state, results=results)
 
+    def _context(self, take: Callable[[Report], None]) -> Context:
+        return Context(1, self._cache, self._threads, never, take)
+
     def _take(self, report: Report) -> None:
-        if isinstance(report, SegmentFinished):
-            results = self.state.results.with_result(report.result, self.state.results.by_key)
+        found = found_in(report)
+        if isinstance(found, SegmentFinished):
+            results = self.state.results.with_result(found.result, self.state.results.by_key)
             self.state = replace(self.state, results=results)
+
+
+def ignored(report: Report) -> None:
+    """Nobody looks how far a draft is."""
 
 
 @contextmanager

@@ -13,11 +13,15 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import NAME
-from keypose.app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
+from keypose.app.jobs.job import Finished, Progress
+from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.track import Tracked
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.session import Session
+from keypose.tracker.tracking.pool import PassFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
+from tests.app.jobs.job_cases import segment_done
 from tests.tracker import session_cases as cases
 
 Fake = Callable[..., Iterator[Any]]
@@ -46,7 +50,6 @@ def tracker(
     ) -> Iterator[Any]:
         assert video.info.frame_count == session.video.frame_count
         quality = session.settings.quality
-        yield Started(1, tuple(wanted), (quality,))
         for i, (kind, (first, last, key)) in enumerate(zip(kinds, wanted, strict=True)):
             if i == stop_after and error is not None:
                 raise error
@@ -57,9 +60,10 @@ def tracker(
                 break
             found = replace(cases.segment(first, last, kind), key=key, quality=quality)
             step = Pass("pass", found.trajectory, 3.5)
-            yield PassFinished(1, 1, 2, SegmentResult.on_the_way(step, key, quality))
-            yield SegmentFinished(1, found)
-        yield JobFinished(1, cancelled=stop.is_set())
+            on_the_way = PassFinished(i, 1, 2, SegmentResult.on_the_way(step, key, quality))
+            yield Progress(1, 0.5, partial=Tracked(on_the_way, 0.5))
+            yield segment_done(1, found)
+        yield Finished(1, cancelled=stop.is_set())
 
     return rerun
 

@@ -14,11 +14,11 @@ import pytest
 from keypose import static
 from keypose.app.document.library import Library
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import SizesFitted
-from keypose.app.store.previews import SizesPreview
+from keypose.app.jobs.fit_pose import FitOutcome
+from keypose.app.jobs.fit_sizes import SizesPreview
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState, FitOutcome, KnownKeypoints
-from keypose.tracker.fitting.sizes import Proposal
+from keypose.app.store.state import AppState, KnownKeypoints
+from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.pins import Pin
@@ -66,7 +66,7 @@ def previewed(edit: EditorState) -> SizesPreview:
     poses = {key.frame: key.pose(edit.skeleton) for key in doc.keyframes}
     turns = {frame: (("head", 2.0),) for frame in poses}
     proposal = Proposal(doc.body, doc.camera, poses, (change,), 4.1, turns)
-    found = SizesFitted(1, "Head 5 % longer.", 6.2, proposal, proposal, ("neck",))
+    found = SizesFitted("Head 5 % longer.", 6.2, proposal, proposal, ("neck",))
     return SizesPreview(found, doc, doc, doc, poses=True)
 
 

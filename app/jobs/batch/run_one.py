@@ -12,10 +12,12 @@ from typing import TypeAlias
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
 from keypose.app.export.motion_files import motion_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
-from keypose.app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
 from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
+from keypose.app.jobs.job import Finished, Progress
+from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
+from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
@@ -25,6 +27,7 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import load_session, open_video_of, with_present_fingerprints
 from keypose.tracker.storage.results import Results, load_results
 from keypose.tracker.storage.tracks import load_tracks
+from keypose.tracker.tracking.pool import SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
@@ -148,11 +151,12 @@ def _track(
     try:
         given = (asked, task.session, video, wanted)
         for report in rerun(*given, workers=task.threads, stop=stop):
-            reporter.receive(report)
-            if isinstance(report, SegmentFinished):
-                found.tracks.append(report.result)
-            elif isinstance(report, JobFinished):
+            if isinstance(report, Progress):
+                reporter.receive(report)
+            elif isinstance(report, Finished):
                 found.cancelled = report.cancelled
+            if isinstance(event := found_in(report), SegmentFinished):
+                found.tracks.append(event.result)
     except KeyposeError as error:
         found.error = error
     return found
@@ -163,18 +167,12 @@ class _StepReporter:
 
     def __init__(self, send: SendStep) -> None:
         self._send = send
-        self._progress: Progress | None = None
         self._percent = 0
 
-    def receive(self, report: Report) -> None:
-        if isinstance(report, Started):
-            self._progress = Progress.of(report, time.monotonic())
-        if self._progress is None:
-            return
-        self._progress = self._progress.after(report)
-        percent = self._progress.percent
-        if isinstance(report, SegmentFinished):
-            self._send(Step(percent, _segment_json(report.result)))
+    def receive(self, report: Progress) -> None:
+        event, percent = found_in(report), int(100 * report.share)
+        if isinstance(event, SegmentFinished):
+            self._send(Step(percent, _segment_json(event.result)))
         elif percent != self._percent:
             self._send(Step(percent))
         self._percent = percent

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from keypose.app.editor.documents import unchanged
 from keypose.app.store.sections import (
     body_values,
     evidence_values,
@@ -18,7 +19,7 @@ from keypose.app.store.sections import (
     space_values,
     work_values,
 )
-from keypose.app.store.sections.json_value import Json, unchanged
+from keypose.app.store.sections.json_value import Json
 from keypose.app.store.state import AppState
 
 

@@ -115,7 +115,7 @@ def sizes_preview(app_state: AppState) -> Json:
     before, after = (100 * height(body) for body in (given.before.body, chosen.body))
     poses = given.found.with_poses
     return {
-        "words": given.found.words,
+        "words": given.found.message,
         "keyframes": len(given.before.keyframes),
         "error": {"before": given.found.error_px, "after": chosen.error_px},
         "height": {"before": before, "after": after},

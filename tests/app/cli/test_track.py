@@ -16,7 +16,6 @@ import pytest
 from keypose.app.cli import follow
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import NAME
-from keypose.app.jobs import SegmentFinished
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
@@ -24,6 +23,7 @@ from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.tracks import load_trajectory
 from tests.app.cli_cases import everything_in, refused, tracker
 from tests.app.document.test_folder_lock import holder
+from tests.app.jobs.job_cases import segment_done, segments
 from tests.tracker import session_cases as cases
 
 
@@ -160,10 +160,10 @@ def test_what_could_not_be_done_as_wished_is_reported_of_its_segment(
 
     def track(*given: Any, **more: Any) -> Iterator[Any]:
         for report in tracker()(*given, **more):
-            if isinstance(report, SegmentFinished) and report.result.first == 4:
-                yield replace(report, result=replace(report.result, notes=(note,)))
-            else:
-                yield report
+            for result in segments([report]):
+                notes = (note,) if result.first == 4 else ()
+                report = segment_done(1, replace(result, notes=notes))
+            yield report
 
     monkeypatch.setattr(follow, "rerun", track)
     assert main(["track", str(session_path)]) == 0

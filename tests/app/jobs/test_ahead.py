@@ -6,13 +6,14 @@ from threading import Event
 
 import pytest
 
-from keypose.app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
-from keypose.app.jobs.fits import FitJob
-from keypose.app.jobs.work import WorkerCache
+from keypose.app.jobs.ahead import FollowAhead, Following
+from keypose.app.jobs.job import Failed, Finished, Progress, Report
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.storage.files import load_session
 from tests.app import surface_cases
+from tests.app.jobs.job_cases import reported
 from tests.app.serving import ROOT
 
 BOX = ROOT / "sample_videos" / "box" / "session.json"
@@ -25,15 +26,13 @@ def cache() -> WorkerCache:
 
 def worked(cache: WorkerCache, session: Session, frame: int, *, cancel: bool) -> list[Report]:
     """All that is reported of an order from this frame."""
-    message: list[Report] = []
     cancelled = Event()
     way: Direction = "forward" if frame == 0 else "backward"
     if cancel:
         cancelled.set()
     video, folder = BOX.with_name("box.mp4"), str(BOX.parent)
-    order = AheadOrder(session.model_dump_json().encode(), str(video), frame, way, folder, 7)
-    FitJob(order, cancelled, message.append).run(cache)
-    return message
+    job = FollowAhead(session.model_dump_json().encode(), str(video), folder, frame, way)
+    return reported(job, cache, cancelled)
 
 
 def one_key(frame: int) -> Session:
@@ -45,19 +44,22 @@ def one_key(frame: int) -> Session:
 def test_it_shows_how_far_it_is_and_what_it_found(cache: WorkerCache) -> None:
     *on_the_way, end = worked(cache, one_key(40), 40, cancel=False)
     assert on_the_way
-    assert all(isinstance(report, FollowingAhead) for report in on_the_way)
-    assert isinstance(end, FollowedAhead)
-    assert (end.job, end.found.to_frame, end.found.stop.cause) == (7, 0, "clip_end")
+    for report in on_the_way:
+        assert isinstance(report, Progress)
+        assert isinstance(report.partial, Following)
+        assert report.words
+    assert isinstance(end, Finished)
+    assert (end.result.to_frame, end.result.stop.cause) == (0, "clip_end")
 
 
 def test_cancelled_it_keeps_what_it_found(cache: WorkerCache) -> None:
     (end,) = worked(cache, one_key(40), 40, cancel=True)
-    assert isinstance(end, FollowedAhead)
-    assert end.found.stop.cause == "cancelled"
-    assert end.found.to_frame < 40
+    assert isinstance(end, Finished)
+    assert end.result.stop.cause == "cancelled"
+    assert end.result.to_frame < 40
 
 
 def test_of_surfaces_it_is_refused(cache: WorkerCache) -> None:
     (end,) = worked(cache, surface_cases.session(), 0, cancel=False)
-    assert isinstance(end, JobFailed)
+    assert isinstance(end, Failed)
     assert end.words == "Surfaces are fitted from one keyframe on: press Fit."

@@ -8,10 +8,12 @@ from threading import Event
 import pytest
 
 from keypose.app.document.new import new_session
-from keypose.app.jobs.fits import FitJob
-from keypose.app.jobs.messages import Drafted, Drafting, DraftOrder, JobFailed, JobFinished, Report
-from keypose.app.jobs.work import WorkerCache
+from keypose.app.jobs.draft import DraftClip
+from keypose.app.jobs.job import Failed, Finished, Progress, Report
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.video import Video
+from tests.app.jobs import job_cases
+from tests.app.jobs.job_cases import NUMBER
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 
 VIDEO = BALANCE / "balance.mp4"
@@ -24,49 +26,45 @@ def content() -> bytes:
         return new_session(video, Path("session.json").absolute()).model_dump_json().encode()
 
 
-def reported(order: DraftOrder, cancelled: Event | None = None, leave_at: int = -1) -> list[Report]:
-    """All reports of an order, which is cancelled after so many."""
-    reports: list[Report] = []
-    left = cancelled or Event()
+def reported(job: DraftClip, leave_at: int = -1) -> list[Report]:
+    """All reports of a job, which is cancelled after so many."""
+    left, cache, count = Event(), WorkerCache(), 0
 
-    def send(report: Report) -> None:
-        reports.append(report)
-        if len(reports) == leave_at:
+    def received(_: Report) -> None:
+        nonlocal count
+        count += 1
+        if count == leave_at:
             left.set()
 
-    cache = WorkerCache()
     try:
-        FitJob(order, left, send).run(cache)
+        return job_cases.reported(job, cache, left, received=received)
     finally:
         cache.close()
-    return reports
 
 
-def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> DraftOrder:
-    return DraftOrder(content, str(VIDEO), 0, box, (0, 4), proportions=True, job=7)
+def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> DraftClip:
+    return DraftClip(content, str(VIDEO), "", 0, box, (0, 4), proportions=True)
 
 
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
     *progress, end = reported(order(content))
-    assert isinstance(end, Drafted)
-    assert (end.job, sorted(end.poses)) == (7, list(range(5)))
-    assert end.network
-    shares = [
-        (report.stage, report.done / report.expected)
-        for report in progress
-        if isinstance(report, Drafting)
-    ]
+    assert isinstance(end, Finished)
+    draft, network = end.result
+    assert sorted(draft.poses) == list(range(5))
+    assert network
+    shares = [report.share for report in progress if isinstance(report, Progress) and report.words]
     assert len(shares) == len(progress)
     assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1)
 
 
 def test_a_cancelled_draft_reports_nothing_it_found(content: bytes) -> None:
     *progress, end = reported(order(content), leave_at=2)
-    assert end == JobFinished(7, cancelled=True)
+    assert end == Finished(NUMBER, cancelled=True)
     assert len(progress) == 2
 
 
 def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:
     end = reported(order(content, (0.0, 0.0, 60.0, 60.0)))[-1]
-    assert isinstance(end, JobFailed)
+    assert isinstance(end, Failed)
     assert end.words.startswith("No person was found at frame 0:")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from threading import Event
 from types import ModuleType
 from typing import Any
@@ -13,20 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.fits import FitJob
-from keypose.app.jobs.messages import (
-    FitOrder,
-    JobFailed,
-    JobFinished,
-    PoseFitted,
-    PoseOrder,
-    Report,
-    SizesFitted,
-    SizesOrder,
-)
+from keypose.app.jobs.fit_pose import FitPose, FoundPose
+from keypose.app.jobs.fit_sizes import FitSizes
+from keypose.app.jobs.job import Failed, Finished, Job, Report
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session import Session
+from tests.app.jobs import job_cases
+from tests.app.jobs.job_cases import NUMBER
 from tests.tracker import session_cases as cases
 
 SESSION = cases.session()
@@ -67,12 +60,17 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
     return replaced
 
 
-def reported(order: FitOrder, cancelled: Event | None = None) -> Report:
-    """The one report that an order ends in."""
-    reports: list[Report] = []
-    FitJob(order, cancelled or Event(), reports.append).run(Bench())  # type: ignore[arg-type]
-    (report,) = reports
+def reported(job: Job, cancelled: Event | None = None) -> Report:
+    """The one report that a job ends in."""
+    (report,) = job_cases.reported(job, Bench(), cancelled)
     return report
+
+
+def found(job: Job) -> Any:
+    """What a job finds."""
+    report = reported(job)
+    assert isinstance(report, Finished)
+    return report.result
 
 
 def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> None:
@@ -84,9 +82,9 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
         return Found()
 
     fits(fit)
-    report = reported(PoseOrder(CONTENT, "v.mp4", 4, POSE, {3: POSE}, job=5))
-    assert isinstance(report, PoseFitted)
-    assert (report.job, report.found, report.words) == (5, True, "Right forearm moved 6 px.")
+    pose = found(FitPose(CONTENT, "v.mp4", "", 4, POSE, {3: POSE}))
+    assert isinstance(pose, FoundPose)
+    assert (pose.found, pose.words) == (True, "Right forearm moved 6 px.")
     assert given["video"] == "v.mp4"
     assert sorted(given["keyposes"]) == [0, 8]
     assert list(given["tracked"]) == [3]
@@ -96,9 +94,7 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
 
 def test_what_the_picture_does_not_show_is_reported_as_such(fits: Callable[..., None]) -> None:
     fits(lambda *_, **__: Found(way="nothing", message="Nothing is seen."))
-    report = reported(PoseOrder(CONTENT, "v.mp4", 4, POSE))
-    assert isinstance(report, PoseFitted)
-    assert not report.found
+    assert not found(FitPose(CONTENT, "v.mp4", "", 4, POSE)).found
 
 
 def test_sizes_are_fitted_to_all_keyframes(fits: Callable[..., None]) -> None:
@@ -109,11 +105,10 @@ def test_sizes_are_fitted_to_all_keyframes(fits: Callable[..., None]) -> None:
         return Found(alone="sizes alone", unseen=("neck",))
 
     fits(fit)
-    report = reported(SizesOrder(CONTENT, "v.mp4", focal=True, job=6))
-    assert isinstance(report, SizesFitted)
+    sizes = found(FitSizes(CONTENT, "v.mp4", "", focal=True))
     assert given == {"frames": [0, 4, 8], "focal": True}
-    assert (report.error_px, report.alone, report.with_poses) == (6.2, "sizes alone", None)
-    assert report.unseen == ("neck",)
+    assert (sizes.error_px, sizes.alone, sizes.with_poses) == (6.2, "sizes alone", None)
+    assert sizes.unseen == ("neck",)
 
 
 def test_a_fit_that_was_cancelled_reports_nothing_it_found(fits: Callable[..., None]) -> None:
@@ -126,12 +121,15 @@ def test_a_fit_that_was_cancelled_reports_nothing_it_found(fits: Callable[..., N
 
     event = cancelled
     fits(fit)
-    assert reported(PoseOrder(CONTENT, "v", 4, POSE, job=3), cancelled) == JobFinished(3, True)
+    assert reported(FitPose(CONTENT, "v", "", 4, POSE), cancelled) == Finished(
+        NUMBER, cancelled=True
+    )
 
 
 def test_a_video_that_is_gone_is_reported_in_a_sentence(fits: Callable[..., None]) -> None:
     fits(lambda *_, **__: Found())
-    assert reported(PoseOrder(CONTENT, "", 4, POSE, job=3)) == JobFailed(3, "The video is gone.")
+    gone = Failed(NUMBER, "The video is gone.")
+    assert reported(FitPose(CONTENT, "", "", 4, POSE)) == gone
 
 
 def test_a_fault_is_one_sentence_too(
@@ -141,8 +139,8 @@ def test_a_fault_is_one_sentence_too(
         raise ZeroDivisionError
 
     fits(fit)
-    report = reported(SizesOrder(CONTENT, "v", job=3))
-    assert isinstance(report, JobFailed)
+    report = reported(FitSizes(CONTENT, "v", ""))
+    assert isinstance(report, Failed)
     assert "an internal error (ZeroDivisionError)" in report.words
     assert "Traceback" in capsys.readouterr().err
 
@@ -153,7 +151,7 @@ def test_poses_are_read_only_on_the_other_side() -> None:
     from keypose.app.jobs.wire import receive, send
 
     ours, theirs = Pipe()
-    send(ours, PoseOrder(CONTENT, str(Path("v")), 4, POSE, {3: POSE}))
+    send(ours, FitPose(CONTENT, "v", "", 4, POSE, {3: POSE}))
     order = receive(theirs)
     for pose in (order.pose, order.tracked[3]):
         assert not pose.Rs_parent_part.flags.writeable

@@ -6,9 +6,15 @@ from threading import Thread
 
 import pytest
 
-from keypose.app.jobs import PassFinished, Ready, worker
-from keypose.app.jobs.messages import Cancel, Pause, Report
-from keypose.app.jobs.worker import Worker
+from keypose.app.jobs import worker
+from keypose.app.jobs.job import Context, Progress, Report, Warming
+from keypose.app.jobs.progress import Shares
+from keypose.app.jobs.track import TrackReporter
+from keypose.app.jobs.worker import Cancel, Pause, Worker
+from keypose.tracker.body.trajectory import Pass
+from keypose.tracker.tracking.pool import PassFinished, never
+from keypose.tracker.tracking.result import SegmentResult
+from tests.tracker import session_cases as cases
 
 
 @pytest.fixture
@@ -18,15 +24,11 @@ def reported(monkeypatch: pytest.MonkeyPatch) -> list[Report]:
     return received
 
 
-def _pass() -> PassFinished:
-    return PassFinished.__new__(PassFinished)
-
-
-def _reporting(desk: Worker, report: Report) -> Thread:
-    thread = Thread(target=desk._send, args=(report,), daemon=True)
-    thread.start()
-    thread.join(0.1)
-    return thread
+def _report_a_pass(desk: Worker) -> None:
+    context = Context(1, None, None, never, desk._send, desk._hold)  # type: ignore[arg-type]
+    found = SegmentResult.on_the_way(Pass("pass", cases.segment(0, 4).trajectory, 2.0))
+    reporter = TrackReporter(context, Shares.of([(0, 4, "")], ["full"], 0.0))
+    reporter.report(PassFinished(0, 0, 6, found))
 
 
 @pytest.mark.parametrize("release", [Pause(False), Cancel(1)])
@@ -36,13 +38,15 @@ def test_a_pass_waits_for_the_hand_and_nothing_else_does(
     monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 60)
     desk = Worker(None)  # type: ignore[arg-type]
     desk._handle(Pause(True))
-    waiting, ready = _reporting(desk, found := _pass()), Ready()
-    _reporting(desk, ready)
-    assert reported == [ready]
+    waiting = Thread(target=_report_a_pass, args=(desk,), daemon=True)
+    waiting.start()
+    waiting.join(0.1)
+    desk._send(Warming(""))
+    assert reported == [Warming("")]
     assert waiting.is_alive()
     desk._handle(release)
     waiting.join()
-    assert reported[1] is found
+    assert isinstance(reported[1], Progress)
 
 
 def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
@@ -52,5 +56,5 @@ def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
     desk = Worker(None)  # type: ignore[arg-type]
     desk._handle(Pause(True))
     for _ in range(3):
-        desk._send(_pass())
+        _report_a_pass(desk)
     assert len(reported) == 3

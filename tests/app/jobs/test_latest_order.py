@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from keypose.app.jobs.messages import Order
-from keypose.app.jobs.worker import LatestOrder
+from keypose.app.jobs.job import Job
+from keypose.app.jobs.worker import LatestOrder, Order
+
+JOB = Job()
 
 
 def order(job: int) -> Order:
-    return Order(job, b"", "", (), ("full",))
+    return Order(job, JOB)
 
 
 def test_an_order_is_taken_up_and_goes_on_until_stopped() -> None:

@@ -14,11 +14,10 @@ import pytest
 
 from keypose import sample_videos
 from keypose.app.cli.main import main
-from keypose.app.jobs import JobFailed, SegmentFinished
 from keypose.app.jobs.batch.run_one import run_task
 from keypose.app.jobs.batch.task import Task
 from keypose.app.jobs.rerun import all_segments, rerun, save_found, with_settings
-from keypose.app.jobs.work import Job
+from keypose.app.jobs.track import Track
 from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate
@@ -27,6 +26,7 @@ from keypose.tracker.session import Keyframe
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.tracking.tracker import Tracker
+from tests.app.jobs.job_cases import segments
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases as cases
 
@@ -146,7 +146,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
     with open_video_of(session, path) as video:
         given = (session, path, video, all_segments(session))
         reports = list(rerun(*given, workers=1, stop=Event()))
-    found = [one.result for one in reports if isinstance(one, SegmentFinished)]
+    found = segments(reports)
     monkeypatch.setattr("keypose.app.jobs.rerun.solved", fail)
     with pytest.raises(ZeroDivisionError):
         save_found(session, path, found)
@@ -184,8 +184,7 @@ def test_an_error_in_one_segment_is_raised_after_the_others_are_reported(
     reported: list[Any] = []
     with pytest.raises(raised):
         _reports_of(reported, path, workers)
-    assert [r.result.first for r in reported if isinstance(r, SegmentFinished)] == [4]
-    assert isinstance(reported[-1], JobFailed)
+    assert [found.first for found in segments(reported)] == [4]
 
 
 def _reports_of(reported: list[Any], path: Path, workers: int) -> None:
@@ -210,13 +209,13 @@ def test_a_run_that_ends_stops_no_other_of_its_batch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = copied(tmp_path / "job", quality="preview")
-    session, stop, run = load_session(path), Event(), Job.run
+    session, stop, run = load_session(path), Event(), Track.run
 
     def ends_late(*given: Any) -> None:
         run(*given)
         time.sleep(0.3)
 
-    monkeypatch.setattr(Job, "run", ends_late)
+    monkeypatch.setattr(Track, "run", ends_late)
     with open_video_of(session, path) as video:
         list(rerun(session, path, video, all_segments(session), workers=1, stop=stop))
     assert not stop.is_set()

@@ -9,62 +9,69 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved, rerun
+from keypose.app.jobs import rerun
+from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.rerun import save_found, save_tracks_beside
-from keypose.app.jobs.work import solve_order
+from keypose.app.jobs.space import SolveSpace
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
+from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage import space
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.tracks import load_tracks
+from tests.app.jobs import job_cases
+from tests.app.jobs.job_cases import NUMBER
 from tests.app.jobs.test_tracking import Office, office
 from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
 
 __all__ = ["office"]
 
 
-def order(of: Session, job: int = 7) -> SpaceOrder:
-    return SpaceOrder(of.model_dump_json().encode(), tuple(both(of).unsolved(of)), job)
+def order(of: Session) -> SolveSpace:
+    return SolveSpace.of(of, both(of).unsolved(of))
 
 
-def reported(given: SpaceOrder, cancelled: Event | None = None) -> list[Report]:
-    received: list[Report] = []
-    solve_order(given, cancelled or Event(), received.append)
-    return received
+def reported(job: SolveSpace, cancelled: Event | None = None) -> list[Report]:
+    return job_cases.reported(job, None, cancelled)
+
+
+def solution(of: Session) -> SpaceResult:
+    """The one stretch that a job solves for."""
+    one, end = reported(order(of))
+    assert isinstance(one, Progress)
+    assert (one.share, end) == (1, Finished(NUMBER))
+    assert isinstance(one.partial, SpaceResult)
+    return one.partial
 
 
 def test_an_order_reports_every_stretch_and_then_its_end() -> None:
     of = smooth(pinned())
-    one, end = reported(order(of))
-    assert isinstance(one, SpaceSolved)
-    assert (one.job, end) == (7, JobFinished(7, cancelled=False))
-    assert one.result.key == both(of).unsolved(of)[0].key
-    assert one.result.span == (0, 8)
-    (pin,) = one.result.pins
+    one = solution(of)
+    assert one.key == both(of).unsolved(of)[0].key
+    assert one.span == (0, 8)
+    (pin,) = one.pins
     assert (pin.part, pin.landmarks, pin.first_frame, pin.last_frame) == (
         PIN.part, PIN.landmarks, *PIN.span
     )  # fmt: skip
     assert 0 <= pin.usual_off_m <= pin.off_m
-    assert both(of).with_space(one.result).unsolved(of) == []
+    assert both(of).with_space(one).unsolved(of) == []
 
 
 def test_exact_keyframes_stay_where_they_are_posed() -> None:
     of = smooth(pinned())
-    one, _ = reported(order(of))
-    assert isinstance(one, SpaceSolved)
+    one = solution(of)
     for keyframe in of.keyframes:
-        pose, wanted = one.result.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)
+        pose, wanted = one.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)
         np.testing.assert_allclose(pose.p_camera_root, wanted.p_camera_root, atol=1e-9)
         np.testing.assert_allclose(pose.Rs_parent_part, wanted.Rs_parent_part, atol=1e-6)
 
 
 def test_a_pin_that_an_exact_keyframe_contradicts_names_it() -> None:
     whole = session(pins=(PIN.model_copy(update={"first_frame": 0, "last_frame": 8}),))
-    one, _ = reported(order(whole))
-    assert isinstance(one, SpaceSolved)
-    (pin,) = one.result.pins
+    one = solution(whole)
+    (pin,) = one.pins
     assert pin.off_m > 0.01
     assert pin.keyframe in (0, 4, 8)
 
@@ -72,7 +79,7 @@ def test_a_pin_that_an_exact_keyframe_contradicts_names_it() -> None:
 def test_a_cancelled_order_says_so_and_reports_nothing_half_done() -> None:
     cancelled = Event()
     cancelled.set()
-    assert reported(order(smooth()), cancelled) == [JobFinished(7, cancelled=True)]
+    assert reported(order(smooth()), cancelled) == [Finished(NUMBER, cancelled=True)]
 
 
 def test_a_fault_is_reported_in_one_sentence_and_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,7 +88,7 @@ def test_a_fault_is_reported_in_one_sentence_and_is_no_end(monkeypatch: pytest.M
 
     monkeypatch.setattr(space, "solved", fail)
     (failed,) = reported(order(smooth()))
-    assert isinstance(failed, JobFailed)
+    assert isinstance(failed, Failed)
     assert failed.words.startswith("Smoothing failed with an internal error")
     assert failed.words.endswith("The motion is as it was tracked.")
     assert "\n" not in failed.words
@@ -92,24 +99,24 @@ async def test_the_worker_solves_as_it_is_done_without_one(office: Office) -> No
     stretches = both(of).unsolved(of)
     here = solved(of, stretches[0])
 
-    job = office.tracking.solve_space(of, stretches)
+    job = office.tracking.start(SolveSpace.of(of, stretches))
     assert office.tracking.job == job
-    assert await office.ended(job) == JobFinished(job, cancelled=False)
+    assert await office.ended(job) == Finished(job)
     assert office.tracking.job is None
-    (report,) = office.of(job, SpaceSolved)
-    assert report.result.key == here.key
-    np.testing.assert_array_equal(report.result.motion.ps_camera_root, here.motion.ps_camera_root)
-    np.testing.assert_array_equal(report.result.motion.Rs_parent_part, here.motion.Rs_parent_part)
-    assert report.result.pins == here.pins
+    (report,) = office.of(job, Progress)
+    assert report.partial.key == here.key
+    np.testing.assert_array_equal(report.partial.motion.ps_camera_root, here.motion.ps_camera_root)
+    np.testing.assert_array_equal(report.partial.motion.Rs_parent_part, here.motion.Rs_parent_part)
+    assert report.partial.pins == here.pins
 
 
 async def test_a_newer_job_ends_one_that_solves(office: Office) -> None:
     of = smooth(pinned())
 
-    jobs = [office.tracking.solve_space(of, both(of).unsolved(of)) for _ in range(3)]
-    assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+    jobs = [office.tracking.start(order(of)) for _ in range(3)]
+    assert await office.ended(jobs[-1]) == Finished(jobs[-1])
     for job in jobs:
-        assert len(office.of(job, JobFinished)) == 1
+        assert len(office.of(job, Finished)) == 1
 
 
 # --- without a page

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -12,21 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs import (
-    JobFailed,
-    JobFinished,
-    PassFinished,
-    PoseFitted,
-    PoseOrder,
-    Report,
-    SegmentFinished,
-    SizesOrder,
-)
-from keypose.app.jobs.fits import FitJob
-from keypose.app.jobs.messages import Order
+from keypose.app.jobs.fit_pose import FitPose, FoundPose
+from keypose.app.jobs.fit_sizes import FitSizes
+from keypose.app.jobs.job import Failed, Finished, Report
+from keypose.app.jobs.progress import words_of
 from keypose.app.jobs.rerun import save_found
-from keypose.app.jobs.tracking import _only_needed
-from keypose.app.jobs.work import Job, WorkerCache
+from keypose.app.jobs.track import Track, _only_needed
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
@@ -42,9 +33,9 @@ from keypose.tracker.storage.tracks import load_trajectory
 from keypose.tracker.surface.fit import segment
 from keypose.tracker.surface.fit.fitter import SurfaceFitter, options_of
 from keypose.tracker.tracking.pool import SegmentStarted, TrackFinished
-from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from tests.app import surface_cases as cases
+from tests.app.jobs.job_cases import NUMBER, passes, reported, segments
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
 
@@ -66,32 +57,20 @@ def done(
     path: Path,
     session: Session,
     cancelled: Event | None = None,
-    received: Callable[[Report], None] | None = None,
+    received: Callable[[Report], None] = lambda _: None,
 ) -> list[Report]:
     """All reports of a job over every segment of a session; `received` gets each of them."""
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
-    content = _only_needed(session, wanted).model_dump_json().encode()
-    order = Order(7, content, str(path.parent / "meshes"), wanted, ("full",), str(path.parent))
-    reported: list[Report] = []
-
-    def send(report: Report) -> None:
-        reported.append(report)
-        if received is not None:
-            received(report)
-
-    with ThreadPoolExecutor(2) as threads:
-        Job(order, cancelled or Event(), send).run(bench, threads)
-    return reported
+    job = Track.of(session, path.parent / "meshes", wanted, folder=path.parent)
+    return reported(job, bench, cancelled, threads=2, received=received)
 
 
-def fitted(bench: WorkerCache, path: Path, frame: int, pose: Pose) -> Report:
+def fitted(bench: WorkerCache, path: Path, frame: int, pose: Pose) -> Any:
     """What comes of a fit here."""
     content = load_session(path).model_dump_json().encode()
-    meshes = str(path.parent / "meshes")
-    reported: list[Report] = []
-    order = PoseOrder(content, meshes, frame, pose, folder=str(path.parent), job=3)
-    FitJob(order, Event(), reported.append).run(bench)
-    return reported[-1]
+    given = (content, str(path.parent / "meshes"), str(path.parent))
+    (end,) = reported(FitPose(*given, frame, pose), bench)
+    return end.result if isinstance(end, Finished) else end
 
 
 def pose_at(frame: int) -> Pose:
@@ -102,10 +81,9 @@ def test_the_worker_counts_steps_and_gives_a_motion_of_the_whole_segment(
     bench: WorkerCache, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(segment, "REPORT_S", 0.0)
-    reported = done(bench, path, load_session(path))
-    passed = [report for report in reported if isinstance(report, PassFinished)]
+    passed = passes(done(bench, path, load_session(path)))
     assert [report.number for report in passed] == [0, 1, 2, 3]
-    assert passed[0].words == "step 1 of 4"
+    assert words_of(passed[0]) == "step 1 of 4"
     assert passed[0].result.verdict is None
     assert {len(report.result.trajectory) for report in passed} == {cases.STEPS}
     assert np.isfinite(passed[0].result.trajectory.ps_camera_root).all()
@@ -120,7 +98,7 @@ def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
         cancelled = Event()
 
         def leave(report: Report) -> None:
-            if isinstance(report, PassFinished) and report.number + 1 == steps:
+            if any(one.number + 1 == steps for one in passes([report])):
                 cancelled.set()
 
         return {"cancelled": cancelled, "received": leave}
@@ -128,25 +106,21 @@ def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
     return after
 
 
-def _tracks(reported: list[Report]) -> list[SegmentResult]:
-    return [report.result for report in reported if isinstance(report, SegmentFinished)]
-
-
 def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_them(
     bench: WorkerCache, path: Path, stopped: Callable[[int], dict[str, Any]]
 ) -> None:
     session = load_session(path)
-    reported = done(bench, path, session, **stopped(2))
-    assert reported[-1] == JobFinished(7, cancelled=True)
-    (part,) = _tracks(reported)  # the step under way when it was stopped is done as well
+    reports = done(bench, path, session, **stopped(2))
+    assert reports[-1] == Finished(NUMBER, cancelled=True)
+    (part,) = segments(reports)  # the step under way when it was stopped is done as well
     assert part.missing == 1
     assert part.verdict == Verdict.check("not_fitted", (4, 4))
     assert Results().with_result(part).wanted(session)
     again = done(bench, path, session)
-    assert [report.number for report in again if isinstance(report, PassFinished)] == [3]
-    assert again[-1] == JobFinished(7, cancelled=False)
-    (whole,) = _tracks(again)
-    (at_once,) = _tracks(done(WorkerCache(), path, session))
+    assert [one.number for one in passes(again)] == [3]
+    assert again[-1] == Finished(NUMBER)
+    (whole,) = segments(again)
+    (at_once,) = segments(done(WorkerCache(), path, session))
     assert whole.trajectory.ps_camera_root.tobytes() == at_once.trajectory.ps_camera_root.tobytes()
     assert whole.diagnostics.residual.tobytes() == at_once.diagnostics.residual.tobytes()
     assert (whole.verdict, whole.missing) == (at_once.verdict, 0)
@@ -156,8 +130,8 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     bench: WorkerCache, path: Path, stopped: Callable[[int], dict[str, Any]]
 ) -> None:
     session = load_session(path)
-    (more,) = _tracks(done(bench, path, session, **stopped(2)))
-    (less,) = _tracks(done(WorkerCache(), path, session, **stopped(1)))
+    (more,) = segments(done(bench, path, session, **stopped(2)))
+    (less,) = segments(done(WorkerCache(), path, session, **stopped(1)))
     assert (more.missing, less.missing) == (1, 2)
     save_session(save_results(session, path, Results().with_result(more)), path)
     session = load_session(path)
@@ -176,7 +150,7 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     save_found(session, path, [less])
     (kept,) = load_results(load_session(path), path).fitting(session).values()
     assert kept.missing == more.missing
-    (whole,) = _tracks(done(bench, path, session))
+    (whole,) = segments(done(bench, path, session))
     assert not loaded.with_result(whole).wanted(session)
 
 
@@ -212,9 +186,9 @@ def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: WorkerCache, pa
     file = path.parent / "meshes" / "step_0002.ply"
     whole = file.read_bytes()
     file.write_bytes(b"")
-    assert isinstance(fitted(bench, path, 2, pose_at(2)), JobFailed)
+    assert isinstance(fitted(bench, path, 2, pose_at(2)), Failed)
     file.write_bytes(whole)
-    assert isinstance(fitted(bench, path, 2, pose_at(2)), PoseFitted)
+    assert isinstance(fitted(bench, path, 2, pose_at(2)), FoundPose)
 
 
 def test_a_mesh_less_in_the_folder_is_refused_for_every_step_would_be_another_one(
@@ -225,7 +199,7 @@ def test_a_mesh_less_in_the_folder_is_refused_for_every_step_would_be_another_on
     first, *_ = sorted((path.parent / "meshes").iterdir())
     first.unlink()
     report = done(bench, path, session)[-1]
-    assert isinstance(report, JobFailed)
+    assert isinstance(report, Failed)
     assert "is not the one this session was made for (it has 4 frames instead of 5)" in report.words
     with pytest.raises(SessionError) as refused, open_video_of(session, path):
         pass
@@ -255,7 +229,7 @@ def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_reported_
         at = session.keyframes[0].pose(Skeleton.of(session.body)).p_camera_root
         update = {"units": units, "p_camera_surface": tuple(map(float, at))}
         session = session.model_copy(update={"surface": session.surface.model_copy(update=update)})
-    tracks = _tracks(done(bench, path, session))
+    tracks = segments(done(bench, path, session))
     off = Verdict.check("body_off_surface", (0, 0))
     assert [track.verdict for track in tracks] == [off] * 2
     assert off.go == 0
@@ -267,7 +241,7 @@ def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_reported_
 def test_a_body_posed_a_few_centimetres_off_its_mesh_is_not_said_to_lie_elsewhere(
     bench: WorkerCache, path: Path
 ) -> None:
-    (track,) = _tracks(done(bench, path, _moved_keyframe(cases.session(), 0.05)))
+    (track,) = segments(done(bench, path, _moved_keyframe(cases.session(), 0.05)))
     assert track.verdict is not None
     assert track.verdict.cause != "body_off_surface"
     assert not any("does not lie in" in note for note in track.notes)
@@ -281,10 +255,10 @@ def test_cameras_that_do_not_count_are_not_asked(
     session = cases.session(cameras="rig.json", weights=weights)
     given = (str(path.parent / "meshes"), path.parent)
     assert len(bench.surfaces(session, *given).mesh(1).vertices) > 100
-    reported = done(bench, path, session)
-    assert reported[-1] == JobFinished(7, cancelled=False)
+    reports = done(bench, path, session)
+    assert reports[-1] == Finished(NUMBER)
     (failed,) = done(bench, path, cases.session(cameras="rig.json"))[-1:]
-    assert isinstance(failed, JobFailed)
+    assert isinstance(failed, Failed)
     assert "rig.json" in failed.words
 
 
@@ -301,7 +275,7 @@ def test_a_pose_is_laid_onto_the_surface_of_its_frame(bench: WorkerCache, path: 
     turn = exp_rotation(np.array([[0.1, 0.0, 0.05], [-0.1, 0.0, 0.1], [0.0, 0.0, 0.12]]))
     rough = Pose(truth.Rs_parent_part @ turn, truth.p_camera_root + np.array([0.05, -0.04, 0.03]))
     report = fitted(bench, path, 2, rough)
-    assert isinstance(report, PoseFitted)
+    assert isinstance(report, FoundPose)
     assert report.found
     assert np.linalg.norm(report.pose.p_camera_root - truth.p_camera_root) < 0.025
     assert report.words.startswith("Arm")
@@ -319,7 +293,7 @@ def test_a_first_pose_is_laid_into_its_mesh_by_the_bodys_own_solids(
     turn = exp_rotation(np.array([[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.05, 0.0, 0.15]]))
     rough = Pose(truth.Rs_parent_part @ turn, truth.p_camera_root + np.array([0.08, -0.05, 0.05]))
     report = fitted(bench, path, 0, rough)
-    assert isinstance(report, PoseFitted)
+    assert isinstance(report, FoundPose)
     assert np.linalg.norm(report.pose.p_camera_root - truth.p_camera_root) < 0.04
     assert "moved" in report.words
 
@@ -329,18 +303,14 @@ def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(
 ) -> None:
     (path.parent / "meshes" / "step_0002.ply").unlink()
     report = fitted(bench, path, 2, pose_at(2))
-    assert isinstance(report, JobFailed)
+    assert isinstance(report, Failed)
     assert "Step 2 is missing" in report.words
 
 
 def test_sizes_are_not_fitted_to_surfaces(bench: WorkerCache, path: Path) -> None:
-    reported: list[Report] = []
     content = load_session(path).model_dump_json().encode()
-    FitJob(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), reported.append).run(
-        bench
-    )
-    (report,) = reported
-    assert isinstance(report, JobFailed)
+    (report,) = reported(FitSizes(content, str(path.parent / "meshes"), ""), bench)
+    assert isinstance(report, Failed)
     assert report.words.startswith("Sizes are fitted to pictures")
 
 

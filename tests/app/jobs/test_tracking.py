@@ -12,23 +12,15 @@ from typing import Any
 
 import pytest
 
-from keypose.app.jobs import (
-    LIVE,
-    JobFailed,
-    JobFinished,
-    PassFinished,
-    Ready,
-    Report,
-    SegmentFinished,
-    Started,
-    Tracking,
-    Warming,
-)
+from keypose.app.jobs.job import Failed, Finished, Progress, Report, Warming
+from keypose.app.jobs.track import LIVE, Track
+from keypose.app.jobs.tracking import Tracking
 from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.video import Video
+from tests.app.jobs.job_cases import passes, segments
 from tests.tracker import session_cases as cases
 
 PATIENCE_S = 300.0
@@ -69,7 +61,7 @@ class Office:
 
     async def ended(self, job: int) -> Report:
         return await self.until(
-            lambda report: isinstance(report, JobFinished | JobFailed) and report.job == job
+            lambda report: isinstance(report, Finished | Failed) and report.job == job
         )
 
     def of(self, job: int, kind: Any) -> list[Any]:
@@ -97,20 +89,20 @@ async def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
 ) -> None:
     of, video = place
 
-    job = office.tracking.start(of, video, wanted(of), LIVE)
+    job = office.tracking.start(Track.of(of, video, wanted(of), LIVE))
     assert office.tracking.job == job
-    assert await office.ended(job) == JobFinished(job, cancelled=False)
+    assert await office.ended(job) == Finished(job)
     assert office.tracking.job is None
-    assert [type(r) for r in office.reported[:3]] == [Warming, Ready, Started]
-    found = [(r.result.span, r.result.quality) for r in office.of(job, SegmentFinished)]
+    assert [type(r) for r in office.reported[:3]] == [Warming, Warming, Progress]
+    found = [(one.span, one.quality) for one in segments(office.of(job, Progress))]
     assert sorted(found) == [
         *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
         ((4, 8), "preview"),
     ]
-    assert {r.result.quality for r in office.of(job, PassFinished)} == {"full"}
+    assert {one.result.quality for one in passes(office.of(job, Progress))} == {"full"}
     results = Results()
-    for report in office.of(job, SegmentFinished):
-        results = results.with_result(report.result)
+    for one in segments(office.of(job, Progress)):
+        results = results.with_result(one)
     assert list(results.fitting(of)) == [(0, 4), (4, 8)]
     assert results.wanted(of, "full") == []
     assert office.threads == {threading.get_ident()}
@@ -124,9 +116,9 @@ async def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
         *_, last = track_session(of, video)
     assert isinstance(last, TrackFinished)
 
-    job = lasting.tracking.start(of, path, wanted(of), (of.settings.quality,))
+    job = lasting.tracking.start(Track.of(of, path, wanted(of), (of.settings.quality,)))
     await lasting.ended(job)
-    found = {r.result.first: r.result for r in lasting.of(job, SegmentFinished)}
+    found = {one.first: one for one in segments(lasting.of(job, Progress))}
     for segment in last.result.segments:
         mine = found[segment.trajectory.first_frame]
         assert mine.trajectory.Rs_parent_part.tolist() == (
@@ -140,11 +132,11 @@ async def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
 ) -> None:
     of, video = place
 
-    jobs = [lasting.tracking.start(of, video, wanted(of)) for _ in range(4)]
-    assert await lasting.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+    jobs = [lasting.tracking.start(Track.of(of, video, wanted(of))) for _ in range(4)]
+    assert await lasting.ended(jobs[-1]) == Finished(jobs[-1])
     for job in jobs:
-        assert len(lasting.of(job, JobFinished)) == 1
-    assert len(lasting.of(jobs[-1], SegmentFinished)) == 2
+        assert len(lasting.of(job, Finished)) == 1
+    assert len(segments(lasting.of(jobs[-1], Progress))) == 2
 
 
 async def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(
@@ -154,10 +146,10 @@ async def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(
 
     await office.until(lambda report: isinstance(report, Warming))
     assert office.reported[0].job is None
-    job = office.tracking.start(of, video, wanted(of))
+    job = office.tracking.start(Track.of(of, video, wanted(of)))
     await office.ended(job)
-    kinds = [type(report) for report in office.of(job, Warming | Ready)]
-    assert kinds in ([Warming, Ready], [])  # or it was ready just then
+    said = [bool(report.words) for report in office.of(job, Warming)]
+    assert said in ([True, False], [])  # or it was ready just then
 
 
 async def test_a_cancelled_job_ends_and_the_next_one_works(
@@ -165,12 +157,12 @@ async def test_a_cancelled_job_ends_and_the_next_one_works(
 ) -> None:
     of, video = place
 
-    first = lasting.tracking.start(of, video, wanted(of))
+    first = lasting.tracking.start(Track.of(of, video, wanted(of)))
     lasting.tracking.cancel()
-    assert isinstance(await lasting.ended(first), JobFinished)
+    assert isinstance(await lasting.ended(first), Finished)
     lasting.tracking.cancel()  # there is nothing to cancel, which is no matter
-    second = lasting.tracking.start(of, video, wanted(of)[:1])
-    assert await lasting.ended(second) == JobFinished(second, cancelled=False)
+    second = lasting.tracking.start(Track.of(of, video, wanted(of)[:1]))
+    assert await lasting.ended(second) == Finished(second)
 
 
 async def test_a_killed_worker_is_reported_and_replaced(
@@ -178,16 +170,16 @@ async def test_a_killed_worker_is_reported_and_replaced(
 ) -> None:
     of, video = place
 
-    job = office.tracking.start(of, video, wanted(of))
+    job = office.tracking.start(Track.of(of, video, wanted(of)))
     killed = office.tracking.pid
     assert killed is not None
     os.kill(killed, signal.SIGKILL)
     end = await office.ended(job)
-    assert isinstance(end, JobFailed)
+    assert isinstance(end, Failed)
     assert end.words.startswith("Tracking stopped unexpectedly")
-    again = office.tracking.start(of, video, wanted(of))
+    again = office.tracking.start(Track.of(of, video, wanted(of)))
     assert office.tracking.pid not in (None, killed)
-    assert await office.ended(again) == JobFinished(again, cancelled=False)
+    assert await office.ended(again) == Finished(again)
 
 
 async def test_a_video_that_is_not_there_is_reported_in_one_sentence(
@@ -195,18 +187,18 @@ async def test_a_video_that_is_not_there_is_reported_in_one_sentence(
 ) -> None:
     of, video = place
 
-    job = lasting.tracking.start(of, video / "nowhere.mp4", wanted(of))
+    job = lasting.tracking.start(Track.of(of, video / "nowhere.mp4", wanted(of)))
     end = await lasting.ended(job)
-    assert isinstance(end, JobFailed)
+    assert isinstance(end, Failed)
     assert "nowhere.mp4" in end.words
     assert end.words.endswith(".")
-    after = lasting.tracking.start(of, video, wanted(of))
-    assert await lasting.ended(after) == JobFinished(after, cancelled=False)
+    after = lasting.tracking.start(Track.of(of, video, wanted(of)))
+    assert await lasting.ended(after) == Finished(after)
 
 
 async def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
     office = Office()
-    office.tracking.start(cases.session(), Path("x"), [])
+    office.tracking.start(Track.of(cases.session(), Path("x"), []))
     pid = office.tracking.pid
     assert pid is not None
     office.tracking.close()
@@ -214,4 +206,4 @@ async def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
         os.kill(pid, 0)
     office.tracking.close()
     with pytest.raises(RuntimeError, match="closed"):
-        office.tracking.start(cases.session(), Path("x"), [])
+        office.tracking.start(Track.of(cases.session(), Path("x"), []))

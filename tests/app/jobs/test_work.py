@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -11,22 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.messages import (
-    JobFailed,
-    JobFinished,
-    Order,
-    PassFinished,
-    Report,
-    SegmentFinished,
-    Started,
-)
-from keypose.app.jobs.work import Job
+from keypose.app.jobs.job import Failed, Finished, Report
+from keypose.app.jobs.track import Track
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
 from keypose.tracker.storage.results import Span, segment_keys
 from keypose.tracker.tracking.method import expected_steps
+from tests.app.jobs.job_cases import passes, reported, segments
 from tests.tracker import session_cases as cases
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
@@ -68,43 +60,35 @@ def done(
     """All reports of a job over both segments."""
     session = cases.session().model_copy(update={"settings": settings or TrackSettings()})
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
-    content = session.model_dump_json().encode()
-    order = Order(7, content, "video", wanted, stages or ("full",))
-    reported: list[Report] = []
-    with ThreadPoolExecutor(threads) as pool:
-        Job(order, cancelled or Event(), reported.append).run(bench, pool)  # type: ignore[arg-type]
-    return reported
+    job = Track.of(session, Path("video"), wanted, stages or ("full",))
+    return reported(job, bench, cancelled, threads)
 
 
-def finished(reported: list[Report]) -> list[tuple[int, str]]:
-    return [(r.result.first, r.result.quality) for r in reported if isinstance(r, SegmentFinished)]
+def finished(reports: list[Report]) -> list[tuple[int, str]]:
+    return [(found.first, found.quality) for found in segments(reports)]
 
 
 def test_all_segments_are_done_at_one_quality_before_the_next() -> None:
-    reported = done(FakeBench(at_ease), "preview", "full")
-    assert isinstance(reported[0], Started)
-    assert finished(reported) == [(0, "preview"), (4, "preview"), (0, "full"), (4, "full")]
-    assert reported[-1] == JobFinished(7, cancelled=False)
+    reports = done(FakeBench(at_ease), "preview", "full")
+    assert finished(reports) == [(0, "preview"), (4, "preview"), (0, "full"), (4, "full")]
+    assert reports[-1] == Finished(7, cancelled=False)
 
 
 def test_passes_are_reported_but_not_those_of_a_preview() -> None:
-    reported = [
-        r for r in done(FakeBench(at_ease), "preview", "full") if isinstance(r, PassFinished)
-    ]
-    assert [(r.result.first, r.result.quality, r.number) for r in reported] == [
+    reports = passes(done(FakeBench(at_ease), "preview", "full"))
+    assert [(r.result.first, r.result.quality, r.number) for r in reports] == [
         *((0, "full", 0), (0, "full", 1), (4, "full", 0)),
         (4, "full", 1),
     ]
-    assert {r.of for r in reported} == {expected_steps(TrackSettings())}
-    assert reported[0].result.scores == (3.0,)
-    assert np.isnan(reported[1].result.scores).all()  # not judged
+    assert {r.of for r in reports} == {expected_steps(TrackSettings())}
+    assert reports[0].result.scores == (3.0,)
+    assert np.isnan(reports[1].result.scores).all()  # not judged
 
 
 def test_results_carry_the_key_they_were_ordered_with() -> None:
     keys = segment_keys(cases.session().model_copy(update={"settings": TrackSettings()}))
-    for report in done(FakeBench(at_ease)):
-        if isinstance(report, SegmentFinished):
-            assert keys[report.result.span] == report.result.key
+    for found in segments(done(FakeBench(at_ease))):
+        assert keys[found.span] == found.key
 
 
 def test_a_preview_keeps_to_its_own_number_of_passes() -> None:
@@ -123,12 +107,8 @@ def test_the_published_method_is_worked_through_once() -> None:
     def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
         seen.append((settings.method, settings.passes))
 
-    reported = done(
-        FakeBench(work), "preview", "full", settings=TrackSettings(method="paper", passes=9)
-    )
+    done(FakeBench(work), "preview", "full", settings=TrackSettings(method="paper", passes=9))
     assert seen == [("paper", 9)] * 2
-    assert isinstance(reported[0], Started)
-    assert reported[0].stages == ("full",)
 
 
 def test_a_cancelled_job_is_left_at_its_next_pass_and_keeps_what_is_finished() -> None:
@@ -141,17 +121,17 @@ def test_a_cancelled_job_is_left_at_its_next_pass_and_keeps_what_is_finished() -
             emit(Pass("pass", cases.segment(first, last).trajectory, 3.0), 1)
             raise AssertionError("it went on")
 
-    reported = done(FakeBench(work), cancelled=cancelled)
-    assert finished(reported) == [(0, "full")]
-    assert reported[-1] == JobFinished(7, cancelled=True)
+    reports = done(FakeBench(work), cancelled=cancelled)
+    assert finished(reports) == [(0, "full")]
+    assert reports[-1] == Finished(7, cancelled=True)
 
 
 def test_a_job_cancelled_before_it_began_does_nothing() -> None:
     cancelled = Event()
     cancelled.set()
-    reported = done(FakeBench(at_ease), cancelled=cancelled)
-    assert finished(reported) == []
-    assert reported[-1] == JobFinished(7, cancelled=True)
+    reports = done(FakeBench(at_ease), cancelled=cancelled)
+    assert finished(reports) == []
+    assert reports[-1] == Finished(7, cancelled=True)
 
 
 def test_a_job_that_was_done_when_it_was_cancelled_is_done() -> None:
@@ -161,7 +141,7 @@ def test_a_job_that_was_done_when_it_was_cancelled_is_done() -> None:
         if first == 4:
             cancelled.set()
 
-    assert done(FakeBench(work), cancelled=cancelled)[-1] == JobFinished(7, cancelled=False)
+    assert done(FakeBench(work), cancelled=cancelled)[-1] == Finished(7, cancelled=False)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -170,17 +150,17 @@ def test_what_goes_wrong_in_one_segment_leaves_the_others(threads: int) -> None:
         if first == 0:
             raise VideoError("The video has no frame 3.")
 
-    reported = done(FakeBench(work), "preview", "full", threads=threads)
-    assert sorted(finished(reported)) == [(4, "full"), (4, "preview")]  # side by side, in any order
-    assert reported[-1] == JobFailed(7, "The video has no frame 3.")
+    reports = done(FakeBench(work), "preview", "full", threads=threads)
+    assert sorted(finished(reports)) == [(4, "full"), (4, "preview")]  # side by side, in any order
+    assert reports[-1] == Failed(7, "The video has no frame 3.")
 
 
 def test_a_segment_that_cannot_be_begun_leaves_the_others() -> None:
     bench = FakeBench(at_ease)
     bench.refused.add((4, 8))
-    reported = done(bench)
-    assert finished(reported) == [(0, "full")]
-    assert reported[-1] == JobFailed(7, "Keyframes 4 and 8 lie too far apart.")
+    reports = done(bench)
+    assert finished(reports) == [(0, "full")]
+    assert reports[-1] == Failed(7, "Keyframes 4 and 8 lie too far apart.")
 
 
 @pytest.mark.parametrize(
@@ -197,17 +177,14 @@ def test_faults_are_one_sentence_too(
         raise error
 
     last = done(FakeBench(work))[-1]
-    assert isinstance(last, JobFailed)
+    assert isinstance(last, Failed)
     assert words in last.words
     assert last.words.endswith(".")
     assert ("Traceback" in capsys.readouterr().err) == isinstance(error, ZeroDivisionError)
 
 
 def test_a_session_that_does_not_fit_together_is_reported_in_one_sentence() -> None:
-    reported: list[Report] = []
-    order = Order(7, b'{"schema_version": 1}', "video", (), ("full",))
-    with ThreadPoolExecutor(1) as pool:
-        Job(order, Event(), reported.append).run(FakeBench(at_ease), pool)  # type: ignore[arg-type]
-    (last,) = reported
-    assert isinstance(last, JobFailed)
+    job = Track(b'{"schema_version": 1}', "video", (), ("full",))
+    (last,) = reported(job, FakeBench(at_ease))
+    assert isinstance(last, Failed)
     assert "field required" in last.words

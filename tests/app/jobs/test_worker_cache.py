@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from keypose.app.jobs.work import WorkerCache
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.session import IgnoreMask, Session, TrackSettings
 from tests.tracker import session_cases as cases

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
-from dataclasses import replace
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from keypose.app.jobs import (
-    AheadOrder,
-    FitOrder,
-    FollowedAhead,
-    FollowingAhead,
-    JobFailed,
-    JobFinished,
-    Report,
-)
+from keypose.app.jobs.ahead import FollowAhead, Following
+from keypose.app.jobs.job import Failed, Finished, Progress
 from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.tracker.body.skeleton import Skeleton
@@ -35,22 +27,9 @@ HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")
 class Worker(IdleWorker):
     """Takes orders and reports what the test says."""
 
-    def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        super().__init__(report, _)
-        self.fits: list[FitOrder] = []
-
-    def start(self, *_: Any) -> int:
-        return 100
-
-    def fit(self, order: FitOrder) -> int:
-        self.fits.append(replace(order, job=len(self.fits) + 1))
-        return len(self.fits)
-
     @property
-    def order(self) -> AheadOrder:
-        order = self.fits[-1]
-        assert isinstance(order, AheadOrder)
-        return order
+    def order(self) -> FollowAhead:
+        return self.of(FollowAhead)[-1]
 
     def motion(self, steps: int) -> Trajectory:
         """The keyframe's pose, held for so many frames more."""
@@ -64,13 +43,13 @@ class Worker(IdleWorker):
 
     def come(self, steps: int) -> None:
         """It has come so far."""
-        order = self.order
-        self.report(FollowingAhead(order.job, order.frame, self.motion(steps), 64))
+        so_far = Following(self.order.frame, self.motion(steps))
+        self.report(Progress(len(self.jobs), steps / 64, partial=so_far))
 
     def end(self, steps: int, stop: Stop = HIDDEN) -> None:
         order = self.order
         found = FoundAhead(order.frame, order.direction, self.motion(steps), stop)
-        self.report(FollowedAhead(order.job, found))
+        self.report(Finished(len(self.jobs), found))
 
 
 class Desk(StoreDesk):
@@ -141,11 +120,11 @@ async def test_cancelled_it_keeps_what_was_found(desk: Desk) -> None:
 
 async def test_cancelled_before_it_began_all_is_as_it_was(desk: Desk) -> None:
     desk.do(AHEAD, {"do": "cancel"})
-    desk.worker.report(JobFinished(desk.worker.order.job, cancelled=True))
+    desk.worker.report(Finished(1, cancelled=True))
     assert desk.drafts == []
     assert desk.job.state == "idle"
     desk.do(AHEAD)
-    assert len(desk.worker.fits) == 2
+    assert len(desk.worker.jobs) == 2
 
 
 async def test_the_keyframe_changed_meanwhile_and_nothing_is_kept(desk: Desk) -> None:
@@ -161,7 +140,7 @@ async def test_where_nothing_leads_on_nothing_changes(desk: Desk, end: str) -> N
     doc = desk.doc
     desk.do(AHEAD)
     if end == "failed":
-        desk.worker.report(JobFailed(desk.worker.order.job, "The video cannot be read."))
+        desk.worker.report(Failed(1, "The video cannot be read."))
     else:
         desk.worker.end(0)
     assert desk.doc is doc

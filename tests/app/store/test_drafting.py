@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
+from keypose.app.jobs.draft import DraftClip, progress_of
+from keypose.app.jobs.job import Progress
 from keypose.app.store import runner, store
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
-from keypose.tracker.fitting.draft import Proposal
+from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
@@ -50,9 +51,9 @@ class Desk(StoreDesk):
     """A store with a tab and the worker's side of its jobs."""
 
     @property
-    def order(self) -> DraftOrder:
-        order: FitOrder = Worker.newest.fits[-1]
-        assert isinstance(order, DraftOrder)
+    def order(self) -> DraftClip:
+        order = Worker.newest.fits[-1]
+        assert isinstance(order, DraftClip)
         return order
 
     def find(self, *frames: int) -> None:
@@ -61,9 +62,9 @@ class Desk(StoreDesk):
         rows = np.full((5, len(JOINTS), 2), 7.0)
         keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
         proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
-        Worker.newest.report(
-            Drafted(self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals)
-        )
+        judged: Any = None
+        draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged)
+        Worker.newest.end((draft, "abc"))
 
     def move_drafts(self, by_m: float) -> None:
         """All drafts to the right."""
@@ -220,7 +221,8 @@ async def test_the_progress_of_a_draft_is_shown_and_rises(
         desk.do(DRAFT)
         shown = []
         for stage, done in (("keypoints", 5), ("keypoints", 20), ("poses", 0), ("poses", 20)):
-            Worker.newest.report(Drafting(desk.order.job, stage, done, 20))  # type: ignore[arg-type]
+            share, words = progress_of(DraftProgress(stage, done, 20))  # type: ignore[arg-type]
+            Worker.newest.report(Progress(Worker.newest.number, share, words))
             job = desk.store.app_state.job
             assert job.kind == "draft"
             shown.append(job.percent)
@@ -234,7 +236,7 @@ async def test_a_draft_that_is_cancelled_or_fails_changes_nothing(desk: Desk) ->
     desk.do({"do": "cancel"})
     assert Worker.newest.cancelled
     desk.do(DRAFT)
-    Worker.newest.report(JobFailed(desk.order.job, "No person was found at frame 10."))
+    Worker.newest.fail("No person was found at frame 10.")
     assert desk.doc is before
     assert desk.store.app_state.job.state == "idle"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.app.jobs import Learned, LearnOrder
+from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -26,14 +26,14 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(runner, "Tracking", Worker)
 
 
-def ordered() -> LearnOrder:
+def ordered() -> LearnDrafts:
     order = Worker.newest.fits[-1]
-    assert isinstance(order, LearnOrder)
+    assert isinstance(order, LearnDrafts)
     return order
 
 
 def learn(*frames: int) -> None:
-    Worker.newest.report(Learned(ordered().job, dict.fromkeys(frames, ELSEWHERE)))
+    Worker.newest.end(dict.fromkeys(frames, ELSEWHERE))
 
 
 def moved(doc: Session) -> list[int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,23 +12,18 @@ import numpy as np
 import pytest
 
 from keypose.app.document.library import Library
-from keypose.app.jobs import (
-    FitOrder,
-    JobFailed,
-    PoseFitted,
-    PoseOrder,
-    Report,
-    SizesFitted,
-    SizesOrder,
-    Wanted,
-)
+from keypose.app.jobs.fit import Fit
+from keypose.app.jobs.fit_pose import FitPose, FoundPose
+from keypose.app.jobs.fit_sizes import FitSizes
+from keypose.app.jobs.job import Failed, Finished
+from keypose.app.jobs.track import Track
 from keypose.app.posing import with_height
 from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
-from keypose.tracker.fitting.sizes import Proposal
+from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import Session
 from keypose.tracker.session.verdict import GOOD
@@ -46,34 +41,41 @@ WORDS = "Left forearm moved 6 px."
 class Worker(IdleWorker):
     """Takes orders and reports what the test says."""
 
-    def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        super().__init__(report, _)
-        self.fits: list[FitOrder] = []
-        self.tracked: list[tuple[tuple[int, int], ...]] = []
-        self.stages: list[Sequence[str]] = []
+    @property
+    def fits(self) -> list[Fit]:
+        return self.of(Fit)
 
-    def start(
-        self, doc: Session, _: Path, wanted: Sequence[Wanted], stages: Sequence[str], __: Path
-    ) -> int:
-        self.tracked.append(tuple((first, last) for first, last, _ in wanted))
-        self.stages.append(stages)
-        return self.job()
+    @property
+    def tracked(self) -> list[tuple[tuple[int, int], ...]]:
+        return [tuple(job.spans) for job in self.of(Track)]
 
-    def fit(self, order: FitOrder) -> int:
-        self.fits.append(replace(order, job=self.job()))
-        return self.jobs
+    @property
+    def stages(self) -> list[Sequence[str]]:
+        return [job.stages for job in self.of(Track)]
+
+    @property
+    def number(self) -> int:
+        """Of the newest fit."""
+        return max(n for n, job in enumerate(self.jobs, 1) if isinstance(job, Fit))
+
+    def end(self, result: Any) -> None:
+        """The newest fit ends with this."""
+        self.report(Finished(self.number, result))
+
+    def fail(self, words: str) -> None:
+        """The newest fit fails."""
+        self.report(Failed(self.number, words))
 
     def find(self, metres: float = 0.02, found: bool = True) -> None:
         """The newest fit ends with the body moved so far to the side."""
-        order = self.fits[-1]
-        if isinstance(order, PoseOrder):
-            moved = order.pose.p_camera_root + np.array([metres if found else 0.0, 0, 0])
-            pose = Pose(order.pose.Rs_parent_part, moved)
-            self.report(PoseFitted(order.job, pose, found, WORDS))
+        job = self.fits[-1]
+        if isinstance(job, FitPose):
+            moved = job.pose.p_camera_root + np.array([metres if found else 0.0, 0, 0])
+            self.end(FoundPose(Pose(job.pose.Rs_parent_part, moved), found, WORDS))
         else:
-            doc = Session.model_validate_json(order.session)
+            doc = Session.model_validate_json(job.session)
             alone, with_poses = (_proposed(doc, turned) for turned in (False, True))
-            self.report(SizesFitted(order.job, WORDS, 6.2, alone, with_poses, ("neck",)))
+            self.end(SizesFitted(WORDS, 6.2, alone, with_poses, ("neck",)))
 
 
 def _proposed(doc: Session, turned: bool) -> Proposal:
@@ -143,7 +145,7 @@ async def test_the_order_carries_the_pose_that_stands_there_and_the_document_as_
 ) -> None:
     desk.do({"do": "go", "frame": 10}, {"do": "root", "x": 0.5}, FIT)
     (order,) = desk.worker.fits
-    assert isinstance(order, PoseOrder)
+    assert isinstance(order, FitPose)
     assert order.frame == 10
     assert order.pose.p_camera_root[0] == pytest.approx(0.5)
     assert Session.model_validate_json(order.session).keyframes == desk.edit.doc.keyframes
@@ -162,7 +164,7 @@ async def test_only_what_tracking_has_finished_is_evidence(desk: Desk) -> None:
         desk.store._set(edit=replace(desk.edit, results=Results({key: track})))
         desk.do(FIT)
         order = desk.worker.fits[-1]
-        assert isinstance(order, PoseOrder)
+        assert isinstance(order, FitPose)
         assert len(order.tracked) == near
         assert (20 in order.tracked) == (near > 0)  # tells what was led through this pose
         desk.do({"do": "cancel"})
@@ -230,7 +232,7 @@ async def test_asked_for_twice_it_is_done_once(desk: Desk) -> None:
     desk.do(FIT, FIT)
     assert len(desk.worker.fits) == 1
     desk.do({"do": "go", "frame": 48}, FIT)
-    assert [order.frame for order in desk.worker.fits] == [24, 48]  # type: ignore[union-attr]
+    assert [order.frame for order in desk.worker.fits] == [24, 48]  # type: ignore[attr-defined]
 
 
 async def test_a_pose_that_is_edited_meanwhile_stays_as_it_was_edited(desk: Desk) -> None:
@@ -289,7 +291,7 @@ async def test_where_the_picture_shows_nothing_it_is_said_and_nothing_is_to_undo
 
 async def test_a_failed_fit_is_reported_and_the_next_one_works(desk: Desk) -> None:
     desk.do(FIT)
-    desk.worker.report(JobFailed(desk.worker.fits[-1].job, "The video is gone."))
+    desk.worker.fail("The video is gone.")
     assert desk.section("job")["state"] == "idle"
     assert await desk.words() == ["The video is gone."]
     desk.do(FIT)
@@ -353,7 +355,7 @@ async def test_new_sizes_are_only_shown_until_they_are_applied(desk: Desk) -> No
     before, tall = desk.edit.doc, desk.section("body")["height_cm"]
     desk.do({**SIZES, "focal": True})
     (order,) = desk.worker.fits
-    assert isinstance(order, SizesOrder)
+    assert isinstance(order, FitSizes)
     assert order.focal
     assert desk.section("job")["title"] == "Fitting the sizes"
     desk.worker.find()
@@ -423,7 +425,7 @@ async def test_edits_wait_for_the_answer_to_new_sizes_and_frames_may_be_stepped(
 async def test_where_no_sizes_fit_better_it_is_said_and_nothing_waits(desk: Desk) -> None:
     doc = desk.edit.doc
     desk.do(SIZES)
-    desk.worker.report(SizesFitted(desk.worker.fits[-1].job, WORDS))
+    desk.worker.end(SizesFitted(WORDS))
     assert desk.edit.doc is doc
     assert desk.section("sizes_preview") is None
     assert await desk.words() == [WORDS]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -10,16 +11,15 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.shown import shown_pose
-from keypose.app.jobs import JobFailed, JobFinished, Reduced, ReduceOrder, Reducing
-from keypose.app.jobs.fits import FitJob
-from keypose.app.jobs.messages import Report
-from keypose.app.jobs.work import WorkerCache
+from keypose.app.jobs.job import Finished, Progress, Report
+from keypose.app.jobs.reduce import ReduceMotion
 from keypose.app.store import runner
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.result import Tolerance
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
+from tests.app.jobs.job_cases import NUMBER, reported
 from tests.app.store.test_fitter import Desk, Worker, desk
 from tests.page.test_page_shapes import declared, differences
 from tests.scenes import at_desk, sample
@@ -48,18 +48,16 @@ def path(tmp_path: Path) -> Path:
 
 def worked(desk: Desk, cancelled: bool = False) -> list[Report]:
     """The newest order done as the worker process does it; what that reports."""
-    reports: list[Report] = []
     stop = Event()
     if cancelled:
         stop.set()
-    FitJob(desk.worker.fits[-1], stop, reports.append).run(WorkerCache())
-    return reports
+    return reported(desk.worker.fits[-1], None, stop)
 
 
 def answered(desk: Desk) -> Any:
     """The newest order is done, and what the page is told then."""
     for report in worked(desk):
-        desk.worker.report(report)
+        desk.worker.report(replace(report, job=desk.worker.number))
     return desk.section("reduction")
 
 
@@ -67,22 +65,20 @@ async def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path
     async with at_desk(path, Desk) as desk:
         before = desk.edit.doc
         desk.do(REDUCE)
-        reported = desk.section("reduction")
-        assert (reported["busy"], reported["frames"], reported["source"]) == (True, [], "drafts")
+        shown = desk.section("reduction")
+        assert (shown["busy"], shown["frames"], shown["source"]) == (True, [], "drafts")
         desk.do({"do": "apply_reduction"})
         assert await desk.words() == ["The keyframes are not known yet. Wait a moment."]
-        reported = answered(desk)
-        assert reported["frames"][0] == 0
-        assert reported["kept"] == 4
-        assert 0 < reported["off_cm"] <= 6
-        assert list(differences(reported, "Reduction", declared(), "reduction")) == []
+        shown = answered(desk)
+        assert shown["frames"][0] == 0
+        assert shown["kept"] == 4
+        assert 0 < shown["off_cm"] <= 6
+        assert list(differences(shown, "Reduction", declared(), "reduction")) == []
         assert desk.edit.doc is before
         desk.do({**REDUCE, "cm": 30.0, "stroke": "a"})
-        assert (
-            desk.section("reduction")["frames"] == reported["frames"]
-        )  # until the others are known
+        assert desk.section("reduction")["frames"] == shown["frames"]  # until the others are known
         coarse = answered(desk)
-        assert len(coarse["frames"]) < len(reported["frames"])
+        assert len(coarse["frames"]) < len(shown["frames"])
         desk.do({"do": "apply_reduction"})
         assert desk.section("reduction") is None
         assert desk.section("keys")["frames"] == coarse["frames"]
@@ -102,12 +98,12 @@ async def test_one_keyframe_in_so_many_frames_leaves_the_motion_as_it_is_between
 ) -> None:
     before = [shown_pose(desk.edit, frame).pose for frame in range(73)]
     desk.do({"do": "reduce", "every": 36, "replacing": True})
-    reported = answered(desk)
-    assert (reported["goal"], reported["cm"], reported["every"]) == (36, None, 36.0)
-    assert len(reported["frames"]) == 3
-    assert reported["off_cm"] > 2  # were they interpolated alone
-    assert reported["off_px"] is None
-    assert list(differences(reported, "Reduction", declared(), "reduction")) == []
+    shown = answered(desk)
+    assert (shown["goal"], shown["cm"], shown["every"]) == (36, None, 36.0)
+    assert len(shown["frames"]) == 3
+    assert shown["off_cm"] > 2  # were they interpolated alone
+    assert shown["off_px"] is None
+    assert list(differences(shown, "Reduction", declared(), "reduction")) == []
     desk.do({"do": "apply_reduction"})
     for frame, pose in enumerate(before):
         now = shown_pose(desk.edit, frame).pose
@@ -134,14 +130,13 @@ async def test_edits_wait_for_the_answer_and_what_is_discarded_leaves_nothing_be
 
 async def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(desk: Desk) -> None:
     desk.do(REDUCE)
-    assert [type(report) for report in worked(desk, cancelled=True)] == [JobFinished]
+    assert worked(desk, cancelled=True) == [Finished(NUMBER, cancelled=True)]
     desk.do({"do": "cancel"})
     assert desk.section("reduction") is None
     desk.do(REDUCE)
-    order = desk.worker.fits[-1]
-    desk.worker.report(Reducing(order.job, 30, 73))
+    desk.worker.report(Progress(desk.worker.number, 30 / 73))
     assert desk.store._runner.job.percent == pytest.approx(41, abs=1)  # told now and then
-    desk.worker.report(JobFailed(order.job, "It failed."))
+    desk.worker.fail("It failed.")
     assert desk.section("reduction") is None
     assert await desk.words() == ["It failed."]
 
@@ -155,21 +150,21 @@ async def test_what_cannot_be_reduced_is_refused_and_what_was_shown_stays(desk: 
     assert "The video has frames 0 to 72" in words[1]
     assert desk.section("reduction") is None
     desk.do(REDUCE)
-    reported = answered(desk)
+    shown = answered(desk)
     desk.do({**REDUCE, "limbs": ["waist"]})
     assert "Press K to key all of it" in (await desk.words())[0]
-    assert desk.section("reduction") == reported
+    assert desk.section("reduction") == shown
 
 
 async def test_the_order_holds_the_motion_and_the_reports_its_progress(desk: Desk) -> None:
     desk.do({**REDUCE, "px": 9.0, "first": 10, "last": 50})
     (order,) = desk.worker.fits
-    assert isinstance(order, ReduceOrder)
+    assert isinstance(order, ReduceMotion)
     assert (order.found.motion.first_frame, order.found.motion.last_frame) == (10, 50)
     assert isinstance(order.goal, Tolerance)
     assert (order.goal.metres, order.goal.pixels) == (0.06, 9.0)
     *progress, last = worked(desk)
-    assert isinstance(last, Reduced)
-    assert {10, 24, 48, 50} <= set(last.reduction.frames)
-    counts = [report.done for report in progress if isinstance(report, Reducing)]
+    assert isinstance(last, Finished)
+    assert {10, 24, 48, 50} <= set(last.result.frames)
+    counts = [report.share for report in progress if isinstance(report, Progress)]
     assert counts == sorted(counts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,28 +13,21 @@ import pytest
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs import (
-    JobFailed,
-    JobFinished,
-    PassFinished,
-    PoseFitted,
-    Ready,
-    Report,
-    SegmentFinished,
-    SpaceSolved,
-    Started,
-    Wanted,
-    Warming,
-)
+from keypose.app.jobs.fit_pose import FoundPose
+from keypose.app.jobs.job import Context, Failed, Finished, Job, Progress, Report, Warming
+from keypose.app.jobs.progress import Shares
+from keypose.app.jobs.space import SolveSpace
+from keypose.app.jobs.track import Track, TrackReporter
 from keypose.app.store import runner as running
 from keypose.app.store.runner import Runner
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.session import Session
-from keypose.tracker.storage.stretches import SegmentRun
+from keypose.tracker.tracking.pool import PassFinished, SegmentFinished, never
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
+from tests.app.jobs.job_cases import segment_done
 from tests.app.results_cases import judged
 from tests.tracker.session_cases import VERDICTS
 from tests.tracker.storage.space_cases import both, pinned, smooth, solution
@@ -50,30 +43,36 @@ class Orders:
 
     def __init__(self, report: Callable[[Report], None], _: object) -> None:
         self.say = report
-        self.wanted: list[list[tuple[int, int]]] = []
-        self.stages: list[tuple[str, ...]] = []
-        self.keys: list[list[str]] = []
+        self.jobs: list[Job] = []
+        self.reporters: dict[int, TrackReporter] = {}
         self.calls: list[Any] = []
-        self.solved: list[list[str]] = []
 
-    def start(
-        self, doc: Session, path: Path, wanted: Sequence[Wanted], stages: Any, folder: Path
-    ) -> int:
-        assert (path, folder) == (Path("job/clip.mp4"), Path("job"))
-        self.wanted.append([(first, last) for first, last, _ in wanted])
-        self.keys.append([key for *_, key in wanted])
-        self.stages.append(tuple(stages))
-        return len(self.wanted)
+    def start(self, job: Job) -> int:
+        self.jobs.append(job)
+        number = len(self.jobs)
+        if isinstance(job, Track):
+            assert (job.video_path, job.folder) == ("job/clip.mp4", "job")
+            context = Context(number, None, None, never, self.say)  # type: ignore[arg-type]
+            shares = Shares.of(job.wanted, job.stages, 0.0)
+            self.reporters[number] = TrackReporter(context, shares)
+        return number
 
-    def fit(self, _: object) -> int:
-        self.wanted.append([])
-        self.keys.append([])
-        self.stages.append(())
-        return len(self.wanted)
+    @property
+    def wanted(self) -> list[list[tuple[int, int]]]:
+        return [job.spans if isinstance(job, Track) else [] for job in self.jobs]
 
-    def solve_space(self, doc: Session, stretches: Sequence[SegmentRun]) -> int:
-        self.solved.append([stretch.key for stretch in stretches])
-        return self.fit(doc)
+    @property
+    def keys(self) -> list[list[str]]:
+        return [[key for *_, key in getattr(job, "wanted", ())] for job in self.jobs]
+
+    @property
+    def stages(self) -> list[tuple[str, ...]]:
+        return [job.stages if isinstance(job, Track) else () for job in self.jobs]
+
+    @property
+    def solved(self) -> list[list[str]]:
+        of_space = (job for job in self.jobs if isinstance(job, SolveSpace))
+        return [[stretch.key for stretch in job.stretches] for job in of_space]
 
     def cancel(self) -> None:
         self.calls.append("cancel")
@@ -99,22 +98,17 @@ def orders(runner: Runner) -> Orders:
     return runner._tracking  # type: ignore[return-value]
 
 
-def finished(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> SegmentFinished:
-    """The worker's report of a segment of an order."""
-    (first, last), key = (
-        orders(runner).wanted[job - 1][number],
-        orders(runner).keys[job - 1][number],
-    )
-    track = replace(judged(first, last, VERDICTS[kind]), key=key)
-    return SegmentFinished(job, track)
+def result(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> SegmentResult:
+    """What the worker finds of a segment of an order."""
+    first, last = orders(runner).wanted[job - 1][number]
+    key = orders(runner).keys[job - 1][number]
+    return replace(judged(first, last, VERDICTS[kind]), key=key)
 
 
-def started(runner: Runner, job: int = 1) -> Started:
-    order = orders(runner)
-    wanted = tuple(
-        (*span, key) for span, key in zip(order.wanted[job - 1], order.keys[job - 1], strict=True)
-    )
-    return Started(job, wanted, order.stages[job - 1])  # type: ignore[arg-type]
+def finish(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> None:
+    """The worker has done a segment of an order."""
+    found = result(runner, number, kind, job)
+    orders(runner).reporters[job].report(SegmentFinished(0, 1, found))
 
 
 def surfaces(frames: int, keyframes: tuple[int, ...]) -> EditorState:
@@ -162,7 +156,7 @@ def test_where_nothing_has_changed_since_there_is_nothing_to_do(
     runner.opened(edit)
     runner.track(PIECE, edit, "changed")
     for number in range(len(orders(runner).wanted[0])):
-        orders(runner).say(finished(runner, number))
+        finish(runner, number)
     assert runner.results is not None
     edit = replace(edit, results=runner.results)
     with pytest.raises(ActionRefused, match=f"^All segments are {done} and up to date"):
@@ -205,7 +199,7 @@ def test_outside_the_keyframes_this_means_every_segment(runner: Runner) -> None:
 def test_segments_that_do_not_follow_one_another_are_counted_in_the_title(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
     for number in range(3):
-        orders(runner).say(finished(runner, number))
+        finish(runner, number)
     turn = {"do": "key_angle", "part": "chest", "axis": "x", "deg": 12}
     edit = replace(desk(), results=runner.results)
     runner.track(PIECE, after(edit, {**turn, "frame": 0}, {**turn, "frame": 72}), "changed")
@@ -238,7 +232,7 @@ def test_live_waits_for_a_switch_a_session_and_a_segment(runner: Runner) -> None
 def test_live_orders_nothing_where_all_is_tracked(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
     for number in range(3):
-        orders(runner).say(finished(runner, number))
+        finish(runner, number)
     runner.changed(PIECE, after(replace(desk(), results=runner.results), LIVE))
     assert len(orders(runner).wanted) == 1
 
@@ -257,10 +251,11 @@ def test_what_lost_its_keyframes_is_tracked_no_further(runner: Runner) -> None:
 # --- what is told
 
 
-def passed(runner: Runner, number: int, of: int = 4, score: float = 2.0) -> PassFinished:
-    found = finished(runner, 0).result
-    step = Pass("pass", found.trajectory, score)
-    return PassFinished(1, number, of, SegmentResult.on_the_way(step, found.key))
+def pass_on(runner: Runner, number: int, of: int = 4, score: float = 2.0) -> None:
+    """The worker has one more trajectory of the first segment of the first order."""
+    found = result(runner, 0)
+    on_the_way = SegmentResult.on_the_way(Pass("pass", found.trajectory, score), found.key)
+    orders(runner).reporters[1].report(PassFinished(0, number, of, on_the_way))
 
 
 def test_a_job_reports_its_passes_and_then_what_was_found(runner: Runner) -> None:
@@ -268,23 +263,23 @@ def test_a_job_reports_its_passes_and_then_what_was_found(runner: Runner) -> Non
     say = orders(runner).say
     say(Warming("compiling", 1))
     assert runner.job.words == "compiling"
-    say(started(runner))
-    say(passed(runner, 0))
+    say(Progress(1, 0.0))
+    pass_on(runner, 0)
     at_work = runner.running[0, 24]
     assert (at_work.state, at_work.number, at_work.of, at_work.scores) == ("tracking", 1, 4, (2.0,))
-    say(passed(runner, 1, score=1.5))
+    pass_on(runner, 1, score=1.5)
     at_work = runner.running[0, 24]
     assert (at_work.number, at_work.percent, at_work.scores) == (2, 40, (2.0, 1.5))
-    assert (runner.job.words, runner.job.percent) == ("pass 2 of 4", 13)
-    say(passed(runner, 0))
+    assert (runner.job.words, int(runner.job.percent)) == ("pass 2 of 4", 13)
+    pass_on(runner, 0)
     assert runner.running[0, 24].scores == (2.0,)  # another quality begins anew
-    say(passed(runner, 5))
+    pass_on(runner, 5)
     assert runner.running[0, 24].of == 6
     for number, kind in enumerate(("good", "check", "good")):
-        say(finished(runner, number, kind))
+        finish(runner, number, kind)
         assert len(runner.running) == 2 - number
     assert runner.job.percent == 100
-    say(JobFinished(1, cancelled=False))
+    say(Finished(1))
     assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–72")
     assert runner.job.words == "2 good, 1 to check"
     assert runner.job.worst == "check"
@@ -300,13 +295,13 @@ def test_a_job_that_is_cancelled_or_fails_says_what_is_kept(runner: Runner) -> N
         assert runner.running == {}
         return runner.job.state, runner.job.title, runner.job.words
 
-    def cancelled(job: int) -> JobFinished:
-        return JobFinished(job, cancelled=True)
+    def cancelled(job: int) -> Finished:
+        return Finished(job, cancelled=True)
 
     assert ended(cancelled) == ("cancelled", "Cancelled", "no segment finished")
-    done = ended(lambda job: finished(runner, 1, job=job), cancelled)
+    done = ended(lambda job: segment_done(job, result(runner, 1, job=job)), cancelled)
     assert done == ("cancelled", "Cancelled", "finished segments are kept")
-    failed = ended(lambda job: JobFailed(job, "The disk is full."))
+    failed = ended(lambda job: Failed(job, "The disk is full."))
     assert failed == ("failed", "Tracking failed", "The disk is full.")
 
 
@@ -315,16 +310,16 @@ def test_a_job_that_was_replaced_says_nothing_any_more_but_what_it_found_counts(
 ) -> None:
     runner.track(PIECE, desk(), "all")
     runner.track(PIECE, desk(), "all")
-    orders(runner).say(JobFinished(1, cancelled=True))
+    finish(runner, 0, job=1)
+    orders(runner).say(Finished(1, cancelled=True))
     assert runner.job.state == "running"
-    orders(runner).say(finished(runner, 0, job=1))
     assert runner.results is not None
     assert runner.results.states(desk().doc)[0, 24] == "good"
 
 
 def test_what_a_job_reports_after_its_session_was_closed_is_not_received(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
-    report = finished(runner, 0)
+    report = segment_done(1, result(runner, 0))
     runner.closed()
     assert orders(runner).calls == ["cancel"]
     runner.opened(desk())
@@ -349,9 +344,9 @@ async def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner
     runner.track(PIECE, desk(), "all")
     await runner.leave()
     assert orders(runner).calls == []  # the worker has not begun: there is nothing to keep
-    orders(runner).say(started(runner))
+    orders(runner).say(Progress(1, 0.0))
     loop = asyncio.get_running_loop()
-    loop.call_soon(orders(runner).say, JobFinished(1, cancelled=True))
+    loop.call_soon(orders(runner).say, Finished(1, cancelled=True))
     await runner.leave()
     assert orders(runner).calls == ["cancel"]
     assert runner.job.state == "cancelled"
@@ -359,30 +354,41 @@ async def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner
 
 # --- a fit goes before tracking
 
-ORDER: Any = SimpleNamespace()
+
+class Fit(Job):
+    """Has a title."""
+
+    kind = "fit"
+
+    def __init__(self, frame: int) -> None:
+        self.frame = frame
+
+    @property
+    def title(self) -> str:
+        return f"Fitting frame {self.frame}"
 
 
-def fitted(job: int) -> PoseFitted:
-    return PoseFitted(job, desk().opening, True, "")
+def fitted(job: int) -> Finished:
+    return Finished(job, FoundPose(desk().opening, True, ""))
 
 
 def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runner) -> None:
     received: list[Any] = []
     runner.track(PIECE, desk(), "all")
-    orders(runner).say(started(runner))
-    orders(runner).say(passed(runner, 0))
+    orders(runner).say(Progress(1, 0.0))
+    pass_on(runner, 0)
     runner.news.clear()  # type: ignore[attr-defined]
-    runner.fit(ORDER, "Fitting frame 3", received.append)
+    runner.fit(Fit(3), received.append)
     assert runner.news == [False]  # type: ignore[attr-defined]
     assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
     assert runner.job.words == "tracking continues after it"
     assert {one.state for one in runner.running.values()} == {"waiting"}
     assert len(runner.running) == 3
-    orders(runner).say(JobFinished(1, cancelled=True))
+    orders(runner).say(Finished(1, cancelled=True))
     assert runner.job.state == "running"
     orders(runner).say(fitted(2))
     (report,) = received
-    assert isinstance(report, PoseFitted)
+    assert isinstance(report.result, FoundPose)
     edit = after(desk(), {"do": "delete_key", "frame": 72})
     runner.resume(PIECE, edit)
     assert orders(runner).wanted[2] == [(0, 24), (24, 48)]  # as it is posed by then
@@ -399,9 +405,9 @@ def test_what_a_fit_makes_outdated_of_the_order_it_interrupted_is_tracked_again_
     runner: Runner, turned: float, again: list[tuple[int, int]]
 ) -> None:
     runner.track(PIECE, desk(), "all")
-    orders(runner).say(started(runner))
-    orders(runner).say(finished(runner, 0))
-    runner.fit(ORDER, "Fitting frame 24", lambda _: None)
+    orders(runner).say(Progress(1, 0.0))
+    finish(runner, 0)
+    runner.fit(Fit(24), lambda _: None)
     assert (0, 24) not in runner.running  # its result stays in sight
     edit = after(desk(), {"do": "go", "frame": 24})
     if turned:
@@ -411,7 +417,7 @@ def test_what_a_fit_makes_outdated_of_the_order_it_interrupted_is_tracked_again_
 
 
 def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> None:
-    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    runner.fit(Fit(3), lambda _: None)
     assert (runner.job.words, runner.running) == ("", {})
     live = after(desk(), LIVE, {"do": "go", "frame": 30})
     received = len(runner.news)  # type: ignore[attr-defined]
@@ -419,7 +425,7 @@ def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> 
     assert len(orders(runner).wanted) == 1
     assert list(runner.running) == [(24, 48)]
     assert len(runner.news) == received + 1  # type: ignore[attr-defined]
-    runner.fit(ORDER, "Fitting frame 4", lambda _: None)  # in place of the first one
+    runner.fit(Fit(4), lambda _: None)  # in place of the first one
     assert list(runner.running) == [(24, 48)]
     runner.resume(PIECE, live)
     assert orders(runner).wanted[2:] == [[(24, 48)]]
@@ -427,7 +433,7 @@ def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> 
 
 
 def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> None:
-    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    runner.fit(Fit(3), lambda _: None)
     orders(runner).say(fitted(1))
     runner.news.clear()  # type: ignore[attr-defined]
     runner.resume(PIECE, desk())
@@ -438,17 +444,17 @@ def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> No
 
 def test_a_fit_that_fails_is_reported_to_whoever_asked_for_it(runner: Runner) -> None:
     received: list[Any] = []
-    runner.fit(ORDER, "Fitting frame 3", received.append)
+    runner.fit(Fit(3), received.append)
     orders(runner).say(Warming("compiling", 1))
-    orders(runner).say(Ready(1))
+    orders(runner).say(Warming("", 1))
     assert runner.job.words == ""
-    orders(runner).say(JobFailed(1, "There is no picture."))
+    orders(runner).say(Failed(1, "There is no picture."))
     assert [report.words for report in received] == ["There is no picture."]
 
 
 def test_a_fit_that_was_left_reports_to_nobody(runner: Runner) -> None:
     received: list[Any] = []
-    runner.fit(ORDER, "Fitting frame 3", received.append)
+    runner.fit(Fit(3), received.append)
     runner.drop_fit()
     assert orders(runner).calls == ["cancel"]
     orders(runner).say(fitted(1))
@@ -457,16 +463,16 @@ def test_a_fit_that_was_left_reports_to_nobody(runner: Runner) -> None:
 
 async def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
-    orders(runner).say(started(runner))
-    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    orders(runner).say(Progress(1, 0.0))
+    runner.fit(Fit(3), lambda _: None)
     await runner.leave()
     assert orders(runner).calls == []
 
 
 def test_a_trajectory_on_the_way_is_shown_before_its_segment_is_done(runner: Runner) -> None:
     runner.track(PIECE, desk(), "all")
-    orders(runner).say(started(runner))
-    orders(runner).say(passed(runner, 0))
+    orders(runner).say(Progress(1, 0.0))
+    pass_on(runner, 0)
     assert runner.results is not None
     assert orders(runner).keys[0][0] in runner.results.by_key
 
@@ -476,12 +482,12 @@ def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Run
     runner.opened(edit)
     runner.track(PIECE, edit, "all")
     assert runner.job.title == "Fitting 0–4"
-    first = finished(runner, 0).result
-    orders(runner).say(SegmentFinished(1, replace(first, missing=1)))
-    orders(runner).say(JobFinished(1, cancelled=True))
+    stopped = replace(result(runner, 0), missing=1)
+    orders(runner).say(segment_done(1, stopped))
+    orders(runner).say(Finished(1, cancelled=True))
     assert runner.job.words == "finished frames are kept; Fit continues from there"
     runner.track(PIECE, edit, "all")
-    orders(runner).say(JobFinished(2, cancelled=False))
+    orders(runner).say(Finished(2))
     assert runner.job.title == "Fitted 0–4"
 
 
@@ -493,9 +499,9 @@ def tracked(doc: Session) -> EditorState:
     return replace(desk(), doc=doc, skeleton=Skeleton.of(doc.body), results=both(doc))
 
 
-def solved(runner: Runner, edit: EditorState, job: int) -> SpaceSolved:
+def solved(runner: Runner, edit: EditorState, job: int) -> Progress:
     assert runner.results is not None
-    return SpaceSolved(job, solution(runner.results.unsolved(edit.doc)[0]))
+    return Progress(job, 1.0, partial=solution(runner.results.unsolved(edit.doc)[0]))
 
 
 def test_what_is_tracked_is_solved_for_in_space_and_the_job_s_words_come_back(
@@ -512,7 +518,7 @@ def test_what_is_tracked_is_solved_for_in_space_and_the_job_s_words_come_back(
     runner.news.clear()  # type: ignore[attr-defined]
     orders(runner).say(solved(runner, edit, 1))
     assert runner.news == [True]  # type: ignore[attr-defined]
-    orders(runner).say(JobFinished(1, cancelled=False))
+    orders(runner).say(Finished(1))
     assert runner.job == before
     assert runner.results is not None
     assert runner.results.unsolved(edit.doc) == []
@@ -523,7 +529,7 @@ def test_the_same_is_not_solved_twice_whatever_came_of_it(runner: Runner) -> Non
     runner.opened(edit)
     runner.solve_space(edit)
     runner.solve_space(edit)  # it is at that
-    orders(runner).say(JobFinished(1, cancelled=True))
+    orders(runner).say(Finished(1, cancelled=True))
     runner.solve_space(edit)
     assert len(orders(runner).solved) == 1
     other = replace(edit, doc=pinned())
@@ -546,13 +552,13 @@ def test_solving_waits_for_what_is_tracked_and_for_a_hand(runner: Runner) -> Non
     runner.track(PIECE, edit, "all")
     runner.solve_space(edit)
     assert orders(runner).solved == []
-    orders(runner).say(JobFinished(1, cancelled=False))
+    orders(runner).say(Finished(1))
     runner.solve_space(replace(edit, stroke=SimpleNamespace(name="x")))  # type: ignore[arg-type]
     assert orders(runner).solved == []
     runner.solve_space(edit)
     assert len(orders(runner).solved) == 1
     assert runner.job.title == "Smoothing 0–8"
-    orders(runner).say(JobFinished(2, cancelled=False))
+    orders(runner).say(Finished(2))
     assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–8")
 
 
@@ -562,7 +568,7 @@ def test_a_solve_that_fails_is_reported_once_and_the_motion_stays_as_tracked(
     edit = tracked(smooth())
     runner.opened(edit)
     runner.solve_space(edit)
-    orders(runner).say(JobFailed(1, "Smoothing met a fault."))
+    orders(runner).say(Failed(1, "Smoothing met a fault."))
     assert (runner.job.state, runner.job.words) == ("failed", "Smoothing met a fault.")
     assert runner.job.title == "Smoothing failed"
     runner.solve_space(edit)
@@ -577,7 +583,7 @@ def test_another_session_is_solved_anew(runner: Runner) -> None:
     for _ in range(2):
         runner.opened(edit)
         runner.solve_space(edit)
-        orders(runner).say(JobFinished(len(orders(runner).solved), cancelled=True))
+        orders(runner).say(Finished(len(orders(runner).solved), cancelled=True))
     assert len(orders(runner).solved) == 2
 
 
@@ -585,10 +591,10 @@ def test_a_solve_that_a_fit_ended_is_asked_for_again_after_it(runner: Runner) ->
     edit = tracked(smooth())
     runner.opened(edit)
     runner.solve_space(edit)
-    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    runner.fit(Fit(3), lambda _: None)
     runner.solve_space(edit)
     assert len(orders(runner).solved) == 1  # a fit goes first
-    orders(runner).say(JobFinished(1, cancelled=True))
+    orders(runner).say(Finished(1, cancelled=True))
     orders(runner).say(fitted(2))
     runner.resume(PIECE, edit)
     runner.solve_space(edit)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from keypose.app.jobs import JobFailed, JobFinished, Report, SegmentFinished, SpaceSolved, Wanted
+from keypose.app.jobs.job import Failed, Finished, Progress
+from keypose.app.jobs.space import SolveSpace
+from keypose.app.jobs.track import Track
 from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.tracker.session import Session
@@ -16,6 +18,7 @@ from keypose.tracker.session.pins import Pin
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.stretches import SegmentRun
 from keypose.tracker.storage.tracks import load_tracks
+from tests.app.jobs.job_cases import segment_done
 from tests.app.store.test_store import _track
 from tests.scenes import IdleWorker, opened_store, sample
 from tests.tracker.storage.space_cases import solution
@@ -27,31 +30,23 @@ TRACK = {"do": "track", "what": "all"}
 class _Tracking(IdleWorker):
     """Takes orders and says nothing by itself."""
 
-    def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        super().__init__(report, _)
-        self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-        self.solved: list[Sequence[SegmentRun]] = []
-
-    def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
-        self.orders.append((doc, wanted))
-        return self.job()
-
-    def solve_space(self, _: Session, stretches: Sequence[SegmentRun]) -> int:
-        self.solved.append(stretches)
-        return self.job()
+    @property
+    def solved(self) -> list[Sequence[SegmentRun]]:
+        return [job.stretches for job in self.of(SolveSpace)]
 
     def track(self) -> None:
         """All that was ordered first is tracked."""
-        doc, wanted = self.orders[0]
-        for one in wanted:
-            self.report(SegmentFinished(1, _track(doc, *one)))
-        self.report(JobFinished(1, cancelled=False))
+        job = self.of(Track)[0]
+        doc = Session.model_validate_json(job.session)
+        for one in job.wanted:
+            self.report(segment_done(1, _track(doc, *one)))
+        self.report(Finished(1))
 
     def solve(self) -> None:
         """What was ordered last is solved."""
         for stretch in self.solved[-1]:
-            self.report(SpaceSolved(self.jobs, solution(stretch)))
-        self.report(JobFinished(self.jobs, cancelled=False))
+            self.report(Progress(len(self.jobs), 1.0, partial=solution(stretch)))
+        self.report(Finished(len(self.jobs)))
 
 
 @pytest.fixture
@@ -128,7 +123,7 @@ async def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()
         words = "Smoothing stopped unexpectedly; the motion is as it was tracked."
-        _Tracking.newest.report(JobFailed(2, words))
+        _Tracking.newest.report(Failed(2, words))
         job = desk.app_state.job
         assert (job.state, job.title, job.words) == ("failed", "Smoothing failed", words)
         assert len(_Tracking.newest.solved) == 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
+from keypose.app.jobs.job import Finished, Progress
+from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.track import Track
 from keypose.app.store import runner, saving
 from keypose.app.store.saving import Saver
 from keypose.app.store.state import Saved
@@ -26,6 +28,7 @@ from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.app import surface_cases
+from tests.app.jobs.job_cases import segment_done
 from tests.scenes import IdleWorker, opened_store, sample
 
 DRAG = {"do": "angles", "part": "left_forearm", "x": -30, "stroke": "drag"}
@@ -35,18 +38,15 @@ EDIT = {"do": "angles", "part": "left_forearm", "x": -30}
 class _Tracking(IdleWorker):
     """Takes orders and says nothing by itself."""
 
-    def __init__(self, report: Callable[[Report], None], _: object) -> None:
-        super().__init__(report, _)
-        self.orders: list[tuple[Session, Sequence[Wanted]]] = []
-
-    def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
-        self.orders.append((doc, wanted))
-        return len(self.orders)
+    @property
+    def orders(self) -> list[tuple[Session, Sequence[Wanted]]]:
+        """What is to be tracked, and of which session."""
+        return [(Session.model_validate_json(job.session), job.wanted) for job in self.of(Track)]
 
     def finish(self, number: int) -> None:
         """Report a segment of the first order."""
         doc, wanted = self.orders[0]
-        self.report(SegmentFinished(1, _track(doc, *wanted[number])))
+        self.report(segment_done(1, _track(doc, *wanted[number])))
 
 
 def _track(doc: Session, first: int, last: int, key: str) -> SegmentResult:
@@ -109,7 +109,7 @@ async def test_a_drag_that_is_taken_back_is_not_on_disk_though_tracking_saved_me
         desk.receive(tab, {"do": "track", "what": "all"})
         desk.receive(tab, DRAG)
         _Tracking.newest.finish(0)
-        _Tracking.newest.report(JobFinished(1, cancelled=False))
+        _Tracking.newest.report(Finished(1, cancelled=False))
         desk.receive(tab, {"do": "cancel_stroke", "stroke": "drag"})
     assert load_session(path).results is not None
     assert _forearm(load_session(path)) == before
@@ -130,8 +130,8 @@ async def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on
         tab = desk.join()
         desk.receive(tab, {"do": "track", "what": "changed"})
         doc, wanted = _Tracking.newest.orders[0]
-        _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
-        _Tracking.newest.report(JobFinished(1, cancelled=True))
+        _Tracking.newest.report(segment_done(1, _stopped(doc, *wanted[0])))
+        _Tracking.newest.report(Finished(1, cancelled=True))
         assert desk.app_state.job.title == "Cancelled"
         assert desk.app_state.job.words == "finished frames are kept; Fit continues from there"
         desk.receive(tab, {"do": "track", "what": "changed"})
@@ -151,15 +151,15 @@ async def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it
     def cancel(tracking: _Tracking) -> None:
         if not tracking.orders:
             return
-        doc, wanted = tracking.orders.pop()
-        tracking.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
-        tracking.report(JobFinished(1, cancelled=True))
+        doc, wanted = tracking.orders[0]
+        tracking.jobs.clear()
+        tracking.report(segment_done(1, _stopped(doc, *wanted[0])))
+        tracking.report(Finished(1, cancelled=True))
 
     monkeypatch.setattr(_Tracking, "cancel", cancel)
     async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "changed"})
-        _, wanted = _Tracking.newest.orders[0]
-        _Tracking.newest.report(Started(1, tuple(wanted), ("full",)))
+        _Tracking.newest.report(Progress(1, 0.0))
     session = load_session(path)
     assert session.results is not None
     assert session.results.segments[0].missing == 2
@@ -197,7 +197,7 @@ async def test_what_a_job_reports_after_its_session_was_closed_does_not_reach_th
         await desk.open(box)
         assert desk.app_state.job.state == "idle"
         _Tracking.newest.finish(0)
-        _Tracking.newest.report(JobFinished(1, cancelled=True))
+        _Tracking.newest.report(Finished(1, cancelled=True))
         assert desk.app_state.edit is not None
         assert len(desk.app_state.edit.results) == 0
         assert desk.app_state.job.state == "idle"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from threading import Event
@@ -12,13 +12,11 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.export.motion_formats import FORMATS, formats_of
-from keypose.app.jobs import Report, SegmentFinished
 from keypose.app.jobs.batch import run_one
 from keypose.app.jobs.batch.run_one import export_of, places, run_task
 from keypose.app.jobs.batch.task import Step, Summary, Task
-from keypose.app.jobs.messages import Order
+from keypose.app.jobs.job import Report
 from keypose.app.jobs.rerun import rerun
-from keypose.app.jobs.work import Job
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import FormatError
@@ -26,6 +24,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from tests.app.document.test_folder_lock import holder
 from tests.app.jobs.batch.batch_cases import write_sessions
+from tests.app.jobs.job_cases import segments
 from tests.tracker import session_cases as cases
 
 
@@ -164,17 +163,13 @@ def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_f
     done(path, order=TrackOrder(quality="preview"))
     stop = Event()
 
-    def stopped(order: Order, cancelled: Event, send: Callable[[Report], None]) -> Job:
-        """A job that is stopped before its second segment begins."""
-
-        def told(report: Report) -> None:
-            send(report)
-            if isinstance(report, SegmentFinished):
+    def told(*given: Any, **more: Any) -> Iterator[Report]:
+        for report in rerun(*given, **more):
+            if segments([report]):
                 stop.set()
+            yield report
 
-        return Job(order, cancelled, told)
-
-    monkeypatch.setattr("keypose.app.jobs.rerun.Job", stopped)
+    monkeypatch.setattr(run_one, "rerun", told)
     summary, _ = done(path, stop, order=TrackOrder(quality="full"))
     assert summary.state == "interrupted"
     assert [(s.first, s.quality) for s in summary.segments] == [(0, "full"), (4, "preview")]

@@ -1,0 +1,74 @@
+"""Follow the body from a keyframe as far as the evidence carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
+from keypose.app.editor.documents import ActionRefused
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import Direction
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import TrackAhead
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+    from keypose.tracker.tracking.ahead.follow import FoundAhead
+
+
+@dataclass(frozen=True, eq=False)
+class Following:
+    """The motion so far, from the keyframe at a frame."""
+
+    frame: int
+    motion: Trajectory
+
+
+@dataclass(frozen=True)
+class FollowAhead(Fit):
+    """frame: of the keyframe."""
+
+    frame: int
+    direction: Direction
+
+    kind = "ahead"
+    why_cancelled = "Tracking ahead cancelled because the body, the camera or a keyframe changed."
+    not_of_surfaces = "Surfaces are fitted from one keyframe on: press Fit."
+    keeps_found = True
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, action: TrackAhead) -> Self:
+        frame = start_frame(edit.doc, action.direction)
+        return cls(*sent(opened, edit.doc), frame, action.direction)
+
+    @property
+    def title(self) -> str:
+        return f"Tracking {'ahead' if self.direction == 'forward' else 'back'} from {self.frame}"
+
+    def work(self, session: Session, context: Context) -> FoundAhead:
+        from keypose.tracker.tracking.ahead.follow import LONGEST, follow_ahead  # only here
+
+        def emit(motion: Trajectory) -> None:
+            context.leave_when_cancelled()
+            steps = len(motion) - 1
+            words = f"{steps} frames so far" if steps else "Looking for the person"
+            context.report(steps / LONGEST, words, Following(self.frame, motion))
+
+        tracker = context.cache.follower(session, self.video_path, Path(self.folder))
+        return follow_ahead(tracker, self.frame, self.direction, session.settings, emit)
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        cues = doc.settings, doc.keypoint_corrections
+        return doc.body, doc.camera, doc.ignore_masks, doc.keyframes, *cues
+
+    def apply(self, found: FoundAhead, state: AppState) -> tuple[AppState, str]:
+        """What led nowhere changes nothing."""
+        if found.to_frame == found.frame:
+            raise ActionRefused(found_sentence(found))
+        return replace(state, edit=with_followed(state.editing, found)), ""

@@ -1,0 +1,149 @@
+"""Fit the pose of one frame to its picture, or to its surface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from keypose.app.editor.posing import pose_to_fit, with_pose_fitted
+from keypose.app.editor.shown import find, shown_pose
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.storage import sidecars
+from keypose.tracker.storage.results import pose_at
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import FitHere
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+
+SAME = 1e-9
+"""Poses that differ by less are the same."""
+NEAR_FRAMES = 8
+"""So many frames to both sides the tracked poses are handed over."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundPose:
+    """The pose of a frame as its picture shows it, and what that changed, in words.
+
+    found: whether the picture showed anything; without it the pose is as it was.
+    """
+
+    pose: Pose
+    found: bool
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """What the last fit of a pose did, until something else is edited.
+
+    frame: of the pose.
+    before, after: the documents.  looking_back: `before` is shown just now.
+    """
+
+    frame: int
+    words: str
+    before: Session
+    after: Session
+    looking_back: bool = False
+
+
+@dataclass(frozen=True)
+class FitPose(Fit):
+    """tracked: the tracked poses of frames near, by frame. Two of one frame ask for the same."""
+
+    session: bytes = field(compare=False)
+    frame: int
+    pose: Pose = field(compare=False)
+    tracked: Mapping[int, Pose] = field(default_factory=dict, compare=False)
+
+    why_cancelled = "Fit cancelled because the pose changed."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, _: FitHere) -> Self:
+        return cls(*sent(opened, edit.doc), edit.frame, pose_to_fit(edit), _near(edit))
+
+    @property
+    def title(self) -> str:
+        return f"Fitting frame {self.frame}"
+
+    def work(self, session: Session, context: Context) -> FoundPose:
+        return _WAYS.of(session)(self, session, context)
+
+    def on_film(self, session: Session, context: Context) -> FoundPose:
+        from keypose.tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
+        from keypose.tracker.storage.tracking import keypoint_source
+
+        video = context.cache.video(session, self.video_path)
+        skeleton = Skeleton.of(session.body)
+        others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != self.frame}
+        source = keypoint_source(
+            session, video, sidecars.keypoints_of_session(session, Path(self.folder))
+        )
+        found = fit_pose_to_picture(
+            video, session.camera, skeleton, self.frame, self.pose, others, self.tracked,
+            masks=session.ignore_masks, cancelled=context.cancelled, source=source,
+        )  # fmt: skip
+        return FoundPose(found.pose, found.way != "nothing", found.message)
+
+    def on_surfaces(self, session: Session, context: Context) -> FoundPose:
+        # loads what only this needs
+        from keypose.tracker.surface.fit.fitter import fit_pose_to_surface, fit_solids_to_surface
+
+        given, model = (session, self.video_path, Path(self.folder)), session.model_keyframe
+        if model is None or model.frame == self.frame:
+            mesh = context.cache.surfaces(*given).mesh(self.frame)
+            found = fit_solids_to_surface(mesh, Skeleton.of(session.body), self.pose)
+        else:
+            found = fit_pose_to_surface(context.cache.fitter(*given), self.frame, self.pose)
+        return FoundPose(found.pose, True, found.message)
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.body, doc.camera, doc.ignore_masks, doc.surface
+
+    def stands(self, began: EditorState, edit: EditorState) -> bool:
+        """A pose that is kept as a keyframe meanwhile is the same pose."""
+        if not super().stands(began, edit):
+            return False
+        if _posed(edit.doc, self.frame) is _posed(began.doc, self.frame):
+            return True
+        pose = shown_pose(replace(edit, frame=self.frame)).pose
+        return bool(
+            np.allclose(pose.Rs_parent_part, self.pose.Rs_parent_part, atol=SAME)
+            and np.allclose(pose.p_camera_root, self.pose.p_camera_root, atol=SAME)
+        )
+
+    def apply(self, found: FoundPose, state: AppState) -> tuple[AppState, str]:
+        edit = state.editing
+        after = with_pose_fitted(edit, self.frame, found.pose) if found.found else edit
+        if after is edit:
+            return state, found.words
+        outcome = FitOutcome(self.frame, found.words, edit.doc, after.doc)
+        return replace(state, edit=after, fit=outcome), ""
+
+
+_WAYS = ByEvidence({FilmEvidence: FitPose.on_film, SurfaceEvidence: FitPose.on_surfaces})
+
+
+def _posed(doc: Session, frame: int) -> Keyframe | None:
+    return find(doc.keyframes, frame) or find(doc.drafts, frame)
+
+
+def _near(edit: EditorState) -> dict[int, Pose]:
+    """The tracked poses of frames near, this one too: it shows whether they were led through the
+    pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
+    finished = {span: track for span, track in edit.fitting.items() if track.finished}
+    around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)
+    found = {frame: pose_at(finished, frame) for frame in around}
+    return {frame: pose for frame, pose in found.items() if pose is not None}

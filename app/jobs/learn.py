@@ -1,0 +1,67 @@
+"""Solve anew for drafts near keyframes that are new, with what these give."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Self, TypeAlias
+
+from keypose.app.editor.drafted import near_frames, with_learned
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Session
+from keypose.tracker.storage.sidecars import keypoints_of_session
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+
+Learned: TypeAlias = Mapping[int, Pose]
+"""Drafts with what keyframes give, by frame."""
+
+
+def learned(session: Session, folder: Path, around: Collection[int]) -> Learned:
+    """The drafts near some keyframes with what all keyframes there give of the keypoints; none
+    where the keypoints are not beside the session any more. folder: of the session's file."""
+    from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
+
+    skeleton, keypoints = Skeleton.of(session.body), keypoints_of_session(session, folder)
+    if keypoints is None:
+        return {}
+    keypoints = keypoints.corrected(session.keypoint_corrections)
+    drafts = {d.frame: d.pose(skeleton) for d in session.drafts if d.drafted}
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    places = session.drafted.places if session.drafted else ()
+    changes = [place.frame for place in places if place.reason == "person"]
+    return refit_drafts(keypoints, session.camera, session.body, drafts, posed, around, changes)
+
+
+@dataclass(frozen=True)
+class LearnDrafts(Fit):
+    """around: frames of the new keyframes."""
+
+    around: tuple[int, ...]
+
+    kind = "drafts"
+    title = "Drafts learn from keyframes"
+    not_of_surfaces = "Drafts are made from a video, not from surfaces."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, around: Collection[int]) -> Self:
+        near = near_frames(edit.doc, around)
+        return cls(*sent(opened, near, drafts=near.drafts), tuple(sorted(around)))
+
+    def work(self, session: Session, _: Context) -> Learned:
+        return learned(session, Path(self.folder), self.around)
+
+    def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
+        """The state with what drafts learned from keyframes as they were when it began."""
+        after = with_learned(state.editing, began.doc, found)
+        if after.doc.drafts == state.editing.doc.drafts:
+            return state, ""
+        words = f"{len(found)} drafts learned from your keyframe and were moved."
+        return replace(state, edit=after), words

@@ -1,0 +1,119 @@
+"""Reduce a motion to keyframes; shown until they are applied or discarded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.reduced import Reducible, reducible, with_reduction
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
+from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
+from keypose.tracker.session import Session
+from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.sidecars import load_first_motion_of, save_own_motion
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor import actions
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+
+
+@dataclass(frozen=True)
+class ReduceMotion(Fit):
+    """found: the motion to reduce. No two ask for the same."""
+
+    found: Reducible
+    goal: Goal
+
+    kind = "reduce"
+    title = "Reducing to keyframes"
+    why_cancelled = "Reduction cancelled because the motion changed."
+    not_of_surfaces = "Only the motion of a video is reduced, not that of surfaces."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, action: actions.Reduce) -> Self:
+        found = _reducible(edit, action, opened.session_path.absolute().parent)
+        given = sent(opened, edit.doc, keyframes=(), part_keyframes=())
+        return cls(*given, found, _goal_of(action))
+
+    def work(self, session: Session, context: Context) -> Reduction:
+        from keypose.tracker.reduction.reduce import reduce_motion  # loads what only this needs
+
+        reported = -1
+
+        def report(done: int, expected: int) -> None:
+            nonlocal reported
+            context.leave_when_cancelled()
+            if 100 * done // expected != reported:
+                reported = 100 * done // expected
+                context.report(done / expected)
+
+        found, skeleton = self.found, Skeleton.of(session.body)
+        given = (found.motion, self.goal, found.required, found.parts)
+        return reduce_motion(skeleton, session.camera, *given, report)
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.body, doc.keyframes, doc.part_keyframes, doc.drafts, doc.first_motion
+
+    def apply(self, found: Reduction, state: AppState) -> tuple[AppState, str]:
+        known = state.reduction
+        done = None if known is None else replace(known, reduction=found, busy=False)
+        return replace(state, reduction=done), ""
+
+    def left(self, state: AppState) -> AppState:
+        return replace(state, reduction=None)
+
+
+@dataclass(frozen=True, eq=False)
+class ReductionPreview:
+    """A reduction that waits to be applied or discarded.
+
+    asked: what was asked for last.  found: the motion, as it is to be reduced.
+    reduction: its keyframes; of what was asked before while `busy`, None at first.
+    """
+
+    asked: actions.Reduce
+    found: Reducible
+    reduction: Reduction | None = None
+    busy: bool = True
+
+    def applied_to(self, edit: EditorState, session_path: Path) -> EditorState:
+        """The keyframes, as one step that can be undone; the motion is written beside the session.
+        Refused while they are not known."""
+        if self.reduction is None or self.busy:
+            raise ActionRefused("The keyframes are not known yet. Wait a moment.")
+        own = None
+        if self.found.parts is None:
+            make_folder(session_path.parent, error=SessionError)
+            own = save_own_motion(edit.doc, session_path, self.found.motion)
+        frames, replacing = self.reduction.frames, self.asked.replacing
+        return with_reduction(edit, self.found, frames, own, replacing=replacing)
+
+
+def _goal_of(asked: actions.Reduce) -> Goal:
+    """So many frames, or metres and pixels."""
+    if asked.every is not None:
+        return Every(asked.every)
+    metres = math.inf if asked.cm is None else asked.cm / 100
+    return Tolerance(metres, math.inf if asked.px is None else asked.px)
+
+
+def _reducible(edit: EditorState, asked: actions.Reduce, folder: Path) -> Reducible:
+    """The motion to reduce; KeyposeError in one sentence where there is none."""
+    last = edit.frame_count - 1
+    frames = (asked.first or 0, last if asked.last is None else asked.last)
+    return reducible(
+        edit.doc,
+        edit.fitting,
+        load_first_motion_of(edit.doc, folder),
+        frames=frames,
+        limbs=asked.limbs,
+        replacing=asked.replacing,
+    )

@@ -1,0 +1,105 @@
+"""Keep what is ready between jobs in the worker."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from keypose.tracker.session import Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.storage import sidecars
+from keypose.tracker.storage.evidence import files_of
+from keypose.tracker.storage.files import open_for_work
+from keypose.tracker.storage.tracking import fitter_of, steps_of, tracker_of
+from keypose.tracker.surface.fit.fitter import SurfaceFitter
+from keypose.tracker.surface.mesh import Steps
+from keypose.tracker.tracking.pool import SegmentTracker
+from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video import Video
+
+
+class WorkerCache:
+    """The open video, its prepared pictures, the skeleton.
+
+    Pictures stay prepared while video, camera, masks and the plate setting are the same; what is
+    built for the body stays while the body does. Of surfaces the latest meshes stay.
+    """
+
+    def __init__(self) -> None:
+        self._video: Video | None = None
+        self._opened: Any = None
+        self._prepared_for: Any = None
+        self._tracker: Tracker | None = None
+        self._fitted_for: Any = None
+        self._fitter: SurfaceFitter | None = None
+
+    def tracker(self, session: Session, video_path: str, folder: Path = Path()) -> SegmentTracker:
+        """Return what tracks the segments of a session.
+
+        folder: of the session's file, where the motion lies that it may start from.
+
+        KeyposeError in one sentence where it cannot be had.
+        """
+        return _TRACKERS.of(session)(self, session, video_path, folder)
+
+    def fitter(self, session: Session, path: str, folder: Path) -> SurfaceFitter:
+        """Return what fits the surfaces of a session; as the last one while nothing of it is
+        another.
+        """
+        made_of = (session.body, session.surface, session.keyframes)
+        video = self.video(session, path, folder)
+        if self._fitter is None or self._fitted_for != made_of:
+            self._fitter, self._fitted_for = fitter_of(session, video), made_of
+        return self._fitter
+
+    def surfaces(self, session: Session, path: str, folder: Path) -> Steps:
+        """The surfaces that a session is fitted to, in the camera's frame."""
+        return steps_of(session, self.video(session, path, folder))
+
+    def of_film(self, session: Session, path: str, folder: Path) -> SegmentTracker:
+        """Return what tracks the segments of a film."""
+        return self._film_tracker(session, path, folder)
+
+    def follower(self, session: Session, path: str, folder: Path) -> Tracker:
+        """Return what follows the body of a film, of which one keyframe is enough."""
+        return self._film_tracker(session, path, folder, fewest=1)
+
+    def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
+        video = self.video(session, path)
+        masks, static = session.ignore_masks, session.has_static_camera
+        prepared_for = (self._opened, session.camera, masks, static)
+        if prepared_for != self._prepared_for:
+            self._tracker, self._prepared_for = None, prepared_for
+        self._tracker = tracker_of(
+            session,
+            video,
+            first_motion=sidecars.first_motion_of_session(session, folder),
+            like=self._tracker,
+            keypoints=sidecars.keypoints_of_session(session, folder),
+            fewest=fewest,
+        )
+        return self._tracker
+
+    def video(self, session: Session, path: str, folder: Path = Path()) -> Video:
+        """The video at a path, opened again only when another file lies there now; or when the
+        session has its surfaces read otherwise.
+
+        folder: of the session's file.  SessionError where there are now more or fewer surfaces
+        than the session has steps: every one after that would be another one's.
+        """
+        opened = files_of(session).state(session, Path(path), folder)
+        if self._video is None or opened != self._opened:
+            self.close()
+            self._video = open_for_work(session, Path(path), folder)
+            self._opened = opened
+        return self._video
+
+    def close(self) -> None:
+        """Close the video."""
+        if self._video is not None:
+            self._video.close()
+        self._video = self._opened = self._prepared_for = self._tracker = None
+        self._fitter = self._fitted_for = None
+
+
+_TRACKERS = ByEvidence({FilmEvidence: WorkerCache.of_film, SurfaceEvidence: WorkerCache.fitter})
