@@ -1,7 +1,7 @@
 // The status bar: keys of the tool in hand, tabs, connection; and whether the work is saved.
 
-import { pinHints } from '../timeline/edit/mark_drags.js';
-import { rangeHints } from '../timeline/edit/range_drags.js';
+import { pinHints } from '../timeline/marks/pins.js';
+import { rangeHints } from '../timeline/marks/selection.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { keyOf } from '../actions/actions.js';
 import { isEnd } from '../actions/pins.js';

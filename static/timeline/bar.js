@@ -17,7 +17,7 @@ import { dropdown } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { frameCount, isSurface, lastFrame, words as subject } from '../store/clip.js';
 import { server, setUi, ui } from '../store/state.js';
-import { drawZoomHint } from './edit/opening.js';
+import { drawZoomHint } from './opening.js';
 
 /** @param {import('../actions/actions.js').ActionId} id */
 const button = (id, looks = {}) => actionIcon(id, undefined, { size: '', ...looks });
@@ -57,53 +57,39 @@ function drawSuggestion() {
   if (!confirmation() && contradictions().length) return drawContradictions();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return html`<div class="row sug none"></div>`;
-  const { title, words } = server.job ?? {};
   const atWork = isUnderWay(suggest);
-  const shown = atWork ? { title, detail: words } : { title: suggest.title, detail: detailOf(suggest) };
-  return html`<div class=${`row sug ${suggest.kind}`} role="status" title=${`${shown.title}. ${shown.detail}`}>
-    ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
-    <span class="tx"><b>${shown.title}</b> <span class="mut">${shown.detail}</span></span>
-    ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
+  const { title, words } = atWork ? server.job : { title: suggest.title, words: detailOf(suggest) };
+  const buttons = atWork ? html`<span class="pad"></span>` : suggestionButton(suggest);
+  return strip(suggest.kind, SUGGESTION_ICONS[suggest.kind] ?? 'keyadd', title, words, buttons, `${title}. ${words}`);
 }
+
+const strip = (kind, sign, title, why, buttons, tip = `${title} ${why}`) => html`<div class=${`row sug ${kind}`} role="status" title=${tip}>
+  ${icon(sign)}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>${buttons}</div>`;
 
 /** Where nothing is left to mend, how far the motion reaches comes first: the end of a long line is cut. */
 const detailOf = ({ kind, detail, ahead }) =>
   (kind === 'good' && ahead ? `${noMotionYet(ahead)}. ${detail}` : detail);
 
 /** New sizes wait for an answer before anything else. */
-function newSizes() {
-  return html`<div class="row sug preview" role="status">${icon('size')}
-    <span class="tx"><b>New sizes fit better.</b> <span class="mut">${outdatedWords()}</span></span>
-    <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button></div>`;
-}
+const newSizes = () => strip('preview', 'size', 'New sizes fit better.', outdatedWords(),
+  html`<button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button>`);
 
 /** A place is looked at; the answer is given here as well. */
-function reviewing(row) {
-  const away = isElsewhere();
-  const asked = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
-  const title = away ? `In review: frame ${row.frame}` : asked;
-  return html`<div class="row sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
-    <span class="tx"><b>${title}</b> <span class="mut">${away ? row.label : 'Enter accepts, drag corrects.'}</span></span>
-    ${primary('acceptPlace', labelOf('acceptPlace'))}${primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')}</div>`;
+function reviewing({ kind, label, frame: at, reason }) {
+  const asked = kind === 'draft' ? 'Is the draft right here?' : `Is the ${label.toLowerCase()} right here?`;
+  const [title, why] = isElsewhere() ? [`In review: frame ${at}`, label] : [asked, 'Enter accepts, drag corrects.'];
+  const buttons = [primary('acceptPlace', labelOf('acceptPlace')), primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')];
+  return strip('', 'flag', title, why, buttons, `Frame ${at}: ${reason}`);
 }
 
 /** The review was closed before its end. */
-function interrupted() {
-  return html`<div class="row sug" role="status">${icon('flag')}
-    <span class="tx"><b>Review: ${placesToReview().length} left</b></span>
-    <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
-    <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button></div>`;
-}
+const interrupted = () => strip('', 'flag', `Review: ${placesToReview().length} left`, '', html`
+  <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
+  <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button>`);
 
 /** Pins wait to be accepted. */
-function drawProposals() {
-  const title = `${count(proposedPins().length, 'pin')} proposed.`;
-  const why = `The ${proposedWord()} still in these frames.`;
-  return html`<div class="row sug proposed" role="status" title=${`${title} ${why}`}>
-    ${icon('anchor')}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>
-    <button class="btn sm ghost" title=${titleOf('dismissPins')} @click=${() => perform('dismissPins')}>${labelOf('dismissPins')}</button>
-    <button class="btn sm pri" @click=${() => perform('acceptPins')}>${labelOf('acceptPins')}</button></div>`;
-}
+const drawProposals = () => strip('proposed', 'anchor', `${count(proposedPins().length, 'pin')} proposed.`, `The ${proposedWord()} still in these frames.`,
+  [small('dismissPins', 'ghost'), small('acceptPins', 'pri')]);
 
 /** "feet stand", "left foot stands", "hands and feet stand". */
 function proposedWord() {
@@ -114,13 +100,11 @@ function proposedWord() {
 }
 
 /** Pins hold a part where keyframes do not have it: the body jerks from one to the other. */
-function drawContradictions() {
-  const [{ words }] = contradictions();
-  const title = `Pins contradict ${count(contradicted().length, 'keyframe')}.`;
-  return html`<div class="row sug look" role="status" title=${`${title} ${words}`}>
-    ${icon('warn')}<span class="tx"><b>${title}</b> <span class="mut">${words}.</span></span>
-    <button class="btn sm pri" title=${titleOf('softKeys')} @click=${() => perform('softKeys')}>${labelOf('softKeys')}</button></div>`;
-}
+const drawContradictions = () => strip('look', 'warn', `Pins contradict ${count(contradicted().length, 'keyframe')}.`, `${contradictions()[0].words}.`,
+  small('softKeys', 'pri'));
+
+/** @param {import('../actions/actions.js').ActionId} id */
+const small = (id, kind) => html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;
 
 /** A draft waits to be confirmed before anything else. */
 function confirmation() {

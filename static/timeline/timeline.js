@@ -3,23 +3,24 @@
 import { clamp } from '../controls/arithmetic.js';
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
-import { anyLane, lanesOf } from './draw/lanes.js';
-import { hasPins } from './draw/pins.js';
+import { anyLane, lanesOf } from './marks/lanes.js';
+import { bottomOf } from './marks/scores.js';
+import { followPins, hasPins, watchPointer } from './pin_row.js';
 import { drawBar, show } from './bar.js';
 import { areFolded, isZoomed, mountFold, reveal } from '../actions/window.js';
-import { noticeZoom, showOpened } from './edit/opening.js';
+import { noticeZoom, showOpened } from './opening.js';
 import { frame } from '../actions/playhead.js';
-import { headKeys, listenOn } from './edit/gestures.js';
-import { grabbed } from './edit/pointer.js';
+import { listenOn } from './gestures.js';
+import { grabbed } from './pointer.js';
 import { mountPlaying } from '../actions/playing.js';
 import { mountSelection } from '../actions/selection.js';
-import { followPins, listenForPinKeys, watchPointer } from './edit/mark_drags.js';
+import { listenForPinKeys } from './marks/pins.js';
 import { mountNoteCard } from './note_card.js';
 import { mountReduceCard } from './reduce_card.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
-import { flagWidth } from './draw/overlay.js';
-import { layersOf } from './draw/drawing.js';
+import { flagWidth } from './draw/playhead.js';
+import { layersOf } from './drawing.js';
 import { memoize } from './draw/series.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
@@ -42,7 +43,6 @@ export function mount() {
   const drawing = time.querySelector('#tsvg');
   mountFold();
   listenOn(drawing, ground, scrollLanes);
-  headKeys(drawing);
   watchPointer();
   listenForPinKeys();
   mountNoteCard(time.querySelector('#tnote'), drawing);
@@ -50,10 +50,10 @@ export function mount() {
   mountSelection();
   mountPlaying();
   const bar = time.querySelector('#tr');
-  const layers = layersOf(drawing, ground);
+  const drawLayers = layersOf(drawing);
   new ResizeObserver(() => measure(drawing)).observe(drawing);
   measure(drawing);
-  watch(WATCHED, () => redraw(bar, drawing, layers));
+  watch(WATCHED, () => redraw(bar, drawing, drawLayers));
 }
 
 function frameOf() {
@@ -80,7 +80,7 @@ function measure(drawing) {
 
 const rows = memoize((height, zoomed, lanes, weakest, pins) => rowsFor({ height, zoomed, lanes, weakest, pins }));
 
-/** What the drawing stands on now: {rows, lanes, scroll}. */
+/** @returns {import('./marks.js').Stage} */
 function ground() {
   const folded = areFolded() || isCramped(ui.timeSize.height);
   const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);
@@ -88,7 +88,7 @@ function ground() {
   const most = Math.max(0, box.lanes.full - box.lanes.room);
   // Whole lanes: a wheel of fine steps adds up until the next one comes.
   const scroll = Math.round(Math.min(ui.timeScroll, most) / box.lanes.each) * box.lanes.each;
-  return { rows: box, lanes, scroll, empty: !anyLane(server.lanes) };
+  return { rows: box, lanes, scroll, empty: !anyLane(server.lanes), bottom: bottomOf(box) };
 }
 
 function scrollLanes(by) {
@@ -98,13 +98,13 @@ function scrollLanes(by) {
 
 let before = { clip: null, frame: null };
 
-function redraw(bar, drawing, layers) {
+function redraw(bar, drawing, drawLayers) {
   follow();
-  followPins(hasPins());
+  followPins();
   noticeZoom();
   render(drawBar(), bar);
   show(bar.querySelector('.fbox input'));
-  for (const draw of layers) draw();
+  drawLayers(ground());
   const head = drawing.querySelector('.playhead');
   if (head) clearNumbers(drawing, frame(), flagWidth());
 }

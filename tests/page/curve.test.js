@@ -5,6 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import * as curve from '../../static/timeline/draw/curve.js';
+import { curveKey } from '../../static/timeline/marks/curve_keys.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const ROW = { y: 0, h: 112 };
@@ -61,13 +62,14 @@ test('while a key is dragged the scale stands still, and moves again afterwards'
 });
 
 test('a key of the curve is found where its diamond is, and not beside it', () => {
+  const keyNear = (row, px, py) => curveKey.hit({ x: px, y: py }, { rows: { curve: row } })?.frame ?? null;
   const [x, y] = [scale.x(10), curve.scale(ROW).y(100)];
-  assert.equal(curve.curveKeyNear(ROW, x, y), 10);
-  assert.equal(curve.curveKeyNear(ROW, x - 9, y + 9), 10);
-  assert.equal(curve.curveKeyNear(ROW, x - 10, y), null);
-  assert.equal(curve.curveKeyNear(ROW, x, y + 10), null);
-  assert.equal(curve.curveKeyNear(ROW, scale.x(5), curve.scale(ROW).y(50)), null); // no key
-  assert.equal(curve.curveKeyNear(null, x, y), null);
+  assert.equal(keyNear(ROW, x, y), 10);
+  assert.equal(keyNear(ROW, x - 9, y + 9), 10);
+  assert.equal(keyNear(ROW, x - 10, y), null);
+  assert.equal(keyNear(ROW, x, y + 10), null);
+  assert.equal(keyNear(ROW, scale.x(5), curve.scale(ROW).y(50)), null); // no key
+  assert.equal(keyNear(null, x, y), null);
 });
 
 test('there is an error to show where any is above nothing', () => {

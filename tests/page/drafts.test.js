@@ -8,7 +8,7 @@ import {
   boxFrameFor, draftedWords, draftMessage, draftRange, nobodyWords, personWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
 } from '../../static/actions/drafting.js';
 import { suggestedFrame } from '../../static/actions/playhead.js';
-import { draftStretches } from '../../static/timeline/draw/drafts.js';
+import { draftStretches } from '../../static/timeline/marks/drafts.js';
 
 test('drafts without a gap are one stretch, one or two stand alone', () => {
   const found = draftStretches([1, 2, 3, 4, 9, 20, 21, 30, 31, 32], []);

@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
 import { noteBeside, noteAsOneLine, noteMessage } from '../../static/actions/keying.js';
 import { server } from '../../static/store/state.js';
-import { noteMarkAt } from '../../static/timeline/draw/rulermarks.js';
+import { note } from '../../static/timeline/marks/notes.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
@@ -47,6 +47,7 @@ test('a note in one line is cut, and a flag has a name', () => {
 
 test('a mark is grabbed at the foot of the ruler, and nowhere else', () => {
   const y = scale.RULER - 4;
+  const noteMarkAt = (place) => note.hit(place)?.frame ?? null;
   assert.equal(noteMarkAt({ x: scale.x(50) + 4, y }), 50);
   assert.equal(noteMarkAt({ x: scale.x(50) + 12, y }), null);
   assert.equal(noteMarkAt({ x: scale.x(50), y: 5 }), null);

@@ -2,7 +2,7 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { fillsOf } from '../../static/timeline/draw/keymarks.js';
+import { fillsOf } from '../../static/timeline/marks/part_keyframes.js';
 
 const arm = { side: 'R' };
 const leg = { side: 'L' };

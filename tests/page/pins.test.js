@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
 import * as pins from '../../static/actions/pins.js';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
-import { pinAt } from '../../static/timeline/draw/pins.js';
+import * as marks from '../../static/timeline/marks/pins.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const foot = { name: 'left_foot', label: 'Left foot', short: 'Foot', side: 'L', landmarks: ['left_toe', 'left_heel'] };
@@ -65,25 +65,29 @@ test('keyframes that pins contradict by more than is seen are softened together'
   server.space = [];
 });
 
+const hit = (mark, place, there = row) => mark.hit(place, { rows: { pins: there } }) || null;
+const pinAt = (place, there) => hit(marks.pin, place, there);
+
 test('a bar is pulled at its ends and moved by its middle', () => {
-  const at = (frame) => pinAt(row, { x: scale.x(frame), y: 125 });
-  assert.deepEqual(at(40), { kind: 'pin', index: 1, end: 'first' });
-  assert.deepEqual(at(50), { kind: 'pin', index: 1, end: 'middle' });
-  assert.deepEqual(at(60), { kind: 'pin', index: 1, end: 'last' });
+  const at = (frame) => pinAt({ x: scale.x(frame), y: 125 });
+  assert.deepEqual(at(40), { index: 1, end: 'first' });
+  assert.deepEqual(at(50), { index: 1, end: 'middle' });
+  assert.deepEqual(at(60), { index: 1, end: 'last' });
   assert.equal(at(30), null);
-  assert.equal(pinAt(row, { x: scale.x(50), y: 95 }), null);
-  assert.equal(pinAt({ ...row, thin: true, h: 3 }, { x: scale.x(50), y: 101 }), null);
+  assert.equal(pinAt({ x: scale.x(50), y: 95 }), null);
+  assert.equal(pinAt({ x: scale.x(50), y: 101 }, { ...row, thin: true, h: 3 }), null);
 });
 
 test('where two pins touch, each end is the one on its own side', () => {
   server.pins = [pin(0, 39), pin(40, 60)];
-  assert.deepEqual(pinAt(row, { x: scale.x(39) - 2, y: 125 }), { kind: 'pin', index: 0, end: 'last' });
-  assert.deepEqual(pinAt(row, { x: scale.x(40) + 2, y: 125 }), { kind: 'pin', index: 1, end: 'first' });
+  assert.deepEqual(pinAt({ x: scale.x(39) - 2, y: 125 }), { index: 0, end: 'last' });
+  assert.deepEqual(pinAt({ x: scale.x(40) + 2, y: 125 }), { index: 1, end: 'first' });
 });
 
 test('what is proposed is no pin yet', () => {
   server.proposed_pins = [pin(70, 90)];
-  assert.deepEqual(pinAt(row, { x: scale.x(80), y: 125 }), { kind: 'proposal', part: 'left_foot', first: 70 });
+  assert.equal(pinAt({ x: scale.x(80), y: 125 }), null);
+  assert.deepEqual(hit(marks.proposal, { x: scale.x(80), y: 125 }), { part: 'left_foot', first: 70 });
   assert.equal(labelOf('acceptPins'), 'Accept');
   assert.deepEqual(pins.acceptMessage(server.proposed_pins[0]), { do: 'accept_pins', part: 'left_foot', first: 70 });
   assert.deepEqual(pins.acceptMessage(), { do: 'accept_pins' });
@@ -93,7 +97,7 @@ test('what is proposed is no pin yet', () => {
 
 test('hand and foot of one side share the height of their bar', () => {
   server.pins = [pin(0, 60), pin(0, 60, { part: 'left_hand', landmarks: [] })];
-  const index = (y) => pinAt(row, { x: scale.x(30), y })?.index;
+  const index = (y) => pinAt({ x: scale.x(30), y })?.index;
   assert.equal(index(118), 0);
   assert.equal(index(126), 1);
 });

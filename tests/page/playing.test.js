@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import * as playing from '../../static/actions/playing.js';
 import { WHILE_PLAYING, BY_CHORD } from '../../static/actions/actions.js';
 import { server, ui } from '../../static/store/state.js';
-import { spanEndAt } from '../../static/timeline/draw/rulermarks.js';
+import { span as mark } from '../../static/timeline/marks/span.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
@@ -42,6 +42,7 @@ test('what another film or a person wrote into the browser is read as far as it 
 });
 
 test('brackets are grabbed outside their frames, where the playhead is not', () => {
+  const spanEndAt = (place) => mark.hit(place)?.end ?? null;
   playing.keepSpan({ first: 20, last: 60 });
   assert.equal(spanEndAt({ x: scale.x(20) - 4, y: 10 }), 'first');
   assert.equal(spanEndAt({ x: scale.x(20) + 4, y: 10 }), null);

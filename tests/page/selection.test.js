@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
 import * as selection from '../../static/actions/selection.js';
 import { server, ui } from '../../static/store/state.js';
-import { gripNear } from '../../static/timeline/draw/selection.js';
+import { selection as mark } from '../../static/timeline/marks/selection.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
@@ -18,6 +18,7 @@ beforeEach(() => {
 });
 
 const at = (frame) => scale.x(frame);
+const gripNear = (px) => mark.hit({ x: px })?.end ?? null;
 
 test('Shift selects from the keyframe clicked before, Ctrl one more, which counts that one', () => {
   selection.chooseOnly(0);

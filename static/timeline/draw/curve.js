@@ -1,14 +1,15 @@
-// The curve of the selected part about one axis, with its keys, the error thin below it, and its scale:
+// The curve of the selected part about one axis, the error thin below it, and its scale:
 // degrees up, pixels down.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { shortNumber } from '../../controls/arithmetic.js';
+import { onEnter } from '../../controls/focus.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { partNamed } from '../../store/parts.js';
 import { extent, line, numbers, memoize, runsOf } from './series.js';
 import { frameCount } from '../../store/clip.js';
 import { GUTTER, right, x } from './scale.js';
-import { diamond, nearest, withRoom } from './keymarks.js';
-import { frame, isKey, keyFrames } from '../../actions/playhead.js';
+import { keyFrames } from '../../actions/playhead.js';
 
 const STEPS = [1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180, 360];
 const LEAST_SPAN = 20;
@@ -43,7 +44,6 @@ export function scaleOf({ low, high }, row) {
 }
 
 const AXES = ['x', 'y', 'z'];
-const KEY_RADIUS = 4.5;
 /** States whose frames are shown as they were, not as they will be. */
 const STALE = ['outdated', 'waiting', 'none'];
 const ERROR_SHARE = 0.72;
@@ -55,13 +55,9 @@ export function freezeRange(on) {
   frozen = on ? range() : null;
 }
 
-function range() {
-  return rangeOf(server.curve?.[axis()]);
-}
+const range = () => rangeOf(server.curve?.[axis()]);
 
-export function hasCurve() {
-  return anyAngle(server.curve);
-}
+export const hasCurve = () => anyAngle(server.curve);
 
 /** One value alone, of a single key, is no curve yet. */
 const anyAngle = memoize((curve) =>
@@ -75,61 +71,48 @@ export function axis() {
   return AXES.find((name) => tracked.includes(`r${name}`)) ?? 'x';
 }
 
-export function chooseAxis(name) {
-  setUi('curveAxis', name);
-}
+export const chooseAxis = (name) => setUi('curveAxis', name);
 
 export function scale(row) {
   const ends = frozen ?? range();
   return ends === null ? null : scaleOf(ends, row);
 }
 
-export function valueAt(at) {
-  return server.curve?.[axis()]?.[at] ?? null;
-}
+export const valueAt = (at) => server.curve?.[axis()]?.[at] ?? null;
 
-/** The whole chart; `without` is the key that is being dragged and drawn elsewhere. */
-export function drawCurve(row, without) {
+/** The whole chart without its keys. */
+export function drawCurve(row) {
   if (row === null || !hasCurve() || frameCount() === 0) return nothing;
   const at = scale(row);
+  const error = svg`<path class="error" d=${errorLine(row)} />`;
+  if (at === null) return error;
   const values = server.curve[axis()] ?? [];
-  return svg`${drawGrid(row, at)}
-    <path class="error" d=${errorLine(row)} />
-    ${at === null ? nothing : pieces().map(({ first, last, stale }) => svg`
+  return svg`<path class="s-line" d=${at.ticks.map((value) => `M${GUTTER} ${at.y(value).toFixed(1)}H${right() + 26}`).join('')} />
+    ${error}
+    ${pieces().map(({ first, last, stale }) => svg`
       <path class=${`angle ${axis()}${stale ? ' stale' : ''}`}
         d=${runsOf(values, first, last).map((run) => line(run, at.y)).join('')} />`)}
-    ${at === null ? nothing : svg`<path class=${`between ${axis()}`} d=${between(at)} />`}
-    ${at === null ? nothing : drawCurveKeys(at, without)}`;
-}
-
-function drawGrid(row, at) {
-  if (at === null) return nothing;
-  return svg`<path class="s-line" d=${at.ticks
-    .map((value) => `M${GUTTER} ${at.y(value).toFixed(1)}H${right() + 26}`).join('')} />`;
+    <path class=${`between ${axis()}`} d=${between(at)} />`;
 }
 
 /** Stretches of frames drawn alike: neighbouring segments of one kind are one stretch. */
 function pieces() {
   const result = [];
-  const add = (first, last, stale) => {
+  const add = (last, stale) => {
     const before = result.at(-1);
-    if (before && before.stale === stale) before.last = last;
-    else if (last > first) result.push({ first, last, stale });
+    if (before?.stale === stale) before.last = last;
+    else if (last > (before?.last ?? 0)) result.push({ first: before?.last ?? 0, last, stale });
   };
   const segments = server.segments ?? [];
-  const end = frameCount() - 1;
-  if (segments.length === 0) return [{ first: 0, last: end, stale: true }];
-  add(0, segments[0].first, true);
-  for (const s of segments) add(s.first, s.last, STALE.includes(s.state));
-  add(segments.at(-1).last, end, true);
+  if (segments.length) add(segments[0].first, true);
+  for (const s of segments) add(s.last, STALE.includes(s.state));
+  add(frameCount() - 1, true);
   return result;
 }
 
 const largest = memoize((list) => extent(numbers(list))?.high ?? 0);
 
-export function hasError() {
-  return largest(server.curve?.error) > 0;
-}
+export const hasError = () => largest(server.curve?.error) > 0;
 
 function errorLine(row) {
   const most = largest(server.curve.error);
@@ -148,31 +131,53 @@ function between(at) {
   return lines.join('');
 }
 
-function curveKeys() {
-  return keyFrames().filter((at) => valueAt(at) !== null);
-}
+export const curveKeys = () => keyFrames().filter((at) => valueAt(at) !== null);
 
-function drawCurveKeys(at, without) {
-  // Where keys stand too close for diamonds, the keyframe row shows them well enough.
-  const marks = withRoom(curveKeys()).filter((key) => key !== without);
-  const mark = (key) => diamond(x(key).toFixed(1), at.y(valueAt(key)), KEY_RADIUS);
-  return svg`<path class="curvekey" d=${marks.map(mark).join('')} />`;
-}
+const PITCH = 14;
 
-/** The current key's diamond on the curve, in the accent. */
-export function drawCurrentCurveKey(row) {
-  if (row === null || !hasCurve() || !isKey(frame())) return nothing;
+const LETTER_PX = 6.2;
+
+/** Left of the curve: whose it is, about which axis, and the numbers of its scale. */
+export function drawCurveLabels(row) {
+  if (row === null || !hasCurve()) return nothing;
+  const part = partNamed(server.curve.part);
+  const name = part?.label ?? server.curve.part;
   const at = scale(row);
-  const value = valueAt(frame());
-  if (at === null || value === null) return nothing;
-  return svg`<path class="curvekey current" d=${diamond(x(frame()), at.y(value), KEY_RADIUS)} />`;
+  const top = row.y + (row.h > 34 ? 14 : 12);
+  const ticks = (at?.ticks ?? []).filter((value) => hasRoom(value, at.y(value), row, name));
+  return svg`<text class="lbl" x="12" y=${top}>${name}</text>
+    ${row.h > 34 ? drawAxes(part, top + 15) : nothing}
+    ${row.h > 46 && hasError() ? drawErrorLabel(row) : nothing}
+    ${ticks.map((value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
+      text-anchor="end">${shortNumber(value, 0)}</text>`)}`;
 }
 
-/** The key whose diamond on the curve is at this place, or null. */
-export function curveKeyNear(row, px, py) {
-  const at = row === null ? null : scale(row);
-  if (at === null || px < GUTTER) return null;
-  const keys = withRoom(curveKeys());
-  const close = keys.filter((key) => Math.abs(at.y(valueAt(key)) - py) <= 9);
-  return nearest(close, px, 9);
+/** A number stands beside the name of the part only where the name is short enough. */
+function hasRoom(value, y, row, name) {
+  const nameEnds = 12 + LETTER_PX * name.length;
+  return y > row.y + 22 || nameEnds < GUTTER - 12 - LETTER_PX * String(value).length;
+}
+
+function drawErrorLabel(row) {
+  const y = row.y + 44;
+  return svg`<text class="d" x="12" y=${y}>Error</text><path class="error" d=${`M44 ${y - 4}h16`} />`;
+}
+
+/** "X Y Z Bend": the letters choose the axis, the word says what turning about it does. */
+function drawAxes(part, y) {
+  const word = part?.words?.[axis()] ?? '';
+  return svg`<g role="radiogroup" aria-label="Axis of the curve">
+      ${AXES.map((name, i) => drawLetter(name, 12 + i * PITCH, y, part))}</g>
+    <text x=${12 + 3 * PITCH + 2} y=${y}>${word}</text>`;
+}
+
+function drawLetter(name, px, y, part) {
+  const word = part?.words?.[name] ?? '';
+  const chosen = axis() === name;
+  return svg`<g class=${`axis ${name}${chosen ? ' chosen' : ''}`} role="radio" tabindex="0"
+      aria-checked=${String(chosen)} aria-label=${`${name.toUpperCase()} ${word}`}
+      @click=${() => chooseAxis(name)} @keydown=${onEnter(() => chooseAxis(name))}>
+    <title>${name.toUpperCase()} ${word}, degrees</title>
+    <rect x=${px - 4} y=${y - 13} width=${PITCH + 1} height="18" rx="3" />
+    <text x=${px} y=${y}>${name.toUpperCase()}</text></g>`;
 }

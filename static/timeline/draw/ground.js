@@ -6,13 +6,20 @@ import { server, ui } from '../../store/state.js';
 import { damageWords, frameCount, isSurface, lastFrame } from '../../store/clip.js';
 import { GUTTER, pxPerFrame, right, RULER, rulerStep, visible, x } from './scale.js';
 import { hasCurve } from './curve.js';
+import { isScore } from '../marks/scores.js';
 
-const nothingYet = () =>
-  isSurface()
-    ? 'Visibility per part and joint angles appear here after fitting.'
-    : 'Visibility per part and joint angles appear here after tracking.';
+/** @type {import('../marks.js').Layer[]} */
+export const GROUND = [
+  { group: 'back', z: 0, from: () => [], draw: ({ rows }) => drawGround(rows) },
+  { group: 'frames', z: 10, from: () => [], draw: ({ bottom }) => drawRuler(bottom) },
+  { group: 'frames', z: 20, from: () => [server.damage], draw: ({ bottom }) => drawDamage(bottom) },
+  { group: 'frames', z: 190, from: () => [server.curve, isScore()], draw: ({ rows, empty }) => drawNothingYet(rows, empty) },
+  { group: 'above', z: 10, from: () => [server.keys], draw: ({ rows }) => [drawClip(), drawKeyLabels(rows)] },
+];
 
-export function drawGround(rows) {
+const nothingYet = () => `Visibility per part and joint angles appear here after ${isSurface() ? 'fitting' : 'tracking'}.`;
+
+function drawGround(rows) {
   const { width, height } = ui.timeSize;
   const across = (y) => `M0 ${y - 0.5}H${width}`;
   const lines = [across(rows.top), across(rows.keys.y + rows.keys.h)];
@@ -23,7 +30,7 @@ export function drawGround(rows) {
     <path class="s-line" d=${`M${GUTTER + 0.5} 0V${height}${lines.join('')}`} />`;
 }
 
-export function drawKeyLabels(rows) {
+function drawKeyLabels(rows) {
   if (!server.file) return nothing;
   const y = rows.keys.middle + 4;
   return svg`<text class="lbl" x="12" y=${y}>Keyframes</text>
@@ -31,8 +38,8 @@ export function drawKeyLabels(rows) {
 }
 
 /** Words in the place of lanes and curve before the first track. */
-export function drawNothingYet(rows, empty, score) {
-  if (!empty || score || frameCount() === 0) return nothing;
+function drawNothingYet(rows, empty) {
+  if (!empty || isScore() || frameCount() === 0) return nothing;
   const top = rows.keys.y + rows.keys.h;
   const room = rows.height - top;
   if (hasCurve() || room < 24) return nothing;
@@ -44,7 +51,7 @@ const NUMBERS_APART_PX = 80;
 const TICKS_APART_PX = 5;
 
 /** Ticks and numbers; thin lines through all rows under each number. */
-export function drawRuler(height) {
+function drawRuler(height) {
   if (frameCount() === 0) return nothing;
   const step = rulerStep(NUMBERS_APART_PX);
   const numbers = marks(step);
@@ -87,7 +94,7 @@ export function clearNumbers(drawing, frame, flagWidth) {
 }
 
 /** The clip's own figures at the left end of the ruler: "60 fps · 1.67 s". */
-export function drawClip() {
+function drawClip() {
   if (!server.file) return nothing;
   const fps = Number(server.file.fps.toFixed(2));
   return svg`<text class="d" x="12" y="15">${fps} fps · ${duration(server.file.duration_s)}</text>`;
@@ -105,7 +112,7 @@ function duration(seconds) {
 const LEAST_PX = 3;
 const STRIP = 4;
 
-export function drawDamage(height) {
+function drawDamage(height) {
   const { first, last } = visible();
   const seen = (server.damage ?? []).filter(([from, to]) => to >= first - 1 && from <= last + 1);
   return seen.map((run) => drawHatched(run, height));

@@ -26,6 +26,12 @@ export function visible() {
   return { first: frameAt(GUTTER), last: frameAt(right() + MARGIN_RIGHT) };
 }
 
+/** Of some frames, or of what has a frame or a first and a last one, what has any pixel on the drawing. */
+export function seenOf(things) {
+  const { first, last } = visible();
+  return things.filter((each) => (each.last ?? each.frame ?? each) >= first - 1 && (each.first ?? each.frame ?? each) <= last + 1);
+}
+
 export function left() {
   return LEFT;
 }
@@ -46,6 +52,28 @@ export function frameAt(px) {
   const { first, last } = shown();
   return first + ((px - LEFT) * (last - first)) / (right() - LEFT);
 }
+
+/** The nearest of some frames within so many pixels, or null. */
+export function nearest(frames, px, reach) {
+  let best = null;
+  let least = reach;
+  for (const at of frames) {
+    const apart = Math.abs(x(at) - px);
+    if (apart <= least) [best, least] = [at, apart];
+  }
+  return best;
+}
+
+/** That frame as what is hit: {frame}. */
+export function hitNear(frames, px, reach) {
+  const frame = nearest(frames, px, reach);
+  return frame === null ? null : { frame };
+}
+
+const SNAP_PX = 4;
+
+/** The frame meant at a pixel: one of some frames within 4 px, else the one there. */
+export const snapped = (px, frames) => nearest(frames, px, SNAP_PX) ?? frameAt(px);
 
 /** Zoom by a factor; the frame under this pixel stays where it is. */
 export function zoomAt(px, factor) {
@@ -101,6 +129,9 @@ export function rowsFor({ height, zoomed, lanes, weakest, pins = false }) {
   const curve = rest >= 24 ? { y: curveTop, h: rest } : null;
   return { height, top, keys, lanes: laneRow, pins: pinRow, curve };
 }
+
+/** Whether a row, where there is one, is at a height. */
+export const isIn = (row, y) => row !== null && y >= row.y && y < row.y + row.h;
 
 /** Whether a drawing this high has no room for more than the weakest part's lane. */
 export function isCramped(height) {

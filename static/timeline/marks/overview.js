@@ -4,18 +4,22 @@ import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { isZoomed, scrollBy, showFrames, shown } from '../../actions/window.js';
 import { lastFrame } from '../../store/clip.js';
-import { left, OVERVIEW, right, RULER } from './scale.js';
+import { left, OVERVIEW, right, RULER } from '../draw/scale.js';
 import { frame, keyFrames } from '../../actions/playhead.js';
 
-function place(at) {
-  return left() + (at * (right() - left())) / Math.max(1, lastFrame());
-}
+/** @type {import('../marks.js').Mark} */
+export const overview = {
+  kind: 'overview',
+  layers: [{ group: 'above', z: 110, from: () => [server.segments, server.keys, frame()], draw: drawOverview }],
+  hit: ({ y }) => isZoomed() && y > RULER - 2 && y < RULER + OVERVIEW + 2 && {},
+  cursor: 'grab',
+  grab,
+};
 
-function frameUnder(px) {
-  return ((px - left()) * lastFrame()) / (right() - left());
-}
+const place = (at) => left() + (at * (right() - left())) / Math.max(1, lastFrame());
+const frameUnder = (px) => ((px - left()) * lastFrame()) / (right() - left());
 
-export function drawOverview() {
+function drawOverview() {
   if (!isZoomed()) return nothing;
   const { first, last } = shown();
   const y = RULER;
@@ -31,17 +35,15 @@ export function drawOverview() {
 }
 
 /** Take hold of the window: beside it, it first jumps under the pointer. */
-export function grabOverview(px) {
+function grab(_, start) {
   const { first, last } = shown();
-  const at = frameUnder(px);
+  const at = frameUnder(start.x);
   if (at < first || at > last) showFrames(at - (last - first) / 2, at + (last - first) / 2);
-  let before = px;
+  let before = start.x;
   return {
-    move(event) {
-      scrollBy(frameUnder(event.x) - frameUnder(before));
-      before = event.x;
+    move({ x }) {
+      scrollBy(frameUnder(x) - frameUnder(before));
+      before = x;
     },
-    end() {},
-    cancel() {},
   };
 }

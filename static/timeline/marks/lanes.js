@@ -4,9 +4,32 @@
 import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { onEnter } from '../../controls/focus.js';
-import { server } from '../../store/state.js';
-import { extent, numbers, memoize, runsOf } from './series.js';
-import { GUTTER, right } from './scale.js';
+import { frame, settle } from '../../actions/playhead.js';
+import { select } from '../../store/parts.js';
+import { server, setUi, ui } from '../../store/state.js';
+import { GUTTER, right } from '../draw/scale.js';
+import { extent, memoize, numbers, runsOf } from '../draw/series.js';
+import { frames, scrub } from './frames.js';
+
+/** @type {import('../marks.js').Mark} */
+export const lane = {
+  kind: 'lane',
+  layers: [
+    { group: 'frames', z: 40, from: () => [server.view?.selected], draw: drawLanes },
+    { group: 'above', z: 40, from: () => [server.view?.selected], draw: drawLabels },
+  ],
+  hit({ y }, { rows, lanes, scroll }) {
+    const within = y - rows.lanes.y;
+    const there = within >= 0 && within < rows.lanes.room && lanes[Math.floor((within + scroll) / rows.lanes.each)];
+    return there && { lane: there };
+  },
+  grab: (_, place) => scrub(place),
+  click(what) {
+    settle();
+    selectOf(what.lane);
+  },
+  menu: frames.menu,
+};
 
 const HIDDEN_BELOW = 0.35;
 
@@ -68,11 +91,18 @@ export const lanesOf = memoize((lanes, body, folded, open) => {
   });
 });
 
-/** The part a click on a lane means: the selected one if it is there, else the weakest here. */
-export function partMeant(lane, at) {
-  if (lane.kind !== 'weakest' && lane.parts.includes(server.view?.selected)) return server.view.selected;
-  const value = (part) => server.lanes?.[part]?.[at] ?? Infinity;
-  return lane.parts.reduce((best, part) => (value(part) < value(best) ? part : best), lane.parts[0]);
+/** Select the part a lane means: the selected one if it is there, else the weakest here. */
+function selectOf(one) {
+  const value = (part) => server.lanes?.[part]?.[frame()] ?? Infinity;
+  const weakest = () => one.parts.reduce((best, part) => (value(part) < value(best) ? part : best), one.parts[0]);
+  const part = isSelected(one) ? server.view.selected : weakest();
+  if (part) select(part);
+}
+
+function toggle({ label }) {
+  const open = new Set(ui.timeOpen);
+  if (!open.delete(label)) open.add(label);
+  setUi('timeOpen', open);
 }
 
 const WORD_PX = 52;
@@ -84,32 +114,19 @@ function laneBox(rows, i, scroll) {
   return { y, h, base: y + h };
 }
 
-export function laneAt(rows, lanes, y, scroll) {
-  const within = y - rows.lanes.y;
-  if (lanes.length === 0 || within < 0 || within >= rows.lanes.room) return null;
-  return lanes[Math.floor((within + scroll) / rows.lanes.each)] ?? null;
+const isSelected = ({ kind, parts }) => kind !== 'weakest' && parts.includes(server.view?.selected);
+
+function drawLanes({ rows, lanes, scroll }) {
+  // Scrolled lanes end where their room ends.
+  return svg`<clipPath id="tl-lanes"><rect x="0" y=${rows.lanes.y - 1} width="100000" height=${rows.lanes.room + 1} /></clipPath>
+    <g clip-path="url(#tl-lanes)">${lanes.map((one, i) => drawLane(one, laneBox(rows, i, scroll)))}</g>`;
 }
 
-function isSelected(lane) {
-  return lane.kind !== 'weakest' && lane.parts.includes(server.view?.selected);
-}
-
-export function drawLanes(rows, lanes, scroll) {
-  return svg`${clip(rows)}<g clip-path="url(#tl-lanes)">
-    ${lanes.map((lane, i) => drawLane(lane, laneBox(rows, i, scroll)))}</g>`;
-}
-
-/** Scrolled lanes end where their room ends. */
-function clip(rows) {
-  return svg`<clipPath id="tl-lanes"><rect x="0" y=${rows.lanes.y - 1} width="100000"
-    height=${rows.lanes.room + 1} /></clipPath>`;
-}
-
-function drawLane(lane, { y, h, base }) {
-  const runs = runsOf(lane.values);
+function drawLane(one, { y, h, base }) {
+  const runs = runsOf(one.values);
   const area = runs.map((run) => areaOf(run, base, h)).join('');
   const hatched = runs.flatMap(hiddenRuns);
-  const kind = `lane ${lane.kind}${isSelected(lane) ? ' selected' : ''}`;
+  const kind = `lane ${one.kind}${isSelected(one) ? ' selected' : ''}`;
   return svg`<path class=${kind} d=${area} />
     ${hatched.map(([from, to]) => svg`<rect x=${from} y=${y} width=${to - from} height=${h}
       fill="url(#tl-hidden)" />${drawHidden(from, to, base)}`)}`;
@@ -149,24 +166,22 @@ function hiddenRuns(run) {
 }
 
 /** Names of the lanes; a group's arrow opens its parts. */
-export function drawLaneLabels(rows, lanes, scroll, toggle, select) {
-  const label = (lane, i) => {
+function drawLabels({ rows, lanes, scroll }) {
+  const label = (one, i) => {
     const { h, base, y } = laneBox(rows, i, scroll);
-    const indent = { weakest: 12, group: 26, part: 38 }[lane.kind];
-    const ink = `lanename${isSelected(lane) ? ' lbl' : ''}${lane.kind === 'part' ? ' single' : ''}`;
-    const baseline = base - Math.max(0, (h - 11) / 2);
-    const name = svg`<text class=${ink} x=${indent} y=${baseline}
-      @click=${() => select(lane)}>${lane.label}</text>`;
-    return lane.kind === 'group' ? svg`${arrow(lane, y, h, toggle)}${name}` : name;
+    const indent = { weakest: 12, group: 26, part: 38 }[one.kind];
+    const ink = `lanename${isSelected(one) ? ' lbl' : ''}${one.kind === 'part' ? ' single' : ''}`;
+    const name = svg`<text class=${ink} x=${indent} y=${base - Math.max(0, (h - 11) / 2)} @click=${() => selectOf(one)}>${one.label}</text>`;
+    return one.kind === 'group' ? [arrow(one, y, h), name] : name;
   };
   return svg`<g clip-path="url(#tl-lanes)">${lanes.map(label)}</g>${drawThumb(rows, scroll)}`;
 }
 
-function arrow(lane, y, h, toggle) {
+function arrow(one, y, h) {
   const middle = y + h / 2 + 1.2;
-  const shape = lane.open ? `M12.5 ${middle - 1.5}l3 3 3-3` : `M14 ${middle - 3}l3 3-3 3`;
-  return svg`<g class="arrow" role="button" tabindex="0" aria-expanded=${String(lane.open)}
-      aria-label=${`Parts of ${lane.label}`} @click=${() => toggle(lane)} @keydown=${onEnter(() => toggle(lane))}>
+  const shape = one.open ? `M12.5 ${middle - 1.5}l3 3 3-3` : `M14 ${middle - 3}l3 3-3 3`;
+  return svg`<g class="arrow" role="button" tabindex="0" aria-expanded=${String(one.open)}
+      aria-label=${`Parts of ${one.label}`} @click=${() => toggle(one)} @keydown=${onEnter(() => toggle(one))}>
     <rect x="4" y=${y - 1} width="20" height=${h + 3} rx="3" /><path d=${shape} /></g>`;
 }
 

@@ -1,15 +1,36 @@
 // Error per pass of the segment the playhead is in: is it still falling, and which pass is kept.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { GUTTER, right } from './scale.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { range } from '../../controls/words.js';
+import { isSurface } from '../../store/clip.js';
+import { server, ui } from '../../store/state.js';
+import { GUTTER, right } from '../draw/scale.js';
+import { frames } from './frames.js';
 
 const PITCH_MOST = 64;
 const AXIS_H = 14;
 
+const isChosen = () => ui.chart === 'score' && !isSurface();
+export const isScore = () => isChosen() && (server.segments ?? []).length > 0;
+
+/** Where frames end: the chart of scores under them has passes across, not frames. */
+export const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
+
+const layer = (group, draw) => ({
+  group, z: 100, from: () => [isScore() && segmentAt(frame())], draw: ({ rows }) => (isScore() ? draw(rows.curve) : nothing),
+});
+
+/** @type {import('../marks.js').Mark} */
+export const scoreChart = {
+  kind: 'score',
+  layers: [layer('frames', drawScores), layer('above', drawScoreLabels)],
+  hit: ({ y }, { rows }) => isChosen() && rows.curve !== null && y >= rows.curve.y && {},
+  menu: frames.menu,
+};
+
 /** The chart in the place of the curve: passes from left to right, the best one marked. */
-export function drawScores(row) {
+function drawScores(row) {
   if (row === null) return nothing;
   const segment = segmentAt(frame());
   const known = scoresOf(segment);
@@ -75,7 +96,7 @@ function figures(score) {
 }
 
 /** Left of the chart: which segment, and what is drawn. */
-export function drawScoreLabels(row) {
+function drawScoreLabels(row) {
   if (row === null) return nothing;
   const segment = segmentAt(frame());
   const which = segment ? `Segment ${range(segment.first, segment.last)}` : 'No segment here';

@@ -3,14 +3,35 @@
 
 import { svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { draftFrames, placesToConfirm } from '../../actions/playhead.js';
-import { BAR, GUTTER, right, visible, x } from './scale.js';
+import { reasonOf } from '../../actions/drafting.js';
+import { draftFrames, placesToConfirm, settle } from '../../actions/playhead.js';
+import { BAR, GUTTER, hitNear, right, seenOf, visible, x } from '../draw/scale.js';
+import { named } from '../draw/shapes.js';
+import { scrub } from './frames.js';
 
 const RING = 8;
-const REACH = 10;
+const REACH_PX = 10;
 const WORD_PX = 44;
 /** Fewer drafts in a row are posed by hand. */
 const FEWEST = 3;
+
+/** A place to confirm. @type {import('../marks.js').Mark} */
+export const draft = {
+  kind: 'place',
+  row: 'keys',
+  layers: [
+    { group: 'frames', z: 90, from: () => [server.keys, server.segments, server.draft], draw: ({ rows }) => drawStretches(rows.keys) },
+    { group: 'frames', z: 150, from: () => [server.draft], draw: ({ rows, bottom }) => seenOf(placesToConfirm()).map((place) => drawPlace(place, rows.keys.middle, bottom)) },
+  ],
+  hit: ({ x: px }) => hitNear(placesToConfirm().map(({ frame }) => frame), px, REACH_PX),
+  cursor: 'pointer',
+  grab: ({ frame }, start) => scrub({ ...start, x: x(frame) }),
+  click: settle,
+  tip({ frame: at }, rows) {
+    const place = placesToConfirm().find(({ frame }) => frame === at);
+    return place && named(`${reasonOf(place)}. Go to ${at}`, x(at), rows);
+  },
+};
 
 /**
  * Drafts outside all segments: stretches [first, last] without a gap, and those that stand alone.
@@ -36,10 +57,10 @@ export function draftStretches(frames, segments) {
 /** The drafts that stand alone. */
 export const singleDrafts = () => draftStretches(draftFrames(), server.segments ?? []).alone;
 
-export function drawDrafts(rows) {
+function drawStretches({ middle }) {
   const { first, last } = visible();
   const { stretches } = draftStretches(draftFrames(), server.segments ?? []);
-  return stretches.filter(([from, to]) => to >= first && from <= last).map((run) => drawStretch(run, rows.keys.middle));
+  return stretches.filter(([from, to]) => to >= first && from <= last).map((run) => drawStretch(run, middle));
 }
 
 function drawStretch([first, last], middle) {
@@ -61,21 +82,10 @@ function wordPlace(from, to) {
   return [0.08, 0.2, 0.5, 0.8].map((share) => from + (to - from) * share).find((at) => fits(at) && free(at)) ?? null;
 }
 
-/** A numbered ring at each place to confirm, and a dashed line down. */
-export function drawPlaces(rows, height) {
-  const { first, last } = visible();
-  const middle = rows.keys.middle;
-  return placesToConfirm().map(({ frame }, i) => {
-    if (frame < first || frame > last) return null;
-    const at = x(frame);
-    return svg`<g class="place"><path class="down" d=${`M${at} ${middle + RING}V${height}`} />
-      <circle cx=${at} cy=${middle} r=${RING} />
-      <text x=${at} y=${middle + 3.8} text-anchor="middle">${i + 1}</text></g>`;
-  });
-}
-
-/** The place to confirm at a pixel of the keyframes' row, or null. */
-export function placeNear(px) {
-  const near = placesToConfirm().filter((place) => Math.abs(x(place.frame) - px) <= REACH);
-  return near.sort((a, b) => Math.abs(x(a.frame) - px) - Math.abs(x(b.frame) - px))[0] ?? null;
+/** A numbered ring, and a dashed line down. */
+function drawPlace(place, middle, bottom) {
+  const at = x(place.frame);
+  return svg`<g class="place"><path class="down" d=${`M${at} ${middle + RING}V${bottom}`} />
+    <circle cx=${at} cy=${middle} r=${RING} />
+    <text x=${at} y=${middle + 3.8} text-anchor="middle">${placesToConfirm().indexOf(place) + 1}</text></g>`;
 }

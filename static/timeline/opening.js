@@ -1,12 +1,12 @@
 // What is shown of a film just opened, and a hint that the interval of the playhead can be shown alone.
 
-import { html, nothing } from '../../vendor/lit-html/lit-html.js';
-import { server, setUi, ui } from '../../store/state.js';
-import { inBrowser } from '../../store/storage.js';
-import { isZoomed, showAll, showFrames } from '../../actions/window.js';
-import { lastFrame } from '../../store/clip.js';
-import { keyOf, perform } from '../../actions/actions.js';
-import { keyFrames } from '../../actions/playhead.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { server, setUi, ui } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
+import { isZoomed, showAll, showFrames } from '../actions/window.js';
+import { lastFrame } from '../store/clip.js';
+import { keyOf, perform } from '../actions/actions.js';
+import { keyFrames } from '../actions/playhead.js';
 
 const AIR_OPENED = 0.1;
 const LITTLE = 0.25; // of the film: the keyframes stand too close together to be worked with
