@@ -26,7 +26,7 @@ from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors
 
-(SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
+SHAPES = Path(static.__file__).parent / "store" / "shapes.js"
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)
 
 
