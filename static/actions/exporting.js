@@ -7,6 +7,7 @@ import { EXPORTS, FORMATS } from '../store/orders.js';
 import { fetchOwn } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
+import { follow, leave } from './following.js';
 import { frame } from './playhead.js';
 
 const PICTURED = ['main', 'top', 'side', 'front', 'free'];
@@ -120,9 +121,6 @@ function nameIn(response) {
 }
 
 const sentence = (words) => (/[.?!]$/.test(words) ? words : `${words}.`);
-
-const LOOK_MS = 400;
-const PATIENCE = 20; // looks in a row without an answer, before it is given up
 
 /** @typedef {import('../store/shapes.js').Exporting} Exporting */
 
@@ -251,37 +249,14 @@ export async function beginExport() {
     ({ id } = await response.json());
     if (!isMine(id)) return void end(id); // cancelled before it had a number
     setUi('exportJob', { ...begun, id });
-    await follow(id);
+    const state = await follow(`/exports/${id}`, () => ui.exportJob?.id === id, ({ done, of }) => setUi('exportJob', { ...begun, id, done, of }));
+    if (state?.state === 'failed') throw new Error(state.words);
+    if (state?.state === 'cancelled') finish();
+    if (state?.state === 'done') await fetchFile(id, state.words);
   } catch (error) {
     if (!isMine(id)) return; // cancelled meanwhile
     finish();
     toast({ kind: 'check', words: 'Nothing was saved.', detail: error.message });
-  }
-}
-
-/** Look how far it is until it is done; then save the file. */
-async function follow(id) {
-  let missed = 0;
-  while (ui.exportJob?.id === id) {
-    const state = await stateOf(id);
-    missed = state ? 0 : missed + 1;
-    if (missed > PATIENCE) throw new Error('The connection was lost on the way.');
-    if (ui.exportJob?.id !== id) return; // cancelled meanwhile
-    if (state?.state === 'failed') throw new Error(state.words);
-    if (state?.state === 'cancelled') return finish();
-    if (state?.state === 'done') return fetchFile(id, state.words);
-    if (state) setUi('exportJob', { ...ui.exportJob, done: state.done, of: state.of });
-    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-  }
-}
-
-async function stateOf(id) {
-  try {
-    const response = await fetchOwn(`/exports/${id}`);
-    if (response.status === 404) return { state: 'failed', words: 'Keypose was restarted meanwhile. Export again.' };
-    return response.ok ? await response.json() : null;
-  } catch {
-    return null; // the line is down for a moment
   }
 }
 
@@ -302,12 +277,7 @@ export async function cancelExport() {
 }
 
 async function end(id) {
-  try {
-    await fetchOwn(`/exports/${id}`, { method: 'DELETE' });
-    toast({ kind: 'info', words: 'Export cancelled.' });
-  } catch {
-    // Nobody answers: it ends with the server, or with the next export.
-  }
+  if (await leave(`/exports/${id}`)) toast({ kind: 'info', words: 'Export cancelled.' });
 }
 
 const finish = () => setUi('exportJob', null);

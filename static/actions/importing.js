@@ -5,13 +5,11 @@ import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { ENDINGS, IMPORTS } from '../store/orders.js';
-import { keyHeader } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
 import { fetchOk } from './exporting.js';
+import { follow, leave } from './following.js';
 import { beginReduction } from './proposals.js';
 
-const LOOK_MS = 300;
-const PATIENCE = 20; // looks in a row without an answer, before it is given up
 const LARGEST = 256 * 2 ** 20;
 
 /** @typedef {import('../store/shapes.js').Importing} Importing */
@@ -79,9 +77,9 @@ export async function importFile(file) {
   try {
     const response = await fetchOk(`/imports?${new URLSearchParams({ name })}`, { method: 'POST', body: file });
     ({ id } = await response.json());
-    if (ui.importing !== begun) return void leave(id); // closed meanwhile, or it is another file's turn
+    if (ui.importing !== begun) return void leave(addressOf(id)); // closed meanwhile, or it is another file's turn
     show({ ...begun, id });
-    await follow(id);
+    await followStage(id);
   } catch (error) {
     if (ui.importing === begun || isShown(id)) fail(error.message);
   }
@@ -94,8 +92,8 @@ export async function beginImport() {
   show({ ...importing, stage: 'importing', words: '', done: 0, of: 0 });
   try {
     const order = JSON.stringify(importOrder(importing.found, importing.choices));
-    await fetchOk(`/imports/${importing.id}`, { method: 'POST', body: order });
-    await follow(importing.id);
+    await fetchOk(addressOf(importing.id), { method: 'POST', body: order });
+    await followStage(importing.id);
   } catch (error) {
     if (isShown(importing.id)) fail(error.message);
   }
@@ -106,7 +104,7 @@ export function leaveImport() {
   const { importing } = ui;
   setUi('importing', null);
   if (!importing?.id) return;
-  leave(importing.id);
+  leave(addressOf(importing.id));
   if (importing.stage === 'importing') toast({ kind: 'info', words: 'Import cancelled.' });
 }
 
@@ -188,18 +186,12 @@ function fail(words) {
 }
 
 /** Look how far it is until the stage is over. */
-async function follow(id) {
-  let missed = 0;
-  while (isShown(id)) {
-    const state = await stateOf(id);
-    if (!isShown(id)) return; // closed meanwhile
-    missed = state ? 0 : missed + 1;
-    if (missed > PATIENCE) throw new Error('The connection was lost on the way.');
-    if (state && state.state !== 'running') return takeIn(state);
-    if (state) show({ ...ui.importing, done: state.done ?? 0, of: state.of ?? 0 });
-    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-  }
+async function followStage(id) {
+  const state = await follow(addressOf(id), () => isShown(id), ({ done, of }) => show({ ...ui.importing, done, of }));
+  if (state) takeIn(state);
 }
+
+const addressOf = (id) => `/imports/${id}`;
 
 /** Whether there is a motion besides that which was imported. */
 const isPosed = () => (server.keys?.frames.length ?? 0) > 1 || (server.keys?.drafts.length ?? 0) > 1;
@@ -213,28 +205,9 @@ function takeIn(state) {
   else {
     const { id, found } = ui.importing;
     setUi('importing', null);
-    leave(id);
+    leave(addressOf(id));
     const read = state.doubtful ? { button: { label: 'OK', run: () => {} } } : {}; // a doubt stays until it is read
     const offer = found?.kind === 'motion' && !isPosed() ? { ...REDUCE, brief: !state.doubtful } : read;
     toast({ kind: state.doubtful ? 'check' : 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}), ...offer });
-  }
-}
-
-async function stateOf(id) {
-  try {
-    const response = await fetch(`/imports/${id}`, { headers: keyHeader() });
-    if (response.status === 404) return { state: 'failed', words: 'Keypose was restarted meanwhile. Import the file again.' };
-    return response.ok ? await response.json() : null;
-  } catch {
-    return null; // the line is down for a moment
-  }
-}
-
-/** The server forgets the file. */
-async function leave(id) {
-  try {
-    await fetch(`/imports/${id}`, { method: 'DELETE', headers: keyHeader() });
-  } catch {
-    // Nobody answers: it ends with the server, or with the next import.
   }
 }
