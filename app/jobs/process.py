@@ -6,6 +6,7 @@ import multiprocessing
 import queue
 from collections.abc import Callable
 from contextlib import suppress
+from multiprocessing.process import BaseProcess
 from threading import Thread
 from typing import Any
 
@@ -16,6 +17,15 @@ NICENESS = 5
 """The page's server goes first, yet beside other busy programs a track still gets its share."""
 PATIENCE_S = 0.3
 """For a process that was asked to end; then it is ended."""
+
+
+def end_process(process: BaseProcess) -> None:
+    """End it, whatever it is doing; at most a second."""
+    for end in (process.terminate, process.kill):
+        end()
+        process.join(PATIENCE_S)
+        if not process.is_alive():
+            break
 
 
 class WorkerProcess:
@@ -53,11 +63,7 @@ class WorkerProcess:
     def stop(self) -> None:
         """End the process, whatever it is doing; at most a second."""
         self._outbox.put(None)
-        for end in (self._process.terminate, self._process.kill):
-            end()
-            self._process.join(PATIENCE_S)
-            if not self._process.is_alive():
-                break
+        end_process(self._process)
 
     def _send(self) -> None:
         with suppress(OSError):

@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from threading import Event, Thread
 from typing import Any, Literal, Protocol, TypeAlias
 
-from keypose.app.jobs.process import PATIENCE_S
+from keypose.app.jobs.process import end_process
 from keypose.app.jobs.wire import receive, send
 from keypose.tracker.errors import KeyposeError
 
@@ -76,11 +76,7 @@ class SideProcess:
         """End it, whatever it is doing; at most a second."""
         if self.state.state == "running":
             self.state = WorkState("cancelled")
-        for end in (self._process.terminate, self._process.kill):
-            end()
-            self._process.join(PATIENCE_S)
-            if not self._process.is_alive():
-                break
+        end_process(self._process)
 
     def _receive(self, reports: Connection) -> None:
         with reports, suppress(EOFError, OSError):

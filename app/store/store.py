@@ -87,8 +87,7 @@ class Store:
         self._writer = SessionWriter(loop, self, library, self._on_saved)
         self._opener = Opener(loop, self, library, self._writer, self._runner)
         self._shelf = Shelf(self, library)
-        lock = self._writer.lock
-        self._proposals = Proposals(self, self._fitter, lock, self._set, self._edit_to)
+        self._proposals = Proposals(self, self._fitter, self._writer.lock)
         self._clients = Clients()
         self._poses = PoseLibrary(library.workspace, lambda poses: self._set(poses=poses))
 
@@ -316,7 +315,7 @@ class Store:
                 self._fitter.ask(action)
 
     def take(self, after: AppState) -> None:
-        """Go on from what a job made of the state."""
+        """Go on from what a job, or the answer to it, made of the state."""
         self._set(
             fit=after.fit, draft=after.draft, preview=after.preview, reduction=after.reduction
         )

@@ -146,36 +146,23 @@ def _track(
     from keypose.tracker.warm import warm
 
     warm()
-    found = _Found([])
-    reporter = _StepReporter(send)
+    found, percent = _Found([]), 0
     try:
         given = (asked, task.session, video, wanted)
         for report in rerun(*given, workers=task.threads, stop=stop):
-            if isinstance(report, Progress):
-                reporter.receive(report)
-            elif isinstance(report, Finished):
+            if isinstance(report, Finished):
                 found.cancelled = report.cancelled
+            if not isinstance(report, Progress):
+                continue
+            before, percent = percent, int(100 * report.share)
             if isinstance(event := found_in(report), SegmentFinished):
                 found.tracks.append(event.result)
+                send(Step(percent, _segment_json(event.result)))
+            elif percent != before:
+                send(Step(percent))
     except KeyposeError as error:
         found.error = error
     return found
-
-
-class _StepReporter:
-    """Reports the progress, no more often than it changes."""
-
-    def __init__(self, send: SendStep) -> None:
-        self._send = send
-        self._percent = 0
-
-    def receive(self, report: Progress) -> None:
-        event, percent = found_in(report), int(100 * report.share)
-        if isinstance(event, SegmentFinished):
-            self._send(Step(percent, _segment_json(event.result)))
-        elif percent != self._percent:
-            self._send(Step(percent))
-        self._percent = percent
 
 
 def _segment_json(track: SegmentResult) -> dict[str, object]:
