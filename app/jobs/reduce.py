@@ -39,7 +39,13 @@ class ReduceMotion(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, action: actions.Reduce) -> Self:
-        found = _reducible(edit, action, opened.session_path.absolute().parent)
+        last = edit.frame_count - 1
+        frames = (action.first or 0, last if action.last is None else action.last)
+        imported = load_first_motion_of(edit.doc, opened.session_path.absolute().parent)
+        found = reducible(
+            edit.doc, edit.fitting, imported,
+            frames=frames, limbs=action.limbs, replacing=action.replacing,
+        )  # fmt: skip
         given = sent(opened, edit.doc, keyframes=(), part_keyframes=())
         return cls(*given, found, _goal_of(action))
 
@@ -103,17 +109,3 @@ def _goal_of(asked: actions.Reduce) -> Goal:
         return Every(asked.every)
     metres = math.inf if asked.cm is None else asked.cm / 100
     return Tolerance(metres, math.inf if asked.px is None else asked.px)
-
-
-def _reducible(edit: EditorState, asked: actions.Reduce, folder: Path) -> Reducible:
-    """The motion to reduce; KeyposeError in one sentence where there is none."""
-    last = edit.frame_count - 1
-    frames = (asked.first or 0, last if asked.last is None else asked.last)
-    return reducible(
-        edit.doc,
-        edit.fitting,
-        load_first_motion_of(edit.doc, folder),
-        frames=frames,
-        limbs=asked.limbs,
-        replacing=asked.replacing,
-    )

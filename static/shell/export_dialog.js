@@ -8,6 +8,7 @@ import { dropdown, segmented } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { field, orderFields } from '../controls/order_form.js';
 import { server, setUi, ui, watch } from '../store/state.js';
+import { workUnderWay } from './job.js';
 import { frameCount } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 
@@ -98,13 +99,6 @@ const FILES = {
 };
 
 function progress({ what, done, of }) {
-  const percent = of ? Math.round((100 * done) / of) : 0;
   const words = of ? `${what === 'film' ? 'Frame' : 'Image'} ${done} of ${of}` : 'Preparing…';
-  return html`<div class="row sheetfoot">
-    <div class="job exjob" role="progressbar" aria-label="Export" aria-valuenow=${of ? percent : nothing} aria-valuetext=${words}>
-      <span class="spin">${icon('run')}</span><b>${KINDS[what]}</b><span class="mut num cut">${words}</span><span class="sp"></span>
-      <button type="button" class="btn ghost sm" @click=${cancelExport}>Cancel</button>
-      <span class="bar ${of ? '' : 'sweep'}" style="width:${of ? percent : 30}%"></span>
-    </div>
-  </div>`;
+  return workUnderWay({ label: 'Export', title: KINDS[what], words, done, of, cancel: cancelExport });
 }

@@ -9,6 +9,7 @@ import { orderFields } from '../controls/order_form.js';
 import { count, range } from '../controls/words.js';
 import { frameCount } from '../store/clip.js';
 import { server, setUi, ui, watch } from '../store/state.js';
+import { workUnderWay } from './job.js';
 
 const KINDS = { motion: 'Recorded motion', keypoints: '2D keypoints', camera: 'Camera' };
 const SIGNS = { motion: 'track', keypoints: 'ghost', camera: 'camcorder' };
@@ -129,14 +130,6 @@ function again() {
 }
 
 function progress({ stage, done, of }) {
-  const percent = of ? Math.round((100 * done) / of) : 0;
-  const words = of ? `Frame ${done} of ${of}` : 'Preparing…';
-  const label = stage === 'reading' ? 'Reading' : 'Importing';
-  return html`<div class="row sheetfoot">
-    <div class="job exjob" role="progressbar" aria-label=${label} aria-valuenow=${of ? percent : nothing} aria-valuetext=${words}>
-      <span class="spin">${icon('run')}</span><b>${label}</b><span class="mut num cut">${of ? words : ''}</span><span class="sp"></span>
-      <button type="button" class="btn ghost sm" @click=${leaveImport}>Cancel</button>
-      <span class="bar ${of ? '' : 'sweep'}" style="width:${of ? percent : 30}%"></span>
-    </div>
-  </div>`;
+  const title = stage === 'reading' ? 'Reading' : 'Importing';
+  return workUnderWay({ label: title, title, words: of ? `Frame ${done} of ${of}` : 'Preparing…', done, of, cancel: leaveImport });
 }

@@ -74,6 +74,21 @@ function runningJob(job) {
   </div>`;
 }
 
+/**
+ * The foot of a dialog while the server works for it: what it does, how far it is, Cancel.
+ * @param {{ label: string, title: string, words: string, done: number, of: number, cancel: () => void }} work
+ */
+export function workUnderWay({ label, title, words, done, of, cancel }) {
+  const percent = of ? Math.round((100 * done) / of) : 0;
+  return html`<div class="row sheetfoot">
+    <div class="job exjob" role="progressbar" aria-label=${label} aria-valuenow=${of ? percent : nothing} aria-valuetext=${words}>
+      <span class="spin">${icon('run')}</span><b>${title}</b><span class="mut num cut">${words}</span><span class="sp"></span>
+      <button type="button" class="btn ghost sm" @click=${cancel}>Cancel</button>
+      <span class="bar ${of ? '' : 'sweep'}" style="width:${of ? percent : 30}%"></span>
+    </div>
+  </div>`;
+}
+
 function endedJob({ kind, title, words }) {
   return html`<div class="job end ${kind}" role="status">
     ${icon(ICONS[kind])}<b class="num cut" title=${title}>${title}</b>
