@@ -9,7 +9,7 @@ import { partNamed } from '../../store/parts.js';
 import { server, ui } from '../../store/state.js';
 import { axis, curveKeys, drawCurve, drawCurveLabels, freezeRange, hasCurve, scale, valueAt } from '../draw/curve.js';
 import { GUTTER, hitNear, right, x } from '../draw/scale.js';
-import { diamond, LETTER_PX, plate } from '../draw/shapes.js';
+import { diamond, LETTER_PX, plate } from '../draw/glyphs.js';
 import { held } from '../pointer.js';
 import { openKeyMenu, withRoom } from './keyframes.js';
 import { isScore } from './scores.js';

@@ -6,7 +6,7 @@ import { server } from '../../store/state.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { draftFrames, placesToConfirm, settle } from '../../actions/playhead.js';
 import { BAR, GUTTER, hitNear, right, seenOf, visible, x } from '../draw/scale.js';
-import { named } from '../draw/shapes.js';
+import { named } from '../draw/glyphs.js';
 import { scrub } from './frames.js';
 
 const RING = 8;

@@ -14,7 +14,7 @@ import { clampFrame, lastFrame } from '../../store/clip.js';
 import { send } from '../../store/link.js';
 import { server } from '../../store/state.js';
 import { frameAt, GUTTER, hitNear, right, seenOf, x } from '../draw/scale.js';
-import { diamond, named, plate } from '../draw/shapes.js';
+import { diamond, named, plate } from '../draw/glyphs.js';
 import { onTheWay, putBack } from '../pointer.js';
 import { singleDrafts } from './drafts.js';
 import { chosenKeys, grabKeys, openSelectionMenu } from './selection.js';

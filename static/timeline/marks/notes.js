@@ -10,7 +10,7 @@ import { clampFrame } from '../../store/clip.js';
 import { send } from '../../store/link.js';
 import { server } from '../../store/state.js';
 import { frameAt, hitNear, RULER, seenOf, x } from '../draw/scale.js';
-import { plate } from '../draw/shapes.js';
+import { plate } from '../draw/glyphs.js';
 import { held } from '../pointer.js';
 
 const HIGH = 8;

@@ -9,7 +9,7 @@ import { frame } from '../../actions/playhead.js';
 import { heading, line, openMenuAt } from '../../controls/menu.js';
 import { server } from '../../store/state.js';
 import { GUTTER, hitNear, right, seenOf, x } from '../draw/scale.js';
-import { diamond, named, plate } from '../draw/shapes.js';
+import { diamond, named, plate } from '../draw/glyphs.js';
 import { onTheWay } from '../pointer.js';
 import { duplicate, keyframe, remove } from './keyframes.js';
 

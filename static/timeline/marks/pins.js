@@ -16,7 +16,7 @@ import { partNamed } from '../../store/parts.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { frameAt, GUTTER, isIn, pxPerFrame, seenOf, snapped, x } from '../draw/scale.js';
 import { memoize } from '../draw/series.js';
-import { plate } from '../draw/shapes.js';
+import { plate } from '../draw/glyphs.js';
 import { held, hovered } from '../pointer.js';
 
 /** @type {import('../marks.js').Mark} */

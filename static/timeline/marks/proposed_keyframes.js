@@ -6,7 +6,7 @@ import { isReviewing } from '../../actions/review.js';
 import { server, ui } from '../../store/state.js';
 import { seenOf, x } from '../draw/scale.js';
 import { extent, numbers, runsOf } from '../draw/series.js';
-import { diamond } from '../draw/shapes.js';
+import { diamond } from '../draw/glyphs.js';
 
 /** @type {import('../marks.js').Mark} */
 export const proposedKeyframes = {

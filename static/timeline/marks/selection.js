@@ -12,7 +12,7 @@ import { heading, line, openMenuAt } from '../../controls/menu.js';
 import { count, range } from '../../controls/words.js';
 import { clampFrame, lastFrame } from '../../store/clip.js';
 import { frameAt, GUTTER, snapped, x } from '../draw/scale.js';
-import { diamond, named, plate } from '../draw/shapes.js';
+import { diamond, named, plate } from '../draw/glyphs.js';
 import { held, putBack } from '../pointer.js';
 
 const AIR = 10;

@@ -9,7 +9,7 @@ import { clamp } from '../../controls/arithmetic.js';
 import { openMenuAt } from '../../controls/menu.js';
 import { setUi, ui } from '../../store/state.js';
 import { GUTTER, right, RULER, snapped, visible, x } from '../draw/scale.js';
-import { plate } from '../draw/shapes.js';
+import { plate } from '../draw/glyphs.js';
 
 const MARGIN = 26;
 const TOP = 3;
