@@ -18,11 +18,12 @@ import { damageAt, damageWords, words as subject } from '../store/clip.js';
 import { partNamed } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
+import { drawBoxAt } from './box.js';
 import { isHandleCoveredBy } from './floating.js';
 import { displaybar, mountOrbitHint, onSlide, orbitHint, tintbar, toolbar } from './displaybar.js';
 import { interaction, onInteraction } from './interaction.js';
 import { largeView } from './scale.js';
-import { drawBoxAt, sketchHint } from './sketch.js';
+import { drawingTool } from './sketch.js';
 
 export function headbar() {
   const name = largeView();
@@ -114,8 +115,6 @@ function target({ first, last, go }) {
 }
 
 const ZOOM_STEP = 1.25;
-const HINT_ICONS = { mask: 'loop', vertical: 'mid', horizon: 'floor', box: 'wand' };
-
 export function footbars() {
   if (ui.layout === 'quad') return sketchLine();
   if (ui.layout === 'free') return [frameBox(), orbitHint()];
@@ -155,12 +154,11 @@ function zoomBox() {
 
 /** What to do with the drawing tool in hand. */
 function sketchLine() {
-  const hint = sketchHint();
-  if (!hint) return nothing;
+  const tool = drawingTool();
+  if (!tool) return nothing;
   const isWarning = ui.tool === 'box' && smallWords() !== '';
-  const name = isWarning ? 'warn' : HINT_ICONS[ui.tool];
   const place = ui.tool === 'box' ? 'low' : '';
-  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(name)}${hint}</div>`;
+  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}</div>`;
 }
 
 export function draftbar() {

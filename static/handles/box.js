@@ -3,8 +3,11 @@
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
-import { smallWords } from '../actions/drafting.js';
-import { interaction } from './interaction.js';
+import { perform, whyNot } from '../actions/actions.js';
+import { runToDraft, setDraftRange, smallWords } from '../actions/drafting.js';
+import { goTo, stopPlaying } from '../actions/playhead.js';
+import { keepsKey } from '../controls/focus.js';
+import { interaction, leaveSketch } from './interaction.js';
 import { between, clipped, CURSORS, gripsOf, holds, moved, pulled, sizeOf } from './box_shape.js';
 import { distance } from './space.js';
 
@@ -42,15 +45,50 @@ function gripAt(view, at) {
 
 const isInside = (view, at) => Boolean(ui.box && at && holds(onScreen(view), at));
 
-/** A press: on a grip, inside, or where a new box begins. */
-export function boxDown(view, x, y) {
-  const grip = gripAt(view, [x, y]);
-  const kind = grip !== null ? 'grip' : isInside(view, [x, y]) ? 'move' : 'new';
-  interaction.sketch.hold = { kind, grip, from: view.toView([x, y]), at: [x, y], before: ui.box };
-}
+/** @type {import('./sketch.js').Tool} */
+export const box = {
+  icon: 'wand',
+  hints: [
+    ['Drag', 'draw the box, pull its edges'], ['Alt ← ↑ → ↓', 'move, with Shift resize'],
+    ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
+  ],
+  words() {
+    if (!ui.box) return 'Drag a box around the person, from head to toes.';
+    return smallWords() || 'Press Enter to draft. Drag the edges to correct the box.';
+  },
+  /** On a grip, inside, or where a new box begins. */
+  down(view, x, y) {
+    const grip = gripAt(view, [x, y]);
+    const kind = grip !== null ? 'grip' : isInside(view, [x, y]) ? 'move' : 'new';
+    interaction.sketch.hold = { kind, grip, from: view.toView([x, y]), at: [x, y], before: ui.box };
+  },
+  move,
+  /** What has no size is no box. */
+  up(view, x, y) {
+    move(view, x, y);
+    const { hold } = interaction.sketch;
+    if (hold?.begun && Math.min(...sizeOf(onScreen(view))) < BEGINS_PX) setUi('box', hold.before);
+    interaction.sketch.hold = null;
+  },
+  /** As it was before the press. */
+  cancel() {
+    const { hold } = interaction.sketch;
+    if (hold) setUi('box', hold.before);
+    interaction.sketch.hold = null;
+  },
+  key: (event, name) => (name === 'enter' ? enter() : moveByKey(event, name)),
+  cursor(view) {
+    const { hold, pointer } = interaction.sketch;
+    const grip = hold ? hold.grip : gripAt(view, pointer);
+    if (grip !== null) return CURSORS[grip];
+    return (hold ? hold.kind === 'move' : isInside(view, pointer)) ? 'move' : 'crosshair';
+  },
+  draw,
+  label,
+};
 
 /** The pointer moved, with something in hand or not. */
-export function boxMove(view, x, y) {
+function move(view, x, y) {
   const { hold } = interaction.sketch;
   if (!hold || (!hold.begun && distance(hold.at, [x, y]) < BEGINS_PX)) return;
   hold.begun = true;
@@ -64,23 +102,8 @@ function changed({ kind, grip, from, before }, to) {
   return kind === 'move' ? moved(before, by, bounds()) : clipped(pulled(before, grip, by), bounds());
 }
 
-/** A release: what has no size is no box. */
-export function boxUp(view, x, y) {
-  boxMove(view, x, y);
-  const { hold } = interaction.sketch;
-  if (hold?.begun && Math.min(...sizeOf(onScreen(view))) < BEGINS_PX) setUi('box', hold.before);
-  interaction.sketch.hold = null;
-}
-
-/** As it was before the press. */
-export function boxCancel() {
-  const { hold } = interaction.sketch;
-  if (hold) setUi('box', hold.before);
-  interaction.sketch.hold = null;
-}
-
 /** Alt with an arrow key moves the box, with Shift its lower right corner; true when it was one of these. */
-export function boxKey({ altKey, shiftKey }, name) {
+function moveByKey({ altKey, shiftKey }, name) {
   const way = KEY_STEPS[name];
   if (!altKey || !way) return false;
   const { width, height } = server.camera;
@@ -88,26 +111,36 @@ export function boxKey({ altKey, shiftKey }, name) {
   /** @type {Spot} */
   const by = [way[0] * step, way[1] * step];
   /** @type {Box} */
-  const box = ui.box ?? [0.35 * width, 0.1 * height, 0.65 * width, 0.9 * height];
-  if (shiftKey) setUi('box', clipped(pulled(box, LOWER_RIGHT, by), bounds()));
-  else setUi('box', moved(box, by, bounds()));
+  const now = ui.box ?? [0.35 * width, 0.1 * height, 0.65 * width, 0.9 * height];
+  setUi('box', shiftKey ? clipped(pulled(now, LOWER_RIGHT, by), bounds()) : moved(now, by, bounds()));
   return true;
 }
 
-export function boxHint() {
-  if (!ui.box) return 'Drag a box around the person, from head to toes.';
-  return smallWords() || 'Press Enter to draft. Drag the edges to correct the box.';
+/** Enter on a control that was reached with Tab is that control's. */
+function enter() {
+  if (!ui.box || keepsKey('Enter')) return false;
+  draftFromBox();
+  return true;
 }
 
-/** What the pointer would do here. */
-export function boxCursor(view) {
-  const { hold, pointer } = interaction.sketch;
-  const grip = hold ? hold.grip : gripAt(view, pointer);
-  if (grip !== null) return CURSORS[grip];
-  return (hold ? hold.kind === 'move' : isInside(view, pointer)) ? 'move' : 'crosshair';
+/** Draft from the box, which is done with. */
+export function draftFromBox() {
+  const why = whyNot('draft');
+  perform('draft');
+  if (why) return;
+  setUi('draftRange', null);
+  leaveSketch();
 }
 
-export function drawBox(view) {
+/** Draw a box at a frame, for the frames there that have no draft. */
+export function drawBoxAt(frame) {
+  setDraftRange(...runToDraft(server.draft.missing));
+  stopPlaying();
+  goTo(frame);
+  setUi('tool', 'box');
+}
+
+function draw(view) {
   if (!ui.box) return nothing;
   const [left, top, right, bottom] = onScreen(view);
   const { clientWidth: width, clientHeight: height } = view.el;
@@ -122,11 +155,11 @@ export function drawBox(view) {
 }
 
 /** "118 × 246": the size of a box. */
-export const sizeWords = (box) => sizeOf(box).map(Math.round).join(' × ');
+export const sizeWords = (one) => sizeOf(one).map(Math.round).join(' × ');
 
 /** Its size above it; below its upper edge where there is no room. */
-export function drawBoxSize(view) {
-  if (view.name !== 'main' || ui.tool !== 'box' || !ui.box) return nothing;
+function label(view) {
+  if (!ui.box) return nothing;
   const [left, top] = onScreen(view);
   const x = Math.max(8, Math.min(left, view.el.clientWidth - LABEL_WIDTH_PX));
   const y = top - LABEL_PX < 8 ? Math.max(8, top + 8) : top - LABEL_PX;

@@ -38,14 +38,45 @@ function offLine([[ax, ay], [bx, by]], [x, y]) {
   return Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / Math.hypot(bx - ax, by - ay);
 }
 
-/** A press: on a handle, on the line, or where another line begins. */
-export function horizonDown(view, x, y) {
-  const grip = gripAt(view, [x, y]);
-  interaction.sketch.hold = { grip, from: view.toView([x, y]), at: [x, y], before: lineNow(), line: null };
-}
+/** @type {import('./sketch.js').Tool} */
+export const horizon = {
+  icon: 'floor',
+  hints: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
+  words: () => 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.',
+  /** On a handle, on the line, or where another line begins. */
+  down(view, x, y) {
+    const grip = gripAt(view, [x, y]);
+    interaction.sketch.hold = { grip, from: view.toView([x, y]), at: [x, y], before: lineNow(), line: null };
+  },
+  move,
+  /** What is too short is no line. */
+  up(view, x, y) {
+    move(view, x, y);
+    const { line } = interaction.sketch.hold;
+    interaction.sketch.hold = null;
+    if (!line) return;
+    const [a, b] = onScreen(view, line);
+    if (distance(a, b) >= SHORTEST_PX) sendLine(line);
+  },
+  cancel: () => void (interaction.sketch.hold = null),
+  /** Alt with up or down moves the line, with Shift its right end. */
+  key({ altKey, shiftKey }, name) {
+    const way = KEY_STEPS[name];
+    const line = server.camera.horizon;
+    if (!altKey || !way || !line) return false;
+    const step = way * Math.max(1, KEY_STEP * server.camera.height);
+    const [[left, high], [right, low]] = line;
+    sendLine([[left, shiftKey ? high : high + step], [right, low + step]]);
+    return true;
+  },
+  cursor: (view) => (hotGrip(view) === null ? 'crosshair' : 'move'),
+  draw,
+};
+
+const hotGrip = (view) => interaction.sketch.hold?.grip ?? gripAt(view, interaction.sketch.pointer);
 
 /** The pointer moved, with something in hand or not. */
-export function horizonMove(view, x, y) {
+function move(view, x, y) {
   const { hold } = interaction.sketch;
   if (!hold || (!hold.line && distance(hold.at, [x, y]) < BEGINS_PX)) return;
   hold.line = changed(hold, view.toView([x, y]));
@@ -57,48 +88,14 @@ function changed({ grip, from, before }, to) {
   return before.map((end, i) => (i === grip ? to : end));
 }
 
-/** A release: what is too short is no line. */
-export function horizonUp(view, x, y) {
-  horizonMove(view, x, y);
-  const { line } = interaction.sketch.hold;
-  interaction.sketch.hold = null;
-  if (!line) return;
-  const [a, b] = onScreen(view, line);
-  if (distance(a, b) >= SHORTEST_PX) sendLine(line);
-}
-
-/** As it was before the press. */
-export function horizonCancel() {
-  interaction.sketch.hold = null;
-}
-
-/** Alt with up or down moves the line, with Shift its right end; true when it was one of these. */
-export function horizonKey({ altKey, shiftKey }, name) {
-  const way = KEY_STEPS[name];
-  const line = server.camera.horizon;
-  if (!altKey || !way || !line) return false;
-  const step = way * Math.max(1, KEY_STEP * server.camera.height);
-  const [[left, high], [right, low]] = line;
-  sendLine([[left, shiftKey ? high : high + step], [right, low + step]]);
-  return true;
-}
-
 /** @param {Line} line */
 const sendLine = ([a, b]) => send({ do: 'horizon', a, b });
 
-export const horizonHint = () => 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.';
-
-/** What the pointer would do here. */
-export function horizonCursor(view) {
-  const grip = interaction.sketch.hold?.grip ?? gripAt(view, interaction.sketch.pointer);
-  return grip === null ? 'crosshair' : 'move';
-}
-
-export function drawHorizon(view) {
+function draw(view) {
   const line = lineNow();
   if (!line) return nothing;
   const ends = onScreen(view, line);
-  const hot = interaction.sketch.hold?.grip ?? gripAt(view, interaction.sketch.pointer);
+  const hot = hotGrip(view);
   const path = pathOf(across(ends));
   return svg`<g class="sketch horizon">
     <path class="line-edge" d=${path} /><path class="line" d=${path} />

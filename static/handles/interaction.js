@@ -1,6 +1,8 @@
 // What this tab's pointer is about: what it hovers over, what it drags. One small record that the
 // gestures write and the drawing reads.
 
+import { setUi } from '../store/state.js';
+
 export const interaction = {
   /** View and key of the handle under the pointer. */
   hot: null,
@@ -14,9 +16,14 @@ export const interaction = {
   pointer: null,
   /** The view that is being panned. */
   panning: null,
-  /** A drawing begun with the mask, the vertical, the horizon or the box tool. */
+  /** A drawing begun with the mask, the vertical, the horizon or the box tool: {tool, points, pointer, hold}. */
   sketch: null,
+  /** The tool that was in hand before the drawing began, and is taken up again after it. */
+  before: 'select',
 };
+
+/** Put the drawing tool away. */
+export const leaveSketch = () => setUi('tool', interaction.before);
 
 const listeners = new Set();
 let asked = false;

@@ -5,12 +5,12 @@ import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
-import { drawBoxSize } from './box.js';
 import { boxCornersIn } from './boxcorners.js';
 import { interaction } from './interaction.js';
 import { drawKeypointName } from './keypoints.js';
 import { drawPlaceName } from './marks.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
+import { drawSketchLabel } from './sketch.js';
 import { isReady, targetsIn } from './targets.js';
 
 const AWAY = 20;
@@ -21,7 +21,7 @@ const hosts = new Map();
 /** Draw a view's labels. */
 export function drawLabels(view) {
   const { keypoints } = targetsIn(view);
-  render([drawValue(view), drawName(view), drawBoxSize(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
+  render([drawValue(view), drawName(view), drawSketchLabel(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
 }
 
 function hostOf(view) {

@@ -17,7 +17,7 @@ import { hover, leave, pick, renameHandle } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
-import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
+import { drawsOn, isDrawingTool, sketch, sketchCursor } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
 import { openAt, openWhenPicked } from './viewmenu.js';
@@ -72,9 +72,9 @@ const STATES = {
     cancel: () => interaction.panning && endPan(),
   },
   sketching: {
-    move: (view, _, x, y) => sketchMove(view, x, y),
-    end: ({ view }, x, y) => sketchUp(view, x, y),
-    cancel: sketchCancel,
+    move: (view, _, x, y) => sketch('move', view, x, y),
+    end: ({ view }, x, y) => sketch('up', view, x, y),
+    cancel: () => sketch('cancel'),
   },
   pinching: {}, // moved by both fingers
   spent: {},
@@ -134,7 +134,7 @@ function begin(view, event, x, y) {
     beginPan(view, x, y, orbits && (event.button === MIDDLE || event.altKey));
   } else if (drawsOn(view)) {
     press.state = 'sketching';
-    sketchDown(view, x, y);
+    sketch('down', view, x, y);
   } else {
     press.target = targetAt(view, x, y, event.pointerType === 'touch');
     if (!press.target) press.picked = pick(view, x, y);
@@ -157,7 +157,7 @@ function move(view, event) {
 /** The pointer moves with nothing pressed. */
 function hoverAt(view, event, x, y) {
   noteModifiers(event);
-  if (drawsOn(view)) sketchMove(view, x, y);
+  if (drawsOn(view)) sketch('move', view, x, y);
   const target = hover(view, x, y, event.pointerType === 'touch');
   setCursor(view, target);
 }

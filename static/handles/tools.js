@@ -5,6 +5,7 @@ import { server } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
 import { boxCornersIn } from './boxcorners.js';
 import { interaction } from './interaction.js';
+import { DRAWING } from './sketch.js';
 
 /** A key of the table pressed during a drag, with its words. */
 const hint = (id) => [keyOf(id), lower(labelOf(id))];
@@ -28,13 +29,6 @@ const IDLE_TOOL_HINTS = {
   ends: [['Drag', 'pull a hand or foot, the limb follows'], DEPTH, FINE, CENTIMETRES],
   size: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
   pan: [['Drag', 'pan'], ['Wheel', 'zoom at the pointer'], ['0', 'fit']],
-  mask: [['Click', 'corner'], ['Enter', 'close'], ['Backspace', 'remove the last corner'], ['Esc', 'cancel']],
-  box: [
-    ['Drag', 'draw the box, pull its edges'], ['Alt ← ↑ → ↓', 'move, with Shift resize'],
-    ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
-  ],
-  vertical: [['Drag', 'along something upright'], ['Esc', 'cancel']],
-  horizon: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
 };
 
 /** Of a body without hands and feet: a thing. */
@@ -78,7 +72,7 @@ export function hintsFor(tool, dragging, layout) {
 }
 
 function restingHints(tool) {
-  if (tool !== 'select' || !server.body || ends().length) return IDLE_TOOL_HINTS[tool] ?? IDLE_TOOL_HINTS.select;
+  if (tool !== 'select' || !server.body || ends().length) return DRAWING[tool]?.hints ?? IDLE_TOOL_HINTS[tool] ?? IDLE_TOOL_HINTS.select;
   return boxCornersIn(viewNamed('main')).length ? RESTING_ON_BOX : RESTING_ON_THING;
 }
 

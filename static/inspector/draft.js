@@ -10,8 +10,7 @@ import {
 import { button } from '../controls/fields.js';
 import { textField } from '../controls/buttons.js';
 import { icon } from '../controls/icons.js';
-import { sizeWords } from '../handles/box.js';
-import { draftFromBox, drawBoxAt } from '../handles/sketch.js';
+import { draftFromBox, drawBoxAt, sizeWords } from '../handles/box.js';
 import { drawingButton, fact, line, section } from './section.js';
 
 export function draft() {

@@ -2,7 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { button, numberField, slider } from '../controls/fields.js';
-import { leaveSketch } from '../handles/sketch.js';
+import { leaveSketch } from '../handles/interaction.js';
 import { select } from '../store/parts.js';
 import { setUi, ui } from '../store/state.js';
 
