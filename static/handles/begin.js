@@ -1,7 +1,6 @@
 // What a press begins once it has moved: a drag of a handle, of a mask or of a part's surface, or a pan.
 // Each returns the state of the press from then on.
 
-import { correction } from '../actions/keypoints.js';
 import { keysLimb } from '../actions/review.js';
 import { isFree, partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -19,9 +18,12 @@ import { surfaceTool } from './tools.js';
  */
 export function beginOnTarget(view, press, target) {
   const from = view.toView([press.x, press.y]);
-  if (target.kind === 'keypoint') return beginOnKeypoint(view, press, target, from);
-  if (target.change) return beginOnMask(view, press, target, from);
-  if (target.kind === 'trail') return beginPanning(view, press);
+  if (target.begin) {
+    target.begin(view, press, target, from);
+    return 'dragging';
+  }
+  // What is only clicked lets the view be pulled.
+  if (!target.handle && target.kind !== 'ring') return beginPanning(view, press);
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const carries = movesWhole();
@@ -46,23 +48,6 @@ const limbOnly = (movesAll) => (keysLimb() && !movesAll ? { partial: true } : {}
 
 /** With the tool for the whole body, hands and feet go along. */
 const movesWhole = () => ui.tool === 'move';
-
-/** @returns {Begun} */
-function beginOnKeypoint(view, press, target, from) {
-  const { point, frame } = target;
-  const messageAt = (at) => correction(point, frame, [0, 1].map((k) => point.at[k] + at[k] - from[k]));
-  beginDrag(view, press, messageAt, { target, hint: 'keypoint', gentle: true });
-  return 'dragging';
-}
-
-/** @returns {Begun} */
-function beginOnMask(view, press, target, from) {
-  const messageAt = (at) => ({
-    do: 'change_mask', index: target.index, ...target.change([at[0] - from[0], at[1] - from[1]]),
-  });
-  beginDrag(view, press, messageAt, { target, hint: 'mask', gentle: true });
-  return 'dragging';
-}
 
 /**
  * On a part its tool decides; on nothing the view is panned.

@@ -52,9 +52,8 @@ export function refresh() {
 function nameTarget(view, target, x, y) {
   wanted = null;
   setUi('hover', null);
-  const label = target.kind === 'ring' ? ringLabel(target) : target.label;
   const which = target.handle ? whichOf(stackAt(view, x, y), target) : '';
-  name({ view: view.name, part: target.key, outline: [], label, which, at: { x, y } });
+  name({ view: view.name, part: target.key, outline: [], label: target.label, which, at: { x, y } });
 }
 
 /** Another of the handles under the resting pointer is meant: it is named at once. */
@@ -64,12 +63,6 @@ export function renameHandle() {
   hover(view, x, y, false);
   clearTimeout(naming);
   showName();
-}
-
-/** "Bend", "Twist": what the ring's axis means for this part. */
-function ringLabel(ring) {
-  const word = ring.part.words?.[ring.axis];
-  return word && server.view.axes === 'part' ? `${word}, ${ring.axis.toUpperCase()}` : ring.axis.toUpperCase();
 }
 
 function name(over) {

@@ -4,7 +4,8 @@
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { openMenuAt } from '../controls/menu.js';
 import { server, ui } from '../store/state.js';
-import { arcOf, keypointActions, keypointsHere, percentOf, ringsAreShown, unsure, worstOf } from '../actions/keypoints.js';
+import { arcOf, correction, keypointActions, keypointsHere, percentOf, ringsAreShown, unsure, worstOf } from '../actions/keypoints.js';
+import { beginDrag } from './drag.js';
 import { isDragged, isHot } from './interaction.js';
 import { distance } from './space.js';
 import { isDrawingTool } from './sketch.js';
@@ -18,10 +19,21 @@ const LABEL_ROOM = 150;
 /** The rings in a view; none but over the picture. */
 export function keypointsIn(view) {
   if (view.name !== 'main' || !ringsAreShown() || isDrawingTool(ui.tool)) return [];
-  return keypointsHere().map((point) => ({
-    key: `keypoint:${point.joint}`, kind: 'keypoint', point, label: '', reach: REACH,
-    at: view.fromView(point.at), frame: server.keypoints.frame,
-  }));
+  return keypointsHere().map((point) => {
+    const { frame } = server.keypoints;
+    return {
+      key: `keypoint:${point.joint}`, kind: 'keypoint', point, label: '', reach: REACH, at: view.fromView(point.at), frame,
+      begin, click: stays, clickTwice: stays, menu: (place) => openKeypointMenu(point, frame, place),
+    };
+  });
+}
+
+const stays = () => {};
+
+function begin(view, press, target, from) {
+  const { point, frame } = target;
+  const messageAt = (at) => correction(point, frame, [0, 1].map((k) => point.at[k] + at[k] - from[k]));
+  beginDrag(view, press, messageAt, { target, hint: 'keypoint', gentle: true });
 }
 
 /** The ring that a pointer at (x, y) means, or null. */

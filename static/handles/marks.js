@@ -5,6 +5,7 @@ import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { allPins, isPinAt } from '../actions/pins.js';
 import { place } from '../actions/review.js';
 import { ANCHOR } from '../controls/icons.js';
+import { send } from '../store/link.js';
 import { server } from '../store/state.js';
 import { isHot } from './interaction.js';
 import { isLarge } from './scale.js';
@@ -99,14 +100,15 @@ export function trailKeysIn(view) {
     .filter(([frame]) => keys.has(frame) && frame !== server.view.frame)
     .map(([frame, ...point]) => {
       const [x, y] = view.project(point);
-      return { key: `trail:${frame}`, kind: 'trail', frame, at: [x, y], label: `Frame ${frame}` };
+      return wayTo(frame, { key: `trail:${frame}`, at: [x, y], label: `Frame ${frame}` });
     });
 }
 
+/** A click goes to the frame. */
+const wayTo = (frame, key) => ({ ...key, kind: 'trail', frame, cursor: 'pointer', click: () => send({ do: 'go', frame }) });
+
 /** In the free view they lie on the ways of the feet. */
-function keyOfWay({ part, frame, at, label }) {
-  return { key: `trail:${part}:${frame}`, kind: 'trail', frame, at: at.slice(0, 2), label };
-}
+const keyOfWay = ({ part, frame, at, label }) => wayTo(frame, { key: `trail:${part}:${frame}`, at: at.slice(0, 2), label });
 
 export function drawTrail(view, keys) {
   if (view.trailKeys) return svg`<g class="trail">${keys.map((target) => drawWayKey(view, target))}</g>`;

@@ -4,6 +4,7 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
+import { beginDrag } from './drag.js';
 import { isDragged, isHot } from './interaction.js';
 import { inside, pathOf } from './space.js';
 
@@ -30,7 +31,7 @@ export function masksIn(view) {
 function wholeOf(mask, corners) {
   const { index, polygon } = mask;
   return {
-    key: `mask:${index}`, kind: 'mask', index, polygon, label: 'Ignored',
+    key: `mask:${index}`, kind: 'mask', index, polygon, label: 'Ignored', cursor: 'pointer', begin, clickTwice: () => {},
     path: [...corners, corners[0]],
     change: (by) => ({ polygon: polygon.map((p) => [p[0] + by[0], p[1] + by[1]]) }),
   };
@@ -44,9 +45,9 @@ function cornersOf(mask, corners) {
     const between = [0, 1].map((k) => (polygon[i][k] + polygon[next][k]) / 2);
     const wider = [...polygon.slice(0, i + 1), between, ...polygon.slice(i + 1)];
     return [
-      { key: `corner:${index}:${i}`, kind: 'corner', index, corner: i, polygon, at,
+      { key: `corner:${index}:${i}`, kind: 'corner', index, at, begin, clickTwice: () => deleteCorner(index, polygon, i),
         change: (by) => ({ polygon: moveCorner(polygon, i, by) }) },
-      { key: `edge:${index}:${i}`, kind: 'edge', index, at: middle, reach: 9,
+      { key: `edge:${index}:${i}`, kind: 'edge', index, at: middle, reach: 9, begin, clickTwice: () => {},
         change: (by) => ({ polygon: moveCorner(wider, i + 1, by) }) },
     ];
   });
@@ -72,10 +73,13 @@ export function deleteMask() {
 }
 
 /** A double click on a corner takes it away, as long as an area remains. */
-export function deleteCorner(target) {
-  if (target.polygon.length <= 3) return;
-  const polygon = target.polygon.filter((_, i) => i !== target.corner);
-  send({ do: 'change_mask', index: target.index, polygon });
+function deleteCorner(index, polygon, corner) {
+  if (polygon.length > 3) send({ do: 'change_mask', index, polygon: polygon.filter((_, i) => i !== corner) });
+}
+
+function begin(view, press, target, from) {
+  const messageAt = (at) => ({ do: 'change_mask', index: target.index, ...target.change([at[0] - from[0], at[1] - from[1]]) });
+  beginDrag(view, press, messageAt, { target, hint: 'mask', gentle: true });
 }
 
 export function drawMasks(view, targets) {
@@ -101,8 +105,8 @@ function drawMask(view, mask, targets) {
 function hatch(corners) {
   const sums = corners.map(([x, y]) => x + y);
   let d = '';
-  const begin = Math.ceil(Math.min(...sums) / HATCH_PX) * HATCH_PX;
-  for (let sum = begin; sum < Math.max(...sums); sum += HATCH_PX) {
+  const first = Math.ceil(Math.min(...sums) / HATCH_PX) * HATCH_PX;
+  for (let sum = first; sum < Math.max(...sums); sum += HATCH_PX) {
     const xs = corners.flatMap((a, i) => crossing(a, corners[(i + 1) % corners.length], sum));
     xs.sort((p, q) => p - q);
     for (let i = 0; i + 1 < xs.length; i += 2) {

@@ -14,7 +14,6 @@ import { beginOnSurface, beginOnTarget } from './begin.js';
 import { cancelDrag, endDrag, isKeyDown, moveDrag, noteModifiers } from './drag.js';
 import { interaction } from './interaction.js';
 import { hover, leave, pick, renameHandle } from './hover.js';
-import { openKeypointMenu } from './keypoints.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketch, sketchCursor } from './sketch.js';
@@ -183,7 +182,7 @@ function menu(view, event) {
   event.preventDefault();
   if (press || (hasCancelled && event.button === RIGHT) || !server.file || !server.pose) return;
   const target = targetAt(view, ...place(view, event), false);
-  if (target?.kind === 'keypoint') openKeypointMenu(target.point, target.frame, [event.clientX, event.clientY]);
+  if (target?.menu) target.menu([event.clientX, event.clientY]);
   else if (!view.orbitBy) openAt(view, event); // where the right button orbits, its release opens one
 }
 
@@ -270,7 +269,7 @@ function cursorFor(view, target) {
   if (interaction.drag || interaction.panning) return 'grabbing';
   if (isKeyDown(' ') || ui.tool === 'pan') return 'grab';
   if (isDrawingTool(ui.tool)) return sketchCursor(view);
-  if (target?.kind === 'trail' || target?.kind === 'mask') return 'pointer';
+  if (target?.cursor) return target.cursor;
   if (target) return ui.tool === 'size' ? 'crosshair' : 'grab';
   if (ui.tool === 'size') return 'crosshair';
   return interaction.over ? 'pointer' : '';

@@ -41,6 +41,14 @@ export function ringsIn(view) {
   return rings;
 }
 
+const stays = () => {};
+
+/** "Bend", "Twist": what the ring's axis means for this part. */
+function labelOf({ part, axis }) {
+  const word = part.words?.[axis];
+  return word && server.view.axes === 'part' ? `${word}, ${axis.toUpperCase()}` : axis.toUpperCase();
+}
+
 function ringOf(view, ring) {
   const middle = view.project(ring.centre);
   const points = [];
@@ -49,7 +57,7 @@ function ringOf(view, ring) {
     points.push([x, y, depth - middle[2] <= 0.03 * ring.radius]);
   }
   const key = `ring:${ring.part.name}:${ring.axis}`;
-  return { ...ring, key, kind: 'ring', middle, points, front: frontOf(points) };
+  return { ...ring, key, kind: 'ring', label: labelOf(ring), middle, points, front: frontOf(points), click: stays, clickTwice: stays };
 }
 
 /** A point of the ring, at an angle from e1 toward e2. */

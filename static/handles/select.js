@@ -1,9 +1,8 @@
 // Clicks: what they select, and what a second click at the same place means.
 
 import { server, ui, setUi } from '../store/state.js';
-import { send } from '../store/link.js';
 import { select as selectPart } from '../store/parts.js';
-import { chooseMask, deleteCorner, maskAt } from './masks.js';
+import { chooseMask, maskAt } from './masks.js';
 import { choose } from './interaction.js';
 import { after, stackAt, targetAt } from './targets.js';
 import { distance } from './space.js';
@@ -55,13 +54,11 @@ function partAt(parts, again) {
   return again && at >= 0 ? parts[(at + 1) % parts.length] : parts[0];
 }
 
-/** The part that a target stands for, or null. */
-export const partOf = (target) =>
-  target.kind === 'ring' || target.kind === 'keypoint' || target.change || target.kind === 'trail' ? null : target.part;
+/** The part that a handle stands for, or null. */
+export const partOf = ({ handle, part }) => (handle ? part : null);
 
 function clickOnce(view, x, y, target, part) {
-  if (target?.kind === 'trail') return void send({ do: 'go', frame: target.frame });
-  if (target?.kind === 'ring' || target?.kind === 'keypoint') return undefined;
+  if (target?.click) return target.click();
   const mask = part ? null : maskAt(view, x, y);
   chooseMask(mask ? mask.index : null);
   if (!mask) select(part);
@@ -69,8 +66,8 @@ function clickOnce(view, x, y, target, part) {
 }
 
 function clickTwice(view, x, y, target) {
-  if (target?.kind === 'corner') return deleteCorner(target);
-  if (target?.change || target?.kind === 'ring' || target?.kind === 'keypoint' || maskChosen(view, x, y)) return undefined;
+  if (target?.clickTwice) return target.clickTwice();
+  if (maskChosen(view, x, y)) return undefined;
   const part = target?.part ?? last.part;
   if (!part) return view.fit();
   setUi('limb', limbOf(part));

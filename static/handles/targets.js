@@ -16,6 +16,9 @@ import { distance, nearestOnPath } from './space.js';
 /** As shares of a handle's reach: nearer to each other than this the pointer cannot tell them apart. */
 const AS_NEAR = 0.35;
 
+// A target says itself what is done with it: `begin` a drag, `click`, `clickTwice`, `menu`, `cursor`. Without
+// them a drag pulls its `handle` or ring, a click selects its part, and a second one the limb.
+
 /** @typedef {{ target: any, miss: number }} Found */
 /** @typedef {{ view: string, key: string, order: string[] }} Chosen */
 
