@@ -19,6 +19,7 @@ from contextlib import suppress
 from difflib import get_close_matches
 from importlib import import_module
 from importlib.metadata import version
+from types import ModuleType
 from typing import NoReturn
 
 from keypose.app.cli.arguments import COMMANDS
@@ -165,11 +166,20 @@ def _run(arguments: argparse.Namespace) -> int:
         arguments.introduce()
         return 0
     name = "import_" if arguments.run == "import" else arguments.run
-    gc.disable()  # nothing that is loaded is garbage, and to look for it takes a tenth of the time
-    command = import_module(f"keypose.app.cli.{name}")
-    gc.enable()
-    code: int = command.run(arguments)
+    code: int = _loaded(f"keypose.app.cli.{name}").run(arguments)
     return code
+
+
+def _loaded(name: str) -> ModuleType:
+    """The module of a command. What it loads is no garbage: to look through it takes a tenth of the
+    time, and is left out from then on."""
+    if name in sys.modules:
+        return sys.modules[name]
+    gc.disable()
+    module = import_module(name)
+    gc.freeze()
+    gc.enable()
+    return module
 
 
 def _sentence(text: str) -> str:
