@@ -15,7 +15,6 @@ from keypose.app.cli.arguments import (
     order_of,
     require_of,
 )
-from keypose.app.cli.grammar.files import ORDERS
 from keypose.app.cli.import_camera import import_camera
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
@@ -27,7 +26,13 @@ from keypose.app.export.importing import (
     import_motion,
     names_of,
 )
-from keypose.app.orders.imports import LEAST_TRACKED, ImportCamera, ImportKeypoints, ImportMotion
+from keypose.app.orders.imports import (
+    IMPORTS,
+    LEAST_TRACKED,
+    ImportCamera,
+    ImportKeypoints,
+    ImportMotion,
+)
 from keypose.app.words.imports import note_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.apart import reading_apart
@@ -51,14 +56,14 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.camera:
         if arguments.keypoints:
             raise FormatError("--keypoints is not for --camera.")
-        require_of(ImportCamera, ORDERS, arguments, "--camera")
+        require_of(ImportCamera, IMPORTS, arguments, "--camera")
         with alone:
             import_camera(arguments)
         return 0
     if arguments.keypoints:
-        require_of(ImportKeypoints, ORDERS, arguments, "--keypoints")
+        require_of(ImportKeypoints, IMPORTS, arguments, "--keypoints")
     else:
-        require_of(ImportMotion, ORDERS, arguments, "motion")
+        require_of(ImportMotion, IMPORTS, arguments, "motion")
     file: Path = arguments.file
     reader: Callable[..., Any] = read_people if arguments.keypoints else load_motion
     with reading_apart(reader) as read, alone:

@@ -1,9 +1,8 @@
-"""Views, sizes and frames as a person writes them, for the commands that draw."""
+"""What commands that draw or export read: the session, and its video where it is there."""
 
 from __future__ import annotations
 
 import argparse
-import re
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,6 @@ from keypose.tracker.errors import FormatError, SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import require_absent, require_folder
 from keypose.tracker.storage.files import load_session, open_video_of, video_path
-
-NAMES = ("main", "top", "side", "front", "all")
-_NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
 
 
 def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:

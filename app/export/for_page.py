@@ -11,15 +11,14 @@ from typing import Any
 
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.export.recognising import ENDINGS, PICKLED
-from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
-from keypose.app.orders.imports import ImportCamera, ImportKeypoints, ImportMotion
+from keypose.app.orders.drawing import DRAWN
+from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import form_of
 
 PLACE = Path("store") / "orders.js"
 """Below the folder of the page."""
-EXPORTS = {"film": FilmOrder, "pictures": PicturesOrder, "sheet": SheetOrder, "motion": MotionOrder}
-IMPORTS = {"motion": ImportMotion, "keypoints": ImportKeypoints, "camera": ImportCamera}
+EXPORTS = {**DRAWN, "motion": MotionOrder}
 
 _HEAD = """\
 // What may be ordered and in which formats, written by app/export/for_page.py: change it there.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
@@ -209,3 +210,8 @@ class SheetOrder(Drawn):
         Whole("N", 1, 100), "pictures per row; default: automatic", label="Columns",
         empty="As it fits",
     )  # fmt: skip
+
+
+DRAWN: Final[Mapping[str, type[FilmOrder | PicturesOrder | SheetOrder]]] = {
+    "film": FilmOrder, "pictures": PicturesOrder, "sheet": SheetOrder,
+}  # fmt: skip

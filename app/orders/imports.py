@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -163,3 +164,7 @@ class ImportCamera:
 
 
 ImportOrder: TypeAlias = ImportMotion | ImportKeypoints | ImportCamera
+
+IMPORTS: Final[Mapping[str, type[ImportOrder]]] = {
+    "motion": ImportMotion, "keypoints": ImportKeypoints, "camera": ImportCamera,
+}  # fmt: skip

@@ -50,7 +50,8 @@ class Number(Value):
     form: ClassVar[str] = "number"
 
     def read(self, text: str) -> float:
-        value = _decimal(re.sub(rf"\s*{self.unit.lower()}$", "", text.strip().lower()))
+        number = text.strip().lower().removesuffix(self.unit.lower()).rstrip()
+        value = float(number) if _NUMBER.fullmatch(number) else None
         if value is None or not self.least <= value <= self.most:
             noun = self.noun or f"a number from {self.least:g} to {self.most:g}"
             raise Misread(f"{text[:_LONGEST]!r} is not {noun}")
@@ -212,7 +213,3 @@ class Pixels(Value):
         if sides[0] * sides[1] > MOST_PIXELS:
             raise Misread(f"{text!r} has more than {MOST_PIXELS // 10**6} million pixels")
         return sides
-
-
-def _decimal(text: str) -> float | None:
-    return float(text) if _NUMBER.fullmatch(text) else None

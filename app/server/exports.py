@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from keypose.app.export.drawable import require_frame, require_tint
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.exchange import Export, ExportWork, suffix_of
 from keypose.app.jobs.side_process import WorkState
-from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
+from keypose.app.orders.drawing import DRAWN
 from keypose.app.server.headers import headers_for, json_answer
 from keypose.app.server.long_work import LongWork
 from keypose.app.store.store import Store
@@ -24,10 +23,6 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.video.encode import can_write_films
 
 FILM_REMEDY = "pip install --force-reinstall av"
-
-ORDERS: Mapping[str, type[Export]] = {
-    "film": FilmOrder, "sheet": SheetOrder, "pictures": PicturesOrder,
-}  # fmt: skip
 
 
 def require_drawable(order: Export, session: Session) -> None:
@@ -54,8 +49,8 @@ class Exports(LongWork):
             Route("/exports/{id}/file", self._file),
         ]
 
-    async def begun(self, request: Request) -> dict[str, str]:
-        order: Export = await self.order_in(request, "what", ORDERS)
+    async def begin(self, request: Request) -> dict[str, str]:
+        order: Export = await self.order_in(request, "what", DRAWN)
         self.require_idle()
         path = await self.store.saved_path()
         edit = self.store.app_state.edit
@@ -67,7 +62,7 @@ class Exports(LongWork):
         self._name = f"{self.store.name}{suffix}"
         return await self.start(ExportWork(order, path, self._out))
 
-    def told(self, state: WorkState) -> dict[str, Any]:
+    def described(self, state: WorkState) -> dict[str, Any]:
         """Once it is done, with what should be known of its files."""
         words = state.result if state.state == "done" else state.words
         return {"state": state.state, "done": state.done, "of": state.of, "words": words}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
@@ -16,7 +15,7 @@ from keypose.app.document.library.names import clean_name
 from keypose.app.jobs.exchange import ImportWork, RecogniseWork
 from keypose.app.jobs.side_process import WorkState
 from keypose.app.jobs.wire import failure_message
-from keypose.app.orders.imports import ImportCamera, ImportKeypoints, ImportMotion, ImportOrder
+from keypose.app.orders.imports import IMPORTS, ImportOrder
 from keypose.app.server.headers import read_body
 from keypose.app.server.long_work import LongWork
 from keypose.app.store.imported import ImportOutcome, ImportTarget
@@ -25,10 +24,6 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.keypoint_files import LARGEST_KEYPOINT_BYTES
 
 TOO_LARGE = f"More than {LARGEST_KEYPOINT_BYTES // 2**20} MB cannot be imported."
-
-ORDERS: Mapping[str, type[ImportOrder]] = {
-    "motion": ImportMotion, "keypoints": ImportKeypoints, "camera": ImportCamera,
-}  # fmt: skip
 
 
 class Imports(LongWork):
@@ -44,7 +39,7 @@ class Imports(LongWork):
     def routes(self) -> list[Route]:
         return [*super().routes(), Route("/imports/{id}", self._begin, methods=["POST"])]
 
-    async def begun(self, request: Request) -> dict[str, str]:
+    async def begin(self, request: Request) -> dict[str, str]:
         """Receive the file, whole; what it holds is looked at from then on."""
         if self._stage == "importing":
             self.require_idle()
@@ -66,7 +61,7 @@ class Imports(LongWork):
 
     async def _import(self, request: Request) -> dict[str, str]:
         """Import it as somebody chose; once more, where that was not possible before."""
-        order: ImportOrder = await self.order_in(request, "kind", ORDERS)
+        order: ImportOrder = await self.order_in(request, "kind", IMPORTS)
         target = self.store.import_target()
         self._stage, self._outcome = "importing", None
         begun = await self.start(ImportWork(target.content, self._file, target.video, order))
@@ -85,7 +80,7 @@ class Imports(LongWork):
         except Exception as error:  # noqa: BLE001 — or the page would wait for ever
             self._outcome = failure_message(error)
 
-    def told(self, state: WorkState) -> dict[str, Any]:
+    def described(self, state: WorkState) -> dict[str, Any]:
         """An import is done once the session has it."""
         told: dict[str, Any] = {"stage": self._stage, "state": state.state}
         told |= {"words": state.words, "done": state.done, "of": state.of}

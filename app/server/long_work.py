@@ -45,11 +45,11 @@ class LongWork:
             Route(one, self._leave, methods=["DELETE"]),
         ]
 
-    async def begun(self, request: Request) -> Any:
+    async def begin(self, request: Request) -> Any:
         """Begin it, and say so to the page; KeyposeError where it is refused."""
         raise NotImplementedError
 
-    def told(self, state: WorkState) -> dict[str, Any]:
+    def described(self, state: WorkState) -> dict[str, Any]:
         """Return what the page is told of its state."""
         raise NotImplementedError
 
@@ -113,15 +113,15 @@ class LongWork:
         return json_answer({"words": f"This {self._what} is over."}, 404)
 
     async def _new(self, request: Request) -> Response:
-        return await self.answer(self.begun(request))
+        return await self.answer(self.begin(request))
 
     async def _state(self, request: Request) -> Response:
         process = self.under_way(request)
-        return self.gone() if process is None else json_answer(self.told(process.state))
+        return self.gone() if process is None else json_answer(self.described(process.state))
 
     async def _leave(self, request: Request) -> Response:
         process = self.under_way(request)
         if process is None:
             return self.gone()
         await self.close()
-        return json_answer(self.told(process.state))
+        return json_answer(self.described(process.state))

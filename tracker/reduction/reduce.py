@@ -194,14 +194,6 @@ def reduce_motion(
     return _reduction(comparison, kept)
 
 
-def reduced_to(
-    skeleton: Skeleton, camera: Camera, motion: Trajectory, frames: Sequence[int]
-) -> Reduction:
-    """A motion reduced to given frames of the video, ascending, each with a pose."""
-    comparison = Comparison(skeleton, camera, motion)
-    return _reduction(comparison, [frame - motion.first_frame for frame in frames])
-
-
 def _reduction(comparison: Comparison, kept: Sequence[int]) -> Reduction:
     first, tolerance = comparison.motion.first_frame, comparison.tolerance
     misses = _misses(comparison, kept)

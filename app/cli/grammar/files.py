@@ -19,7 +19,7 @@ from keypose.app.cli.arguments import (
     motion_formats,
 )
 from keypose.app.export.motion_formats import FORMATS
-from keypose.app.orders.imports import ImportKeypoints, ImportMotion
+from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.errors import listed
 
@@ -69,8 +69,6 @@ def _export_details() -> str:
     )
 
 
-ORDERS = {"motion": ImportMotion, "keypoints": ImportKeypoints}
-
 _IMPORT_EXAMPLES = """\
   keypose import session.json walk.bvh
   keypose import session.json walk.trc --offset-frames 12 --names names.json
@@ -93,7 +91,7 @@ def add_import(commands: Subcommands) -> None:
     what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
     command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
-    add_orders(command, ORDERS)
+    add_orders(command, IMPORTS)
     command.add_argument_group("camera").add_argument(
         "--camera",
         action="store_true",

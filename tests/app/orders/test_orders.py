@@ -9,8 +9,9 @@ import pytest
 
 from keypose.app.cli.arguments import add_order, order_of
 from keypose.app.cli.main import grammar
-from keypose.app.export.for_page import EXPORTS, IMPORTS, PLACE, module_text
+from keypose.app.export.for_page import EXPORTS, PLACE, module_text
 from keypose.app.orders.drawing import PictureOrder, Seen
+from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import Option, options_of, read_order
 from keypose.app.orders.values import (
