@@ -231,10 +231,10 @@ def _megabytes(of: list[Path]) -> int:
 
 
 def networks() -> Iterator[Finding]:
+    from keypose.tracker.keypoints.blazepose import BlazePose
     from keypose.tracker.keypoints.model_files import HEAVY
-    from keypose.tracker.keypoints.network import Network
 
-    Network.open()
+    BlazePose.open()
     yield Finding("keypoints", "ok", "the bundled network is here and runs")
     if not HEAVY.is_here:
         words = "the larger network is not here; the bundled one is used"

@@ -76,9 +76,9 @@ class TrackOrder:
         "published method uses brightness alone",
     )
     network: NetworkName | None = option(
-        Choice(names=("full", "heavy")),
-        "network that finds keypoints: the bundled one (full), or a slower and more accurate one "
-        f"that `keypose models add heavy` adds{_OF_SESSION}",
+        Choice(names=("thunder", "full", "heavy")),
+        "network that finds keypoints: thunder together with full, full alone, or heavy, which is "
+        f"slower and which `keypose models add heavy` adds{_OF_SESSION}",
     )
     smooth: bool | None = option(
         YesNo(), f"whether the motion is smoothed in space as far as the video allows{_OF_SESSION}"

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.blazepose import BlazePose, Seen, fingerprint_of
 from keypose.tracker.keypoints.detect import LEAST_PRESENCE
 from keypose.tracker.keypoints.model_files import FULL, Model
-from keypose.tracker.keypoints.network import Network, Seen, fingerprint_of
 from keypose.tracker.keypoints.region import Region
 
 
@@ -52,7 +52,7 @@ VARIATIONS: Final = (
 
 
 class Mirrors(Protocol):
-    """What also sees a region as in a mirror, as `Network`."""
+    """What also sees a region as in a mirror, as `BlazePose`."""
 
     @property
     def fingerprint(self) -> str: ...
@@ -62,7 +62,7 @@ class Mirrors(Protocol):
 
 
 class AugmentedNetwork:
-    """A network that looks at each frame several times; as `Network` otherwise.
+    """A network that looks at each frame several times; as `BlazePose` otherwise.
 
     networks: the same one, read once for each thread that looks.  plain: one that looks once.
     """
@@ -77,9 +77,9 @@ class AugmentedNetwork:
 
     @classmethod
     def open(cls, model: Model = FULL, *, fast: bool | None = None) -> AugmentedNetwork:
-        """Read a network's file; KeypointError as `Network.open`."""
+        """Read a network's file; KeypointError as `BlazePose.open`."""
         threads = min(len(VARIATIONS), os.cpu_count() or 1)
-        return cls([Network.open(model, fast=fast) for _ in range(threads)])
+        return cls([BlazePose.open(model, fast=fast) for _ in range(threads)])
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         """The median of the keypoints of the person in a region of a picture (H, W, 3), RGB;

@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.detect import Detector, Frame, Rows
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.keypoints.outliers import TRUNK
 from keypose.tracker.keypoints.region import Region
 

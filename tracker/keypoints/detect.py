@@ -26,8 +26,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Box, Region
 
 LEAST_PRESENCE: Final = 0.5

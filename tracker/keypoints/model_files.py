@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from keypose.tracker.errors import KeypointError
+from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.files import read_regular
 
 LARGEST_BYTES: Final = 64 * 2**20
@@ -20,9 +20,11 @@ LARGEST_BYTES: Final = 64 * 2**20
 
 @dataclass(frozen=True)
 class Model:
-    """A network of Google's MediaPipe (BlazePose, Apache-2.0).
+    """A network, and what it is known by.
 
-    file: its name, in the package it comes from too.
+    name: as it is chosen.  file: its name, in the package it comes from too.
+    follows: whether it is BlazePose, which gives depth and follows a body by itself; others see
+        joints alone and look beside it.
     """
 
     name: str
@@ -30,6 +32,7 @@ class Model:
     sha256: str
     size_mb: float
     bundled: bool
+    follows: bool = True
 
     @property
     def path(self) -> Path:
@@ -57,7 +60,17 @@ HEAVY: Final = Model(
     27.7,
     bundled=False,
 )
-MODELS: Final = (FULL, HEAVY)
+THUNDER: Final = Model(
+    "thunder",
+    "movenet_thunder.onnx",
+    "9d0b5d2161c408f44bae30f5ba337affa4db675407285d1379a8af6c860d9675",
+    12.5,
+    bundled=True,
+    follows=False,
+)
+MODELS: Final = (THUNDER, FULL, HEAVY)
+BEFORE: Final = FULL
+"""Meant by sessions that name none: they are of a time when there was no other."""
 
 
 def cache_folder() -> Path:
@@ -75,7 +88,7 @@ def find_model(name: str) -> Model:
     for model in MODELS:
         if model.name == name:
             return model
-    names = " and ".join(model.name for model in MODELS)
+    names = listed([model.name for model in MODELS])
     raise KeypointError(f"There is no network {name!r}: choose from {names}.")
 
 

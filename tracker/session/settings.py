@@ -32,7 +32,7 @@ Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
-NetworkName: TypeAlias = Literal["full", "heavy"]
+NetworkName: TypeAlias = Literal["thunder", "full", "heavy"]
 Initial: TypeAlias = Annotated[Literal["auto", "templates", "import"], BeforeValidator(_as_now)]
 
 
@@ -95,8 +95,8 @@ class TrackSettings(Plain):
     network: NetworkName | None = Field(
         default=None,
         exclude_if=is_unknown,
-        description="The network that finds keypoints: full, which is bundled and meant where this "
-        "is left out, or heavy, which is more exact, slower, and has to be added.",
+        description="The network that finds keypoints: thunder, which looks beside full; full "
+        "alone, meant where this is left out; or heavy, which is slower and has to be added.",
     )
     smooth: bool | None = Field(
         default=None,

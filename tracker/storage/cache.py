@@ -19,6 +19,7 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_own, read_regular
+from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import (
@@ -29,7 +30,6 @@ from keypose.tracker.keypoints.model_files import (
     find_model,
     is_content,
 )
-from keypose.tracker.keypoints.network import NAMES
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file

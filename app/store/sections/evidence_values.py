@@ -18,7 +18,7 @@ from keypose.app.store.state import AppState
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.model_files import FULL, MODELS
+from keypose.tracker.keypoints.model_files import FULL, MODELS, Model
 from keypose.tracker.keypoints.on_body import HEAD_POINTS, is_persons, points_on_body
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
@@ -77,7 +77,7 @@ def networks(app_state: AppState) -> Json:
     return [
         {
             "id": model.name,
-            "label": part_label(model.name),
+            "label": network_label(model),
             "mb": model.size_mb,
             "chosen": model.name == chosen,
             "remedy": "" if model.is_here else f"keypose models add {model.name}",
@@ -85,6 +85,15 @@ def networks(app_state: AppState) -> Json:
         for model in MODELS
     ]
 
+
+def network_label(model: Model) -> str:
+    """Return what a choice of network is called."""
+    if model.follows:
+        return f"BlazePose {model.name}"
+    return f"{_CALLED.get(model.name, model.name)} + BlazePose"
+
+
+_CALLED: Final = {"thunder": "MoveNet Thunder"}
 
 SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 

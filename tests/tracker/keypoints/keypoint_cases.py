@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose import sample_videos
-from keypose.tracker.keypoints.network import NAMES, Seen
+from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.video import Video
 
@@ -36,6 +36,15 @@ def marks() -> dict[int, dict[str, NDArray[np.float64]]]:
         int(frame): {name: np.array(place[:2]) for name, place in joints.items()}
         for frame, joints in frames.items()
     }
+
+
+def around(marked: dict[str, NDArray[np.float64]]) -> tuple[float, float, float, float]:
+    """A box with room around marked joints."""
+    places = np.array(list(marked.values()))
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = 0.15 * float((high - low).max())
+    left, top, right, bottom = (*(low - room), *(high + room / 2))
+    return left, top, right, bottom
 
 
 def body_at(x: float, y: float) -> Region:

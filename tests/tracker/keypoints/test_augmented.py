@@ -14,9 +14,9 @@ from keypose.tracker.keypoints.augmented import (
     Variation,
     augmented_fingerprint,
 )
+from keypose.tracker.keypoints.blazepose import NAMES, BlazePose, Seen
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import FULL
-from keypose.tracker.keypoints.network import NAMES, Network, Seen
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
 
@@ -89,7 +89,9 @@ def test_several_threads_find_the_same_as_one() -> None:
         picture = video.frame(0)
     region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
     one, three = (
-        AugmentedNetwork([Network.open(fast=False) for _ in range(threads)]).infer(picture, region)
+        AugmentedNetwork([BlazePose.open(fast=False) for _ in range(threads)]).infer(
+            picture, region
+        )
         for threads in (1, 3)
     )
     for name in ("uv", "visibility", "p_hips"):
@@ -141,7 +143,7 @@ def test_the_fingerprint_is_known_without_the_network() -> None:
 
 
 def test_a_real_man_is_found_as_near_as_by_one_look() -> None:
-    network = Network.open(fast=False)
+    network = BlazePose.open(fast=False)
     with cases.balance() as video:
         picture = video.frame(0)
     height, width = picture.shape[:2]

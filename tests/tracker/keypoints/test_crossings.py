@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Seed, detect
-from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints.keypoint_cases import HEIGHT, SIDE, numbered
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.blazepose import BlazePose
 from keypose.tracker.keypoints.detect import (
     PATIENCE,
     STRETCH,
@@ -15,7 +16,6 @@ from keypose.tracker.keypoints.detect import (
     detect,
 )
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.network import Network
 from tests.tracker.keypoints import keypoint_cases as cases
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
 
@@ -159,7 +159,7 @@ def test_what_was_kept_serves_no_other_film_network_or_region() -> None:
 
 
 def test_a_real_man_is_followed_from_a_box_and_backward_as_well_as_forward() -> None:
-    network = Network.open(fast=False)
+    network = BlazePose.open(fast=False)
     with cases.balance() as video:
         width, height = video.info.width, video.info.height
         seed = Seed.of_box(0, cases.BOX, width, height)
@@ -178,7 +178,7 @@ def test_nobody_in_a_flat_picture_is_one_sentence() -> None:
     flat = np.full((240, 320, 3), 90, dtype=np.uint8)
     seed = Seed.of_box(3, (100, 50, 200, 220), 320, 240)
     with pytest.raises(KeypointError, match="No person was found at frame 3"):
-        detect(lambda number: flat, (0, 9), [seed], Network.open(fast=False))
+        detect(lambda number: flat, (0, 9), [seed], BlazePose.open(fast=False))
 
 
 @pytest.mark.parametrize("begins", [37, 40, 48])

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.augmented import AugmentedNetwork, augmented_fingerprint
-from keypose.tracker.keypoints.detect import Kept, Progress, Seed, detect
+from keypose.tracker.keypoints.blazepose import Seen
+from keypose.tracker.keypoints.detect import Detector, Kept, Progress, Seed, detect
+from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import FULL, Model
-from keypose.tracker.keypoints.network import Seen
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.info import MissingFrame
 
@@ -38,8 +38,8 @@ _LOOKING = Lock()
 
 
 @cache
-def _network(model: Model) -> AugmentedNetwork:
-    return AugmentedNetwork.open(model)
+def _network(model: Model) -> Detector:
+    return open_detector(model)
 
 
 class FrameSource(Protocol):
@@ -209,7 +209,7 @@ def found_before(
     seeds = _seeds(posed, skeleton, camera)
     try:
         return detect(
-            no_picture, frames, seeds, _Recall(augmented_fingerprint(model)), film=film, kept=kept
+            no_picture, frames, seeds, _Recall(detector_fingerprint(model)), film=film, kept=kept
         )
     except (_NotKept, KeypointError):  # never looked for, or nobody seen
         return None

@@ -13,8 +13,8 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import DraftProgress, draft_clip, draft_from_keypoints
 from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.blazepose import NAMES, BlazePose, Seen
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.network import NAMES, Network, Seen
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.fitting.draft.clips import CAMERA, place, walk
 from tests.tracker.keypoints.keypoint_cases import BOX, balance, marks
@@ -109,7 +109,7 @@ def test_a_filmed_man_is_drafted_onto_his_marked_joints() -> None:
     body = preset("adult_male")
     with balance() as video:
         camera = Camera.guess(video.info.width, video.info.height)
-        draft = draft_clip(video.frame, (0, 15), 0, BOX, camera, body, Network.open())
+        draft = draft_clip(video.frame, (0, 15), 0, BOX, camera, body, BlazePose.open())
     skeleton, away = Skeleton.of(draft.body), []
     points = Joints.of(skeleton).points
     for frame in sorted(set(marks()) & set(draft.poses)):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from keypose.tracker.keypoints.augmented import augmented_fingerprint
+from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
-from keypose.tracker.keypoints.network import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before

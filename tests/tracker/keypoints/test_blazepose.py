@@ -11,16 +11,17 @@ import pytest
 
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints.blazepose import NAMES, SIDE, BlazePose, Seen
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import FULL, HEAVY, Model, verified
-from keypose.tracker.keypoints.network import NAMES, SIDE, Network, Seen, fast_is_here
 from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.runtimes import TFLITE, fast_is_here
 from tests.tracker.keypoints import keypoint_cases as cases
 
 
 @pytest.fixture(scope="module")
-def network() -> Network:
-    return Network.open(fast=False)
+def network() -> BlazePose:
+    return BlazePose.open(fast=False)
 
 
 def first_picture() -> np.ndarray:
@@ -28,7 +29,7 @@ def first_picture() -> np.ndarray:
         return video.frame(0)
 
 
-def looked_at(network: Network, picture: np.ndarray, region: Region | None = None) -> Seen:
+def looked_at(network: BlazePose, picture: np.ndarray, region: Region | None = None) -> Seen:
     height, width = picture.shape[:2]
     region = region or Region.of_box(cases.BOX, width, height)
     for _ in range(3):
@@ -45,7 +46,7 @@ def test_the_names_are_those_of_the_network_and_hold_every_joint() -> None:
     )
 
 
-def test_marked_joints_are_found_to_a_few_hundredths_of_the_mans_height(network: Network) -> None:
+def test_marked_joints_are_found_to_a_few_hundredths_of_the_mans_height(network: BlazePose) -> None:
     seen = looked_at(network, first_picture())
     marked = cases.marks()[0]
     height = np.ptp([uv[1] for uv in marked.values()])
@@ -59,7 +60,7 @@ def test_marked_joints_are_found_to_a_few_hundredths_of_the_mans_height(network:
     assert seen.presence > 0.9
 
 
-def test_metres_are_about_the_hips_and_as_large_as_a_man(network: Network) -> None:
+def test_metres_are_about_the_hips_and_as_large_as_a_man(network: BlazePose) -> None:
     seen = looked_at(network, first_picture())
     p = dict(zip(NAMES, seen.p_hips, strict=True))
     assert np.isfinite(seen.p_hips).all()
@@ -68,22 +69,22 @@ def test_metres_are_about_the_hips_and_as_large_as_a_man(network: Network) -> No
     assert 1.2 < np.ptp(seen.p_hips[:, 1]) < 2.0
 
 
-def test_the_same_picture_gives_the_same_numbers(network: Network) -> None:
+def test_the_same_picture_gives_the_same_numbers(network: BlazePose) -> None:
     picture = first_picture()
-    one, other = looked_at(network, picture), looked_at(Network.open(fast=False), picture)
+    one, other = looked_at(network, picture), looked_at(BlazePose.open(fast=False), picture)
     for name in ("uv", "visibility", "p_hips"):
         assert np.array_equal(getattr(one, name), getattr(other, name))
     assert one.next == other.next
 
 
-def test_the_number_of_threads_is_as_before(network: Network) -> None:
+def test_the_number_of_threads_is_as_before(network: BlazePose) -> None:
     before = cv2.getNumThreads()
     looked_at(network, first_picture())
     assert cv2.getNumThreads() == before
 
 
 @pytest.mark.parametrize("quarter_turns", [1, 2, 3])
-def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns: int) -> None:
+def test_a_turned_picture_gives_turned_keypoints(network: BlazePose, quarter_turns: int) -> None:
     picture = first_picture()
     seen = looked_at(network, picture)
     turned = np.ascontiguousarray(np.rot90(picture, -quarter_turns))
@@ -107,7 +108,7 @@ def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns
     assert again.p_hips[:, 2] == pytest.approx(straight.p_hips[:, 2], abs=0.02)
 
 
-def test_in_a_mirror_the_same_is_seen_with_left_still_left(network: Network) -> None:
+def test_in_a_mirror_the_same_is_seen_with_left_still_left(network: BlazePose) -> None:
     picture = first_picture()
     region = looked_at(network, picture).next
     straight = network.infer(picture, region)
@@ -127,11 +128,11 @@ class _Dot:
 
     name: str = "dot"
 
-    def outputs(self, square: np.ndarray) -> list[np.ndarray]:
-        y, x = np.unravel_index(square[..., 0].argmax(), (SIDE, SIDE))
+    def run(self, image: np.ndarray) -> list[np.ndarray]:
+        y, x = np.unravel_index(image[0].argmax(), (SIDE, SIDE))
         points = np.tile([x, y, 0.0, 5.0, 5.0], (39, 1)).astype(np.float32)
         metres = np.tile([x - SIDE / 2, y - SIDE / 2, 0.0], (39, 1)).astype(np.float32)
-        heat = np.full((64, 64, 39), -50, np.float32)
+        heat = np.full((1, 64, 64, 39), -50, np.float32)
         return [points, np.ones(1, np.float32), heat, metres]
 
 
@@ -140,7 +141,7 @@ class _Dot:
 def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: bool) -> None:
     picture = np.zeros((240, 320, 3), np.uint8)
     cv2.circle(picture, (150, 130), 2, (255, 255, 255), -1)
-    dot = Network(FULL, _Dot())
+    dot = BlazePose(FULL, _Dot())
     seen = dot.infer(picture, Region(160, 120, 120, turn_rad), mirrored=mirrored)
     assert seen.uv == pytest.approx(np.tile([150, 130], (33, 1)), abs=1.5)
     way = np.array([150 - 160, 130 - 120]) / np.hypot(10, 10)
@@ -148,24 +149,24 @@ def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: b
 
 
 @pytest.mark.parametrize("grey", [0, 128, 255])
-def test_nobody_is_in_a_flat_picture(network: Network, grey: int) -> None:
+def test_nobody_is_in_a_flat_picture(network: BlazePose, grey: int) -> None:
     picture = np.full((240, 320, 3), grey, dtype=np.uint8)
     assert network.infer(picture, Region(160, 120, 200)).presence < 0.1
 
 
-@pytest.mark.skipif(not fast_is_here(), reason="LiteRT is not installed")
-def test_litert_agrees_to_a_hundredth_of_a_pixel(network: Network) -> None:
+@pytest.mark.skipif(not fast_is_here(TFLITE), reason="LiteRT is not installed")
+def test_litert_agrees_to_a_hundredth_of_a_pixel(network: BlazePose) -> None:
     picture = first_picture()
     region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
-    one, other = network.infer(picture, region), Network.open(fast=True).infer(picture, region)
+    one, other = network.infer(picture, region), BlazePose.open(fast=True).infer(picture, region)
     assert other.uv == pytest.approx(one.uv, abs=0.01)
     assert other.p_hips == pytest.approx(one.p_hips, abs=1e-4)
 
 
-@pytest.mark.skipif(fast_is_here(), reason="LiteRT is installed")
+@pytest.mark.skipif(fast_is_here(TFLITE), reason="LiteRT is installed")
 def test_litert_that_is_not_installed_is_named() -> None:
     with pytest.raises(KeypointError, match="pip install"):
-        Network.open(fast=True)
+        BlazePose.open(fast=True)
 
 
 def damaged(monkeypatch: pytest.MonkeyPatch, folder: Path, content: bytes) -> Model:
@@ -187,13 +188,13 @@ def test_a_foreign_file_is_refused(
 ) -> None:
     model = damaged(monkeypatch, tmp_path, content)
     with pytest.raises(KeypointError, match="damaged or is not the heavy network"):
-        Network.open(model)
+        BlazePose.open(model)
 
 
 def test_a_truncated_file_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     model = damaged(monkeypatch, tmp_path, FULL.path.read_bytes()[:-1])
     with pytest.raises(KeypointError, match="damaged"):
-        Network.open(replace(model, sha256=FULL.sha256))
+        BlazePose.open(replace(model, sha256=FULL.sha256))
 
 
 def test_a_network_that_is_not_there_says_how_to_get_it(
@@ -201,4 +202,4 @@ def test_a_network_that_is_not_there_says_how_to_get_it(
 ) -> None:
     monkeypatch.setattr(model_files, "added_folder", lambda: tmp_path)
     with pytest.raises(KeypointError, match="keypose models add heavy"):
-        Network.open(HEAVY)
+        BlazePose.open(HEAVY)

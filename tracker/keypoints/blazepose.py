@@ -1,29 +1,23 @@
-"""A person's keypoints in one region of one picture, by a network: BlazePose.
+"""A person's keypoints in one region of one picture, with depth: BlazePose.
 
 V. Bazarevsky and others, *BlazePose: On-device Real-time Body Pose Tracking*, 2020; the network's
-points in metres: I. Grishchenko and others, *BlazePose GHUM Holistic*, 2022. OpenCV runs it, or
-LiteRT where that is installed, two to four times as fast and equal to a hundredth of a pixel.
+points in metres: I. Grishchenko and others, *BlazePose GHUM Holistic*, 2022.
 """
 
 from __future__ import annotations
 
-import importlib.metadata
-import importlib.util
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Final, Protocol
+from typing import Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import other_side
 from keypose.tracker.keypoints.model_files import FULL, Model, verified
 from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.runtimes import Runtime, open_runtime, runtime_name
 
 _SIDES = ("left", "right")
 NAMES: Final = (
@@ -84,17 +78,7 @@ class Seen:
         )
 
 
-class Runtime(Protocol):
-    """What runs a network."""
-
-    name: str
-
-    def outputs(self, square: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-        """Points, presence, heat maps (64, 64, 39) and metres of a square (256, 256, 3), 0 to 1."""
-        ...
-
-
-class Network:
+class BlazePose:
     """A network that has been read. One thread at a time; the same input gives the same output."""
 
     def __init__(self, model: Model, runtime: Runtime) -> None:
@@ -102,28 +86,9 @@ class Network:
         self._runtime = runtime
 
     @classmethod
-    def open(cls, model: Model = FULL, *, fast: bool | None = None) -> Network:
-        """Read a network's file.
-
-        fast: by LiteRT; None: where it is installed.
-        KeypointError in one sentence when the file is missing, damaged or another one, or LiteRT
-        is asked for and not installed.
-        """
-        path = str(verified(model))
-        if fast is None:
-            fast = fast_is_here()
-        try:
-            return cls(model, _LiteRT(path) if fast else _OpenCV(path))
-        except ImportError:
-            raise KeypointError(
-                "LiteRT is not installed: run `pip install keypose[fast-pose]`."
-            ) from None
-        except (cv2.error, ValueError, RuntimeError) as error:
-            first = str(error).strip().splitlines()[0]
-            raise KeypointError(
-                f"The {model.name} network cannot be run by this version of "
-                f"{'LiteRT' if fast else 'OpenCV'}: {first}."
-            ) from None
+    def open(cls, model: Model = FULL, *, fast: bool | None = None) -> BlazePose:
+        """Read a network's file; fast, and KeypointError, as of `open_runtime`."""
+        return cls(model, open_runtime(verified(model), _OUTPUTS, fast=fast))
 
     @property
     def fingerprint(self) -> str:
@@ -139,11 +104,11 @@ class Network:
         square = cv2.warpAffine(
             picture, to_picture, (SIDE, SIDE), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         )
-        points, presence, heat, metres = self._runtime.outputs(
-            square.astype(np.float32) / np.float32(255)
+        points, presence, heat, metres = self._runtime.run(
+            np.ascontiguousarray(square.transpose(2, 0, 1), dtype=np.float32) / np.float32(255)
         )
         rows = points.reshape(_POINTS, 5).astype(float)
-        uv = _sharpened(rows[:, :2], heat)
+        uv = _sharpened(rows[:, :2], _channels_first(heat, _POINTS))
         uv = uv @ to_picture[:, :2].T + to_picture[:, 2]
         p = metres.reshape(_POINTS, 3)[: len(NAMES)].astype(float)
         p[:, 0] *= -1 if mirrored else 1
@@ -158,81 +123,19 @@ class Network:
         return seen.exchanged() if mirrored else seen
 
 
-def fast_is_here() -> bool:
-    """Return whether LiteRT is installed."""
-    return importlib.util.find_spec("ai_edge_litert") is not None
-
-
 def fingerprint_of(model: Model) -> str:
-    """Return what the network would have as `Network.fingerprint`, which is not read for it."""
-    return f"{model.sha256[:16]}-{_litert_name() if fast_is_here() else _opencv_name()}"
+    """Return what the network would have as `BlazePose.fingerprint`, which is not read for it."""
+    return f"{model.sha256[:16]}-{runtime_name(model.path.suffix)}"
 
 
-def _opencv_name() -> str:
-    return f"opencv-{cv2.__version__}"
-
-
-def _litert_name() -> str:
-    return f"litert-{importlib.metadata.version('ai-edge-litert')}"
-
-
-class _OpenCV:
-    def __init__(self, path: str) -> None:
-        # By path: from bytes, OpenCV 5 takes its new engine whatever is asked for, and that one
-        # cannot run this network.
-        classic = getattr(cv2.dnn, "ENGINE_CLASSIC", None)
-        engine = () if classic is None else (classic,)
-        self._net: Any = cv2.dnn.readNetFromTFLite(path, *engine)
-        self.name = _opencv_name()
-
-    def outputs(self, square: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-        with _one_thread():
-            self._net.setInput(np.ascontiguousarray(square.transpose(2, 0, 1))[None])
-            points, presence, heat, metres = self._net.forward(list(_OUTPUTS))
-        channels_last = heat.shape[-1] == _POINTS
-        return [points, presence, heat[0] if channels_last else heat[0].transpose(1, 2, 0), metres]
-
-
-class _LiteRT:
-    def __init__(self, path: str) -> None:
-        from ai_edge_litert.interpreter import Interpreter
-
-        self._net: Any = Interpreter(model_path=path, num_threads=1)
-        self._net.allocate_tensors()
-        self._input = self._net.get_input_details()[0]["index"]
-        by_name = {o["name"]: o["index"] for o in self._net.get_output_details()}
-        self._wanted = [by_name[name] for name in _OUTPUTS]
-        self.name = _litert_name()
-
-    def outputs(self, square: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-        self._net.set_tensor(self._input, square[None])
-        self._net.invoke()
-        points, presence, heat, metres = (self._net.get_tensor(i) for i in self._wanted)
-        return [points, presence, heat[0], metres]
-
-
-_threads_lock = threading.Lock()
-_threads_before: list[int] = []
-"""OpenCV's number of threads before each network that runs now."""
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """OpenCV computes on this thread alone; its setting is the program's, so it is put back."""
-    with _threads_lock:
-        _threads_before.append(cv2.getNumThreads())
-        cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        with _threads_lock:
-            before = _threads_before.pop()  # the last one out has the first one's
-            if not _threads_before:
-                cv2.setNumThreads(before)
+def _channels_first(maps: NDArray[np.float32], channels: int) -> NDArray[np.float32]:
+    """Maps (channels, H, W), which some runtimes list channels last."""
+    first: NDArray[np.float32] = maps[0]
+    return first if len(first) == channels else first.transpose(2, 0, 1)
 
 
 def _sharpened(xy: Array, heat: NDArray[np.float32]) -> Array:
-    """Points (39, 2) moved to the centre of their heat around them, where that is hot.
+    """Points (39, 2) moved to the centre of their heat (39, 64, 64) around them, where that is hot.
 
     As MediaPipe does; in pixels of the square.
     """
@@ -245,7 +148,7 @@ def _sharpened(xy: Array, heat: NDArray[np.float32]) -> Array:
         if not (0 <= x < _HEAT_SIDE and 0 <= y < _HEAT_SIDE):
             continue
         left, top = max(x - _HEAT_WINDOW, 0), max(y - _HEAT_WINDOW, 0)
-        logits = heat[top : y + _HEAT_WINDOW + 1, left : x + _HEAT_WINDOW + 1, j]
+        logits = heat[j, top : y + _HEAT_WINDOW + 1, left : x + _HEAT_WINDOW + 1]
         patch = _sigmoid(logits.astype(float))
         if patch.max() < _LEAST_HEAT:
             continue

@@ -1,0 +1,91 @@
+"""BlazePose and a network of joints, put together: what two see differs, and their mean is nearer.
+
+Several looks of one network share its errors; two networks hardly do. The network of joints is the
+better one at limbs. BlazePose gives depth, visibility, and where to look next, and now and then
+exchanges left and right of a whole body: then its look is exchanged back.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.blazepose import NAMES, Seen
+from keypose.tracker.keypoints.detect import LEAST_PRESENCE, Detector
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.movenet import SeenJoints
+from keypose.tracker.keypoints.region import Region
+
+BLAZEPOSE_SHARE: Final = 0.3
+"""Of BlazePose's joint in the mean of both, ..."""
+APART: Final = 0.045
+"""... and half of that where they lie so far apart, a share of the region's side."""
+LOWER: Final = {"shoulder": 0.04, "hip": 0.028}
+"""By what share of the trunk MoveNet puts joints higher than BlazePose; their places on the body
+are BlazePose's."""
+
+
+class JointDetector(Protocol):
+    """What sees joints in a region, as `MoveNet`."""
+
+    @property
+    def names(self) -> Sequence[str]: ...
+    @property
+    def fingerprint(self) -> str: ...
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints: ...
+
+
+class PairedNetwork:
+    """Two networks that look at each frame once, at the same time; as `BlazePose` otherwise."""
+
+    def __init__(self, blazepose: Detector, joints: JointDetector) -> None:
+        self.plain = blazepose
+        self._joints = joints
+        self.fingerprint = paired_fingerprint(blazepose.fingerprint, joints.fingerprint)
+        self._thread = ThreadPoolExecutor(1)
+        known = [name for name in JOINTS if name in joints.names]
+        self._at = [NAMES.index(name) for name in known]
+        self._from = [joints.names.index(name) for name in known]
+        self._lower = np.array([LOWER.get(name.split("_")[1], 0.0) for name in known])
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        """The keypoints of the person in a region of a picture (H, W, 3), RGB."""
+        other = self._thread.submit(self._joints.infer, picture, region)
+        try:
+            seen = self.plain.infer(picture, region)
+        finally:
+            joints = other.result()
+        if seen.presence < LEAST_PRESENCE or not np.isfinite(seen.uv).all():
+            return seen
+        uv = joints.uv[self._from]
+        if not np.isfinite(uv).all():
+            return seen
+        seen = min(seen, seen.exchanged(), key=lambda each: _distance(each.uv[self._at], uv))
+        trunk = seen.uv[_SHOULDERS].mean(axis=0) - seen.uv[_HIPS].mean(axis=0)
+        uv = uv - self._lower[:, None] * trunk
+        away = seen.uv[self._at] - uv
+        apart = np.linalg.norm(away, axis=1) / (APART * region.side)
+        both = seen.uv.copy()
+        both[self._at] = uv + (BLAZEPOSE_SHARE / (1 + apart**4))[:, None] * away
+        return replace(seen, uv=both)
+
+
+def paired_fingerprint(blazepose: str, joints: str) -> str:
+    """Return what `PairedNetwork.fingerprint` is of networks of these fingerprints."""
+    how = hashlib.sha256(repr((BLAZEPOSE_SHARE, APART, LOWER)).encode()).hexdigest()[:8]
+    return f"{blazepose}-{joints}-{how}"
+
+
+_HIPS = [NAMES.index(f"{side}_hip") for side in ("left", "right")]
+_SHOULDERS = [NAMES.index(f"{side}_shoulder") for side in ("left", "right")]
+
+
+def _distance(one: Array, other: Array) -> float:
+    return float(np.linalg.norm(one - other, axis=1).sum())
