@@ -18,8 +18,8 @@ from bench.keeping import ROOT, Absent, digest
 from bench.table import Report
 
 GROUPS = (
-    "rendered", "cube", "real", "fit_here", "fit_sizes", "cost", "page", "surface", "space",
-    "drafts", "effort", "rigs", "install", "fuzz", "gains",
+    "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "surface",
+    "space", "drafts", "effort", "rigs", "install", "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)
 """Measured only where it is asked for."""

@@ -29,6 +29,11 @@ Marks: TypeAlias = Mapping[int, Mapping[str, tuple[float, float]]]
 
 MORE_MARKS = Path(__file__).with_name("real_marks.json")
 ARMS_MARKS = Path(__file__).with_name("arms_marks.json")
+SAME_MARK = 0.015
+"""A share of the person's height: a joint counts as marked where no pass is farther than that from
+their mean."""
+TALL = {"person": 405.0, "walk": 216.0, "arms": 265.0}
+"""Pixels of the standing person."""
 WHEEL = "pose2sim-0.10.49-py3-none-any.whl"
 
 
@@ -209,10 +214,30 @@ def _calibrated(one: ElementTree.Element, width: int) -> tuple[Camera, Array, Ar
 
 
 def _marked(name: str, path: Path) -> Marks:
-    return _pixels({**_json(path)["frames"], **_json(MORE_MARKS)[name]})
+    """A clip's marks: those beside its film, those marked once, and the means of several passes."""
+    more = _json(MORE_MARKS)
+    marks = {int(f): dict(js) for f, js in {**_json(path)["frames"], **more[name]}.items()}
+    for frame, joints in passes(name).items():
+        means = {joint: tuple(uv.mean(axis=0)) for joint, uv in joints.items()}
+        marks[frame] = {**marks.get(frame, {}), **means}
+    return _pixels(marks)
 
 
-def _pixels(frames: Mapping[str, Mapping[str, Any]]) -> Marks:
+def passes(name: str) -> dict[int, dict[str, Array]]:
+    """By frame and joint the marks (P, 2) of those who marked it, where they agree on it."""
+    found = {
+        int(frame): {joint: np.array(uv) for joint, uv in joints.items()}
+        for frame, joints in _json(MORE_MARKS)["passes"][name].items()
+    }
+    most = SAME_MARK * TALL[name]
+    return {f: {j: uv for j, uv in js.items() if _agree(uv, most)} for f, js in found.items()}
+
+
+def _agree(uv: Array, most_px: float) -> bool:
+    return len(uv) > 1 and float(np.linalg.norm(uv - uv.mean(axis=0), axis=1).max()) <= most_px
+
+
+def _pixels(frames: Mapping[Any, Mapping[str, Any]]) -> Marks:
     return {
         int(frame): {joint: (float(u), float(v)) for joint, (u, v) in joints.items()}
         for frame, joints in frames.items()

@@ -20,10 +20,11 @@ from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
 from keypose.tracker.fitting.draft.observed import LIMBS, SIDES, Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.augmented import AugmentedNetwork
+from keypose.tracker.keypoints.detectors import open_detector
+from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.video import Video
 
-CAMERAS = (1, 2, 3, 4)
+CAMERAS, NETWORKS = (1, 2, 3, 4), ("full", "thunder")
 ROOM = 0.08
 """Share of the person's height around the joints, as a box is drawn."""
 MOST_FALSE = 0.5
@@ -37,29 +38,30 @@ def drafts(report: Report) -> None:
         "drafts from one box, limbs", "drafts", "mirrored", "marked", "of them mirr.", "unmarked",
         "proposed", "of them mirr.", "mm",
     )  # fmt: skip
-    total = np.zeros(7)
-    for number in CAMERAS:
-        counts, mm = _of_camera(number)
-        total += counts
-        table.row(f"camera {number}", *counts.tolist(), mm)
-    _, _, marked, mirrored, unmarked, _, _ = total
-    expected = [
-        Expected("drafts mirrored unmarked", unmarked, 0.0),
-        Expected("marked, but not mirrored", 1 - mirrored / max(marked, 1), MOST_FALSE),
-    ]
-    table.row("all", *total.tolist(), "", expected=expected)
+    for network in NETWORKS:
+        total, apart = np.zeros(7), []
+        for number in CAMERAS:
+            counts, mm = _of_camera(number, network)
+            total += counts
+            apart.append(mm)
+            table.row(f"camera {number}, {network}", *counts.tolist(), mm)
+        _, _, marked, mirrored, unmarked, _, _ = total
+        expected = [
+            Expected("drafts mirrored unmarked", unmarked, 0.0),
+            Expected("marked, but not mirrored", 1 - mirrored / max(marked, 1), MOST_FALSE),
+        ]
+        table.row(f"all, {network}", *total.tolist(), np.mean(apart), expected=expected)
 
 
-def _of_camera(number: int) -> tuple[Array, float]:
+def _of_camera(number: int, network: str) -> tuple[Array, float]:
     """(7,) what the columns count, and the joints' mean distance from the rough ones, mm."""
     film, camera, names, rough = beam_camera(number)
     with Video.open(str(film)) as video:
         pictures = [picture for _, picture in video.frames(0, video.info.frame_count)]
     box = _box(camera, rough[0])
     ends = 0, len(pictures) - 1
-    draft = draft_clip(
-        lambda n: pictures[n], ends, 0, box, camera, preset("adult_male"), AugmentedNetwork.open()
-    )
+    detector = open_detector(find_model(network))
+    draft = draft_clip(lambda n: pictures[n], ends, 0, box, camera, preset("adult_male"), detector)
     return _counted(draft, camera, rough[:, [names.index(name) for name in _names()]])
 
 

@@ -18,11 +18,12 @@ from bench.keyed import jittered, keyed
 from bench.measures import Over, figures
 from bench.table import Expected, Report, Table
 from bench.tracking import Tracked, linear, track
+from keypose.app.document.defaults import Defaults
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, joined
-from keypose.tracker.keypoints.model_files import FULL, Model, find_model
-from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.keypoints.model_files import Model, find_model
+from keypose.tracker.session.settings import Cue, TrackSettings
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
@@ -101,7 +102,7 @@ def with_settings(settings: TrackSettings) -> Way:
     """Tracked as settings say."""
 
     def way(posed: Posed) -> Tracked:
-        network = find_model(settings.network or FULL.name)
+        network = find_model(settings.network_used)
         used = network if "keypoints" in settings.cues_used else None
         tracker = posed.tracker(bool(settings.static_camera), used)
         return track(tracker, **settings.model_dump())
@@ -109,14 +110,17 @@ def with_settings(settings: TrackSettings) -> Way:
     return way
 
 
+BOTH: tuple[Cue, ...] = ("brightness", "keypoints")
+NETWORK = Defaults().network
 WAYS: dict[str, Way] = {
     "linear": interpolated,
     "brightness": with_settings(TrackSettings(cues=("brightness",))),
-    "keypoints alone": with_settings(TrackSettings(cues=("keypoints",))),
-    "keypoints": with_settings(TrackSettings(cues=("brightness", "keypoints"))),
+    "keypoints alone": with_settings(TrackSettings(cues=("keypoints",), network=NETWORK)),
+    "by full alone": with_settings(TrackSettings(cues=BOTH, network="full")),
+    "keypoints": with_settings(TrackSettings(cues=BOTH, network=NETWORK)),
 }
-SINGLE = ("linear", "brightness", "keypoints alone")
-"""Of these nothing is expected: both cues together are to be no worse."""
+SINGLE = ("linear", "brightness", "keypoints alone", "by full alone")
+"""Of these nothing is expected: both cues together, by both networks, are to be no worse."""
 
 
 def real(report: Report) -> None:

@@ -231,14 +231,15 @@ def _megabytes(of: list[Path]) -> int:
 
 
 def networks() -> Iterator[Finding]:
-    from keypose.tracker.keypoints.blazepose import BlazePose
-    from keypose.tracker.keypoints.model_files import HEAVY
+    from keypose.tracker.keypoints.detectors import open_detector
+    from keypose.tracker.keypoints.model_files import THUNDER
+    from keypose.tracker.keypoints.runtimes import ONNX, TFLITE, fast_is_here
 
-    BlazePose.open()
-    yield Finding("keypoints", "ok", "the bundled network is here and runs")
-    if not HEAVY.is_here:
-        words = "the larger network is not here; the bundled one is used"
-        remedy = f"For more exact keypoints: keypose models add {HEAVY.name}"
+    open_detector(THUNDER)
+    yield Finding("keypoints", "ok", "the bundled networks are here and run")
+    if not (fast_is_here(ONNX) and fast_is_here(TFLITE)):
+        words = "OpenCV runs the networks"
+        remedy = "For keypoints in half the time: pip install keypose[fast-pose]"
         yield Finding("keypoints", "note", words, remedy)
 
 

@@ -72,7 +72,7 @@ class Defaults(BaseModel):
     method: MethodName = Field(default="keypose", description="of new sessions of a video")
     quality: Quality = Field(default="full", description="of new sessions of a video")
     cues: Cues = Field(default=ALL_CUES, description="of new sessions of a video")
-    network: NetworkName = Field(default="full", description="of new sessions of a video")
+    network: NetworkName = Field(default="thunder", description="of new sessions of a video")
     smooth: bool = Field(default=True, description="of new sessions of a video")
 
     @property

@@ -75,7 +75,7 @@ def drafted(
     """Drafts of these frames, first and last; see `draft_clip`."""
     from keypose.tracker.fitting.draft import draft_clip  # loads what only this needs
     from keypose.tracker.keypoints.detectors import open_detector
-    from keypose.tracker.keypoints.model_files import FULL, find_model
+    from keypose.tracker.keypoints.model_files import find_model
     from keypose.tracker.storage.cache import Detections
 
     def picture(number: int) -> NDArray[np.uint8] | None:
@@ -84,7 +84,7 @@ def drafted(
         except MissingFrame:
             return None
 
-    network = open_detector(find_model(session.settings.network or FULL.name))
+    network = open_detector(find_model(session.settings.network_used))
     found = draft_clip(
         picture, frames, at, box, session.camera, session.body, network,
         again=network.plain, proportions=proportions, report=report,

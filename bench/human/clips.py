@@ -24,6 +24,7 @@ from bench.clips import Clip, place
 from bench.clips import clip as real_clip
 from bench.keeping import ROOT, Absent, digest, kept_folder
 from bench.keyed import keyed
+from keypose.app.document.defaults import Defaults
 from keypose.sample_videos.make_samples import encode
 from keypose.sample_videos.posing import MARKS
 from keypose.tracker.body.body import Body, preset
@@ -33,7 +34,6 @@ from keypose.tracker.body.trajectory import interpolate, joined
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session, VideoReference
-from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.solver.posed import BodyPoint
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.video import Video
@@ -278,7 +278,7 @@ def _session(video: Video, camera: Camera, body: Body) -> Session:
         path=info.path.name, fingerprint=video.fingerprint(), frame_count=info.frame_count,
         width=info.width, height=info.height, stands_still=still_camera(video).still,
     )  # fmt: skip
-    settings = TrackSettings(cues=ALL_CUES, smooth=True)
+    settings = Defaults().track_settings
     return Session(video=reference, camera=camera, body=body, settings=settings)
 
 
@@ -287,7 +287,7 @@ def _as_new(session: Session, path: Path) -> Session:
     with Video.open(path) as video:
         still = still_camera(video).still
     reference = session.video.model_copy(update={"stands_still": still})
-    settings = TrackSettings(cues=ALL_CUES, smooth=True)
+    settings = Defaults().track_settings
     return session.model_copy(update={"video": reference, "settings": settings})
 
 

@@ -12,8 +12,8 @@ from bench.human.counting import Effort
 from bench.human.desk import desk
 from bench.human.hand import Hand, px
 from bench.human.strategies import Outcome, draft, key
+from keypose.app.document.defaults import Defaults
 from keypose.app.editor.update import Go
-from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FirstKeyframe:
 
 def first_keyframe(clip: Watched, first: First, seed: int) -> FirstKeyframe:
     """The first keyframe with the body of a preset, which nobody has sized."""
-    with desk(clip.unsized(), TrackSettings(cues=ALL_CUES, smooth=True)) as there:
+    with desk(clip.unsized(), Defaults().track_settings) as there:
         hand = Hand.of(there, seed)
         first.work(hand)
         (frame,) = there.keys

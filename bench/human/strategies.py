@@ -15,12 +15,13 @@ import numpy as np
 from bench.human.desk import Desk
 from bench.human.hand import TRUNK, Hand
 from bench.human.watching import Watching
+from keypose.app.document.defaults import Defaults
 from keypose.app.editor.actions import Draft
 from keypose.app.editor.keyframes import AddKey
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.update import Go, Switch
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.session.settings import TrackSettings
 
 MEDIAN_PX, WORST_PX = 5.0, 10.0
 """A motion is right when every joint is that near, in the median and at worst."""
@@ -183,7 +184,5 @@ def ends(hand: Hand) -> None:
 
 LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False, drafts=False)
 PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals, drafts=False)
-WATCHED = Strategy(
-    "watched", TrackSettings(cues=ALL_CUES, smooth=True), by_watching, by_picture=True
-)
+WATCHED = Strategy("watched", Defaults().track_settings, by_watching, by_picture=True)
 STRATEGIES = (LINEAR, PAPER, WATCHED)

@@ -69,8 +69,6 @@ THUNDER: Final = Model(
     follows=False,
 )
 MODELS: Final = (THUNDER, FULL, HEAVY)
-BEFORE: Final = FULL
-"""Meant by sessions that name none: they are of a time when there was no other."""
 
 
 def cache_folder() -> Path:

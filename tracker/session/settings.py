@@ -121,3 +121,8 @@ class TrackSettings(Plain):
     def cues_used(self) -> tuple[Cue, ...]:
         """The cues, where none are named those of before."""
         return ("brightness",) if self.cues is None else self.cues
+
+    @property
+    def network_used(self) -> NetworkName:
+        """The network, where none is named the one of before."""
+        return self.network or "full"

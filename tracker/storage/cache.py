@@ -23,7 +23,6 @@ from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import (
-    FULL,
     LARGEST_BYTES,
     Model,
     cache_folder,
@@ -155,6 +154,6 @@ def found_before(session: Session, span: Span) -> Keypoints | None:
     """
     skeleton = Skeleton.of(session.body)
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
-    model = find_model(session.settings.network or FULL.name)
+    model = find_model(session.settings.network_used)
     film = session.video.pictures
     return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)

@@ -21,7 +21,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
-from keypose.tracker.keypoints.model_files import FULL, find_model
+from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
@@ -241,7 +241,7 @@ def _keypoints(session: Session) -> list[Any]:
     if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.given_keypoints
-    model = find_model(settings.network or FULL.name)
+    model = find_model(settings.network_used)
     return ["keypoints", model.sha256 if given is None else given.file]
 
 

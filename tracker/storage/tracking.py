@@ -8,7 +8,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.model_files import FULL, find_model
+from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
@@ -109,7 +109,7 @@ def _found_keypoints(
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
-    model = find_model(session.settings.network or FULL.name)
+    model = find_model(session.settings.network_used)
     film = session.video.pictures
     return DetectedKeypoints(video, session.camera, film, Detections(), model)
 

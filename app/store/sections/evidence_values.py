@@ -18,12 +18,12 @@ from keypose.app.store.state import AppState
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.model_files import FULL, MODELS, Model
+from keypose.tracker.keypoints.model_files import MODELS, Model
 from keypose.tracker.keypoints.on_body import HEAD_POINTS, is_persons, points_on_body
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.settings import ALL_CUES, Cue
+from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
 
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",
@@ -73,7 +73,7 @@ def networks_here(_app_state: AppState) -> tuple[Any, ...]:
 def networks(app_state: AppState) -> Json:
     """The networks that find keypoints: which is chosen, and how to add one that is not here."""
     doc = doc_of(app_state)
-    chosen = (doc.settings.network if doc else None) or FULL.name
+    chosen = (doc.settings if doc else TrackSettings()).network_used
     return [
         {
             "id": model.name,

@@ -13,14 +13,14 @@ from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detec
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import MODELS, THUNDER
 from keypose.tracker.keypoints.movenet import MoveNet, SeenJoints
-from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, LOWER, PairedNetwork
+from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, DOWN_TRUNK, PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
 
 REGION = Region(160.0, 120.0, 100.0)
 PICTURE = np.zeros((240, 320, 3), np.uint8)
 AT = [NAMES.index(joint) for joint in JOINTS]
-LIMBS = [k for k, joint in enumerate(JOINTS) if joint.split("_")[1] not in LOWER]
+LIMBS = [k for k, joint in enumerate(JOINTS) if joint.split("_")[1] not in DOWN_TRUNK]
 
 
 def somebody() -> Seen:
@@ -73,12 +73,12 @@ def test_a_joint_lies_between_where_both_see_it() -> None:
     assert np.array_equal(found.uv[others], seen.uv[others])
 
 
-def test_shoulders_and_hips_of_joints_are_moved_to_where_blazepose_has_them() -> None:
+def test_joints_are_moved_to_where_blazepose_has_them_on_the_body() -> None:
     seen = somebody()
     trunk = 35.0
     higher = seen.uv[AT].copy()
     for k, joint in enumerate(JOINTS):
-        higher[k, 1] -= LOWER.get(joint.split("_")[1], 0.0) * trunk
+        higher[k, 1] -= DOWN_TRUNK.get(joint.split("_")[1], 0.0) * trunk
     assert together(seen, higher).uv == pytest.approx(seen.uv, abs=1e-9)
 
 
