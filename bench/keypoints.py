@@ -23,8 +23,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.augmented import VARIATIONS, Variation
 from keypose.tracker.keypoints.blazepose import NAMES, BlazePose
 from keypose.tracker.keypoints.detect import LOOK_PARTS, Rows
+from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.movenet import MoveNet
+from keypose.tracker.keypoints.model_files import THUNDER
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video import Video
 
@@ -98,7 +99,7 @@ def looks(name: str) -> Looks:
         f"looks-{name}",
         digest(
             ROOT / "tracker/keypoints/blazepose.py",
-            ROOT / "tracker/keypoints/movenet.py",
+            ROOT / "tracker/keypoints/joint_network.py",
             repr(VARIATIONS).encode(),
         ),
         ".npz",
@@ -117,7 +118,7 @@ def looks(name: str) -> Looks:
 def _looked(
     film: str, known: Mapping[int, Mapping[str, tuple[float, float]]], ends: tuple[int, int]
 ) -> dict[str, Array]:
-    net, thunder = BlazePose.open(), MoveNet.open()
+    net, thunder = BlazePose.open(), JointNetwork.open(THUNDER)
     at = [NAMES.index(j) for j in JOINTS]
     mn = [thunder.names.index(j) for j in JOINTS]
     with Video.open(film) as video:

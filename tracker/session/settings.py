@@ -32,7 +32,8 @@ Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
-NetworkName: TypeAlias = Literal["thunder", "full", "heavy"]
+NETWORK_NAME: Final = "[a-z0-9_-]{1,32}"
+NetworkName: TypeAlias = Annotated[str, Field(pattern=f"^{NETWORK_NAME}$")]
 Initial: TypeAlias = Annotated[Literal["auto", "templates", "import"], BeforeValidator(_as_now)]
 
 
@@ -96,7 +97,8 @@ class TrackSettings(Plain):
         default=None,
         exclude_if=is_unknown,
         description="The network that finds keypoints: thunder, which looks beside full; full "
-        "alone, meant where this is left out; or heavy, which is slower and has to be added.",
+        "alone, meant where this is left out; heavy, which is slower and has to be added; or one "
+        "that a person added under this name.",
     )
     smooth: bool | None = Field(
         default=None,

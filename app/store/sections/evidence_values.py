@@ -88,7 +88,7 @@ def networks(app_state: AppState) -> Json:
 
 def network_label(model: Model) -> str:
     """Return what a choice of network is called."""
-    if model.follows:
+    if model.heads is None:
         return f"BlazePose {model.name}"
     return f"{_CALLED.get(model.name, model.name)} + BlazePose"
 

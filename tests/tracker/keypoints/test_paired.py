@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from keypose.tracker.keypoints.blazepose import NAMES, BlazePose, Seen
 from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
+from keypose.tracker.keypoints.joint_network import JointNetwork, SeenJoints
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import MODELS, THUNDER
-from keypose.tracker.keypoints.movenet import MoveNet, SeenJoints
 from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, LOWER, PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
@@ -129,7 +129,7 @@ def test_each_choice_is_told_from_the_others() -> None:
 
 
 def test_a_real_man_is_found_nearer_than_by_either_alone() -> None:
-    blazepose, movenet = BlazePose.open(fast=False), MoveNet.open(THUNDER, fast=False)
+    blazepose, movenet = BlazePose.open(fast=False), JointNetwork.open(THUNDER, fast=False)
     both, errors = PairedNetwork(blazepose, movenet), np.zeros(2)
     with cases.balance() as video:
         for frame, marked in cases.marks().items():
