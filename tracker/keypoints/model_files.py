@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -18,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.files import read_own, read_regular
-from keypose.tracker.session.settings import NetworkName
+from keypose.tracker.session.settings import NETWORK_NAME, NetworkName
 
 LARGEST_BYTES: Final = 256 * 2**20
 """RTMW-x, the largest network of joints in use, has some 230 MB."""
@@ -52,7 +54,7 @@ class AddedNetwork(BaseModel):
 
     name: NetworkName
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-    size_mb: Annotated[float, Field(gt=0, le=LARGEST_BYTES / 1e6)]
+    size_mb: Annotated[float, Field(ge=0, le=LARGEST_BYTES / 1e6)]
     heads: JointHeads
 
 
@@ -137,9 +139,18 @@ def added_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in added_folder().glob("*.json")))
 
 
+def require_network_name(name: str) -> None:
+    """KeypointError where a name cannot be a network's."""
+    if not re.fullmatch(NETWORK_NAME, name):
+        raise KeypointError(
+            f"{name!r} is not a network's name: take 1 to 32 lower-case letters, digits, - and _."
+        )
+
+
 def find_model(name: str) -> Model:
     """The network of this name; KeypointError when there is none, or what is known of it is
     damaged."""
+    require_network_name(name)
     for model in MODELS:
         if model.name == name:
             return model
@@ -150,8 +161,8 @@ def find_model(name: str) -> Model:
     except FileNotFoundError:
         names = listed([*(model.name for model in MODELS), *added_names()])
         raise KeypointError(
-            f"There is no network {name!r} here: choose from {names}, or add it by `keypose models "
-            f"add {name} --from FILE --sha256 DIGEST`."
+            f"There is no network {name!r} here: choose from {names}, or add it by "
+            f"`{adding_own(name)}`."
         ) from None
     except OSError as error:
         raise KeypointError(
@@ -162,6 +173,15 @@ def find_model(name: str) -> Model:
             f"What is known of the network {name!r} is damaged: run `keypose models remove {name}` "
             "and add it again."
         ) from None
+
+
+def added_models() -> tuple[Model, ...]:
+    """Return the networks that a person added, without those of which what is known is damaged."""
+    found = []
+    for name in added_names():
+        with suppress(KeypointError):
+            found.append(find_model(name))
+    return tuple(found)
 
 
 _added = lru_cache(maxsize=32)(AddedNetwork.model_validate_json)
@@ -190,8 +210,12 @@ def verified(model: Model) -> Path:
 
 def adding(model: Model) -> str:
     """Return the command that adds a network which does not come with Keypose."""
-    file = " --from FILE --sha256 DIGEST" if model.heads else ""
-    return f"keypose models add {model.name}{file}"
+    return adding_own(model.name) if model.heads else f"keypose models add {model.name}"
+
+
+def adding_own(name: str) -> str:
+    """Return the command that adds a network of a person's own under this name."""
+    return f"keypose models add {name} --from FILE --sha256 DIGEST"
 
 
 def is_content(model: Model, content: bytes) -> bool:
