@@ -15,7 +15,7 @@ from keypose.tracker.keypoints.joint_network import open_heads
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.model_files import JointHeads, JointKind
 from keypose.tracker.keypoints.onnx_header import Shape, Signature, read_signature
-from keypose.tracker.keypoints.runtimes import cannot_run, quiet
+from keypose.tracker.keypoints.runtimes import cannot_run
 
 _LAYOUTS: Final = ("COCO_17", "HALPE_26", "COCO_WHOLEBODY_133")
 _OF_A_HAND: Final = 21
@@ -39,8 +39,7 @@ def recognised(path: Path, content: bytes, source: str) -> JointHeads:
     runtime = open_heads(path, heads)
     blank = np.zeros((3, heads.height, heads.width), np.float32)
     try:
-        with quiet():
-            found = runtime.run(KINDS[heads.kind].prepared(blank))
+        found = runtime.run(KINDS[heads.kind].prepared(blank))
     except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
         raise cannot_run(source, runtime.name, error) from None
     shapes = [output.shape for output in found]

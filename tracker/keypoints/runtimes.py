@@ -92,7 +92,7 @@ class _OpenCV:
         suffix = Path(path).suffix
         engine = getattr(cv2.dnn, "ENGINE_CLASSIC" if suffix == TFLITE else "ENGINE_AUTO", None)
         read: Any = cv2.dnn.readNetFromTFLite if suffix == TFLITE else cv2.dnn.readNetFromONNX
-        with quiet():
+        with _quiet():
             self._net: Any = read(path, *(() if engine is None else (engine,)))
         self._outputs = list(outputs)
         self.name = runtime_name(suffix, fast=False)
@@ -141,7 +141,7 @@ class _OnnxRuntime:
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
+def _quiet() -> Iterator[None]:
     """OpenCV prints nothing of what it raises as well."""
     before = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import tarfile
 import tempfile
 import zipfile
@@ -29,6 +30,8 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
 _IN_ZIP: Final = "end2end.onnx"
+_OF_ANIMALS: Final = "ap10k"
+"""In the names of networks trained on AP-10K, whose 17 joints are as many as a person's."""
 _TIGHTEST: Final = 20
 """How many times smaller than its content an entry of a zip may be; weights hardly shrink. Only for
 entries of more than `_SMALL_BYTES`."""
@@ -71,6 +74,8 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
             f"The SHA-256 of {source} is {digest}; add it with --sha256 {digest} if you trust "
             "where it comes from."
         )
+    if _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower():
+        raise KeypointError(f"{source} is a network of animals: only those of people are read.")
     if content.startswith(_ZIP):
         content = _unzipped(content, source)
         digest = hashlib.sha256(content).hexdigest()
