@@ -29,13 +29,7 @@ def recognised(path: Path, content: bytes, source: str) -> JointHeads:
     path, content: of the ONNX file.  source: what it is called in a sentence.
     KeypointError in one sentence where it is no such network, or cannot be run here.
     """
-    try:
-        signature = read_signature(content)
-    except ValueError as error:
-        raise KeypointError(f"{source} is no ONNX file, or not all of one: {error}.") from None
-    heads = _heads(signature)
-    if heads is None:
-        raise _other(source, signature)
+    heads = promised(content, source)
     runtime = open_heads(path, heads)
     blank = np.zeros((3, heads.height, heads.width), np.float32)
     try:
@@ -45,8 +39,9 @@ def recognised(path: Path, content: bytes, source: str) -> JointHeads:
     shapes = [output.shape for output in found]
     count = _count(heads, shapes)
     if count is None:
+        inputs = read_signature(content).inputs
         outputs = dict(zip(heads.outputs, shapes, strict=True))
-        raise _other(source, Signature(signature.inputs, outputs))
+        raise _other(source, Signature(inputs, outputs))
     layout = next((name for name in _LAYOUTS if len(LAYOUTS[name]) == count), None)
     if layout is None:
         what = "a hand alone" if count == _OF_A_HAND else f"{count} joints"
@@ -57,8 +52,20 @@ def recognised(path: Path, content: bytes, source: str) -> JointHeads:
     return JointHeads.model_validate({**heads.model_dump(), "layout": layout})
 
 
+def promised(content: bytes, source: str) -> JointHeads:
+    """What its file says of it, without running it; its layout is not known yet."""
+    try:
+        signature = read_signature(content)
+    except ValueError as error:
+        raise KeypointError(f"{source} is no ONNX file, or not all of one: {error}.") from None
+    heads = _heads(signature)
+    if heads is None:
+        raise _other(source, signature)
+    return heads
+
+
 def _heads(signature: Signature) -> JointHeads | None:
-    """What it may be by names and input; its layout is not known yet."""
+    """What it may be by names and input."""
     names = set(signature.outputs)
     kind: JointKind | None = next(
         (kind for kind, each in KINDS.items() if each.outputs and names >= set(each.outputs)),
