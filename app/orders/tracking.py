@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
@@ -52,11 +51,12 @@ class _Network(Value):
     metavar: str | None = "NAME"
 
     def read(self, text: str) -> str:
-        from keypose.tracker.session.settings import NETWORK_NAME  # not for a command's help
+        from keypose.tracker.session.settings import network_name  # not for a command's help
 
-        if not re.fullmatch(NETWORK_NAME, text):
-            raise Misread("a network's name has 1 to 32 lower-case letters, digits, - and _")
-        return text
+        try:
+            return network_name(text)
+        except ValueError as error:
+            raise Misread(str(error)) from None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.files import read_own, read_regular
-from keypose.tracker.session.settings import NETWORK_NAME, NetworkName
+from keypose.tracker.session.settings import NetworkName, network_name
 
 LARGEST_BYTES: Final = 256 * 2**20
 """RTMW-x, the largest network of joints in use, has some 230 MB."""
@@ -141,10 +140,10 @@ def added_names() -> tuple[str, ...]:
 
 def require_network_name(name: str) -> None:
     """KeypointError where a name cannot be a network's."""
-    if not re.fullmatch(NETWORK_NAME, name):
-        raise KeypointError(
-            f"{name!r} is not a network's name: take 1 to 32 lower-case letters, digits, - and _."
-        )
+    try:
+        network_name(name)
+    except ValueError as error:
+        raise KeypointError(f"{name!r} cannot name a network: {error}.") from None
 
 
 def find_model(name: str) -> Model:

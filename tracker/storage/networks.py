@@ -81,7 +81,7 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
         digest = hashlib.sha256(content).hexdigest()
     with tempfile.TemporaryDirectory(prefix="keypose-") as folder:
         file = Path(folder) / f"{name}.onnx"
-        file.write_bytes(content)
+        write_file(file, content, error=KeypointError)
         heads = recognised(file, content, source)
     size_mb = round(len(content) / 1e6, 1)
     added = AddedNetwork(name=name, sha256=digest, size_mb=size_mb, heads=heads)

@@ -77,8 +77,11 @@ def test_it_is_added_listed_drafted_with_tracked_with_and_removed(
     assert run("models", "remove", "mine") == 0
     assert list(added_folder().iterdir()) == []
     capsys.readouterr()
-    assert run("track", path, *asked) == 2
-    assert "keypose models add mine --from FILE --sha256 DIGEST" in capsys.readouterr().err
+    draft = ("draft", video, "--box", AROUND, *which, "--out", tmp_path / "again")
+    for command in (("track", path, *asked), draft):
+        assert run(*command) == 2
+        assert "keypose models add mine --from FILE --sha256 DIGEST" in capsys.readouterr().err
+    assert not (tmp_path / "again").exists()
 
 
 @pytest.mark.parametrize("folder", ["", "rtmpose-m/", "./20230728/model/"])
@@ -186,9 +189,18 @@ def test_a_larger_file_is_not_read(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("add", "Mine", "--from", "f"), "is not a network's name"),
-        (("add", "../mine", "--from", "f"), "is not a network's name"),
-        (("add", "m" * 33, "--from", "f"), "is not a network's name"),
+        (
+            ("add", "Mine", "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
+        (
+            ("add", "../mine", "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
+        (
+            ("add", "m" * 33, "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
         (("add", "full", "--from", "f"), "comes with Keypose"),
         (("add", "heavy", "--from", "f", "--sha256", "0"), "leave out --sha256"),
         (("add", "mine", "--from", "nowhere"), "cannot be read"),
