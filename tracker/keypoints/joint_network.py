@@ -21,7 +21,7 @@ from keypose.tracker.keypoints.runtimes import ONNX, Runtime, fast_is_here, open
 @dataclass(frozen=True, eq=False)
 class SeenJoints:
     """What a network of joints sees: uv (K, 2) pixels of the whole picture, in the order of its
-    names, NaN where it sees nobody; confidence (K,) from 0 to 1."""
+    names, NaN where it sees none; confidence (K,) from 0 to 1."""
 
     uv: Array
     confidence: Array
@@ -51,7 +51,8 @@ class JointNetwork:
         image = cv2.warpAffine(picture, to_picture, size, flags=how, borderValue=kind.outside)
         levels = np.ascontiguousarray(image.transpose(2, 0, 1), dtype=np.float32)
         xy, confidence = kind.decoded(self._runtime.run(kind.prepared(levels)), size)
-        return SeenJoints(xy @ to_picture[:, :2].T + to_picture[:, 2], confidence)
+        known = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
+        return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
 
 
 def open_heads(path: Path, heads: JointHeads, *, fast: bool | None = None) -> Runtime:

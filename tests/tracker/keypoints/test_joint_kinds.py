@@ -97,6 +97,24 @@ def test_an_upright_persons_height_is_near_what_such_networks_are_trained_on() -
     assert 0.8 / 1.15 < share < 0.8 * 1.15
 
 
+class Broken:
+    """A runtime whose numbers ran over."""
+
+    name = "broken"
+
+    def run(self, image: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+        outputs = [np.zeros((1, 17, 2 * side), np.float32) for side in (192, 256)]
+        outputs[0][0, 3, 200] = np.nan
+        return outputs
+
+
+def test_a_joint_that_is_no_number_is_nowhere(tmp_path: Path) -> None:
+    model = added(tmp_path, tiny.simcc())
+    assert model.heads is not None
+    seen = JointNetwork(model, model.heads, Broken()).infer(spots(PLACES), REGION)
+    assert np.flatnonzero(~np.isfinite(seen.uv).all(axis=1)).tolist() == [3]
+
+
 BOXES = np.array([(0, 0, 90, 200, 0.9), (200, 200, 440, 600, 0.8), (300, 320, 340, 330, 0.05)])
 PEOPLE = np.arange(3 * 17 * 3.0).reshape(3, 17, 3)
 
