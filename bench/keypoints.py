@@ -26,8 +26,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.augmented import VARIATIONS, Variation
 from keypose.tracker.keypoints.blazepose import NAMES, BlazePose
 from keypose.tracker.keypoints.detect import LOOK_PARTS, Rows
+from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.keypoints import JOINTS, other_side
-from keypose.tracker.keypoints.movenet import MoveNet
+from keypose.tracker.keypoints.model_files import THUNDER
 from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, DOWN_TRUNK
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video import Video
@@ -216,7 +217,7 @@ def looks(name: str) -> Looks:
     """All looks at a clip, taken or as kept; Absent when its film is not here."""
     film, known, tall = _marked(name)
     networks = ROOT / "tracker" / "keypoints"
-    sources = [networks / file for file in ("blazepose.py", "movenet.py", "augmented.py")]
+    sources = [networks / file for file in ("blazepose.py", "joint_network.py", "augmented.py")]
     kept = place_for(f"looks-{name}", digest(*sources), ".npz")
     if not kept.is_file():
         np.savez(kept, **_looked(film, known, CLIPS[name]))
@@ -248,7 +249,7 @@ def _marked(name: str) -> tuple[str, dict[int, Joints], Callable[[int], float]]:
 
 
 def _looked(film: str, known: Mapping[int, Joints], ends: tuple[int, int]) -> dict[str, Array]:
-    blazepose, movenet = BlazePose.open(), MoveNet.open()
+    blazepose, movenet = BlazePose.open(), JointNetwork.open(THUNDER)
     first = min(known)
     rows: dict[int, tuple[Array, ...]] = {}
     spent: list[tuple[float, float]] = []

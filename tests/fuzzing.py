@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import random
@@ -29,7 +30,10 @@ from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.reading_camera import load_camera
 from keypose.tracker.formats.reading_keypoints import load_keypoints
 from keypose.tracker.formats.reference import load_reference
+from keypose.tracker.keypoints.model_files import added_folder, find_model
+from keypose.tracker.keypoints.recognise_network import promised
 from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.networks import add_own
 from keypose.tracker.surface.cameras.rig import Rig
 from tests.tracker.formats import animals, recordings
 from tests.tracker.formats.opensim_model import osim
@@ -38,6 +42,7 @@ from tests.tracker.formats.test_glb import written
 from tests.tracker.formats.test_reading_camera import gltf
 from tests.tracker.formats.test_reading_motion import BVH, CSV, TRC
 from tests.tracker.formats.test_reading_recovered import PARAMS, plain_pt
+from tests.tracker.keypoints import tiny_networks as tiny
 
 SAMPLES = Path(sample_videos.__file__).parent
 SKELETON = Skeleton.of(recordings.session("person").body)
@@ -77,6 +82,31 @@ def _defaults(path: Path) -> object:
         return read_defaults()
 
 
+def _network(path: Path) -> object:
+    return promised(path.read_bytes(), repr(str(path)))
+
+
+def _own_network(path: Path) -> object:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(path.parent))
+        return add_own("mine", path, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def _added_network(path: Path) -> object:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(path.parent))
+        added_folder().mkdir(parents=True, exist_ok=True)
+        (added_folder() / path.name).write_bytes(path.read_bytes())
+        return find_model(path.stem)
+
+
+def _zipped(name: str, content: bytes) -> bytes:
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(name, content)
+    return whole.getvalue()
+
+
 def _json(value: Any) -> bytes:
     return json.dumps(value).encode()
 
@@ -106,6 +136,9 @@ def kinds(folder: Path) -> dict[str, Kind]:
     defaults = b'port = 8090\nbody = "adult_female"\nbrowser = true\n'
     lens = WIDE.model_dump(include={"width", "height", "fx", "fy", "cx", "cy"})
     cameras = {"units": "m", "up": "+y", "cameras": [{**rig, **lens}]}
+    network = _zipped("a/end2end.onnx", tiny.maps())
+    heads = {"kind": "maps", "layout": "COCO_17", "width": 192, "height": 256, "outputs": ["a"]}
+    own = {"name": "own", "sha256": "0" * 64, "size_mb": 1.5, "heads": heads}
     return {
         "BVH": Kind("a.bvh", BVH.encode(), load_motion),
         "TRC": Kind("a.trc", TRC.encode(), load_motion),
@@ -130,6 +163,9 @@ def kinds(folder: Path) -> dict[str, Kind]:
         "body": Kind("b.json", (SAMPLES / "bodies/dog.json").read_bytes(), load_body),
         "session": Kind("session.json", session, load_session),
         "defaults": Kind("config.toml", defaults, _defaults),
+        "network": Kind("n.onnx", tiny.maps(), _network),
+        "network in a zip": Kind("n.zip", network, _own_network, apart=True),
+        "added network": Kind("own.json", _json(own), _added_network),
         "C3D": Kind("a.c3d", c3d(recordings.recording("person")), load_motion, apart=True),
     }  # fmt: skip
 

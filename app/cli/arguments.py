@@ -47,7 +47,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
         "files",
         "Show size, frames, rate and fingerprint of a video file or a folder of images",
     ),
-    "models": ("files", "List the networks that find keypoints, or add one"),
+    "models": ("files", "List the networks that find keypoints, add or remove one"),
     "schema": ("program", "Print the JSON Schema of a body file or a session file"),
     "config": ("program", "Show the defaults of this computer and the file to change them in"),
     "doctor": ("program", "Check this computer: what is missing, and what to do about it"),

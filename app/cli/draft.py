@@ -21,7 +21,8 @@ from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
 from keypose.app.jobs.draft import DraftReporter, drafted
-from keypose.app.orders.tracking import FilmTaken, said
+from keypose.app.jobs.rerun import with_settings
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
@@ -57,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     taken = said(order_of(FilmTaken, arguments))
     with Video.open(arguments.video, deinterlace=taken.get("deinterlace", True)) as video:
         session = as_taken(new_session(video, place), taken)
+        session = with_settings(session, order_of(DraftOrder, arguments))
         if body is not None:
             session = session.model_copy(update={"body": body})
         if arguments.field_of_view is not None:

@@ -1,4 +1,4 @@
-"""`keypose models`: the networks that find keypoints, and how to add one."""
+"""`keypose models`: the networks that find keypoints; add one, or remove it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,22 @@ from urllib.request import urlopen
 
 from keypose.app.cli.json_output import print_json
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.model_files import MODELS, Model, find_model
-from keypose.tracker.storage.cache import LARGEST_PACKAGE_BYTES, add_content, add_from_file
+from keypose.tracker.keypoints.joint_kinds import KINDS
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.model_files import (
+    LARGEST_BYTES,
+    MODELS,
+    Model,
+    added_names,
+    adding,
+    find_model,
+)
+from keypose.tracker.storage.networks import (
+    add_content,
+    add_from_file,
+    add_own,
+    remove_network,
+)
 
 PACKAGE = "https://cdn.jsdelivr.net/npm/@mediapipe/pose@0.5.1675469404"
 """Where MediaPipe publishes the networks, file by file."""
@@ -17,38 +31,60 @@ TIMEOUT_S = 30.0
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if arguments.what == "list":
-        if arguments.file is not None:
-            raise KeypointError("--from belongs to `keypose models add NAME`.")
+    what, name = arguments.what, arguments.name
+    given = "--from" if arguments.file is not None else "--sha256"
+    if what != "add" and (arguments.file is not None or arguments.sha256 is not None):
+        raise KeypointError(f"{given} belongs to `keypose models add NAME`.")
+    if what == "list":
         return _list(arguments.json)
-    return _add(arguments)
-
-
-def _list(as_json: bool) -> int:
-    if as_json:
-        print_json({"models": [_facts(model) for model in MODELS]})
+    if name is None:
+        raise KeypointError(f"Name the network to {what}, as in `keypose models {what} heavy`.")
+    if what == "remove":
+        remove_network(name)
         return 0
-    for model in MODELS:
-        state = str(model.path) if model.is_here else f"not here: keypose models add {model.name}"
-        print(f"{model.name:6} {model.size_mb:5.1f} MB  {state}")
-    return 0
-
-
-def _add(arguments: argparse.Namespace) -> int:
-    if arguments.name is None:
-        raise KeypointError("Name the network to add, as in `keypose models add heavy`.")
-    model = find_model(arguments.name)
-    if model.bundled:
-        raise KeypointError(f"The {model.name} network comes with Keypose.")
-    if arguments.file is not None:
-        path = add_from_file(model, arguments.file)
-    else:
-        path = add_content(model, _downloaded(model), "The download")
+    model = _added(name, arguments)
     if arguments.json:
         print_json(_facts(model))
     else:
-        print(f"{model.name}: {path}")
+        print(f"{model.name}: {model.path}")
     return 0
+
+
+def _list(as_json: bool) -> int:
+    models, problems = list(MODELS), []
+    for name in added_names():
+        try:
+            models.append(find_model(name))
+        except KeypointError as problem:
+            problems.append({"name": name, "problem": str(problem)})
+    if as_json:
+        print_json({"models": [*map(_facts, models), *problems]})
+        return 0
+    wide = max(len(name) for name in (*added_names(), "thunder"))
+    for model in models:
+        state = str(model.path) if model.is_here else f"not here: {adding(model)}"
+        own = "" if model in MODELS else f"  {_kind(model)}"
+        print(f"{model.name:{wide}} {model.size_mb:5.1f} MB  {state}{own}")
+    for each in problems:
+        print(f"{each['name']:{wide}}           {each['problem']}")
+    return 0
+
+
+def _added(name: str, arguments: argparse.Namespace) -> Model:
+    if name not in [model.name for model in MODELS] and arguments.file is not None:
+        return add_own(name, arguments.file, arguments.sha256)
+    model = find_model(name)
+    if model.bundled:
+        raise KeypointError(f"The {name} network comes with Keypose.")
+    if model not in MODELS:
+        raise KeypointError(f"Name the file of the network: `{adding(model)}`.")
+    if arguments.sha256 is not None:
+        raise KeypointError(f"The SHA-256 of the {name} network is known: leave out --sha256.")
+    if arguments.file is not None:
+        add_from_file(model, arguments.file)
+    else:
+        add_content(model, _downloaded(model), "The download")
+    return model
 
 
 def _facts(model: Model) -> dict[str, object]:
@@ -57,14 +93,22 @@ def _facts(model: Model) -> dict[str, object]:
         "here": model.is_here,
         "path": str(model.path),
         "sha256": model.sha256,
+        **({} if model.heads is None else model.heads.model_dump(mode="json")),
     }
+
+
+def _kind(model: Model) -> str:
+    heads = model.heads
+    assert heads is not None
+    joints = len(LAYOUTS[heads.layout])
+    return f"{KINDS[heads.kind].title}, {joints} joints, {heads.width} × {heads.height}"
 
 
 def _downloaded(model: Model) -> bytes:
 
     try:
         with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:
-            content: bytes = answer.read(LARGEST_PACKAGE_BYTES)
+            content: bytes = answer.read(LARGEST_BYTES)
     except (OSError, HTTPException) as error:
         reason = getattr(error, "reason", None) or error
         raise KeypointError(

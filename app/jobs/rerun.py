@@ -18,7 +18,7 @@ from keypose.app.jobs.job import Context, Finished, Report
 from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.track import Track
 from keypose.app.jobs.worker_cache import WorkerCache
-from keypose.app.orders.tracking import TrackOrder, said
+from keypose.app.orders.tracking import DraftOrder, TrackOrder, said
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session import results as saved
@@ -60,14 +60,15 @@ def _of_surfaces(session: Session, session_path: Path) -> str:
 _LACKING = ByEvidence({FilmEvidence: _of_film, SurfaceEvidence: _of_surfaces})
 
 
-def with_settings(session: Session, order: TrackOrder) -> Session:
+def with_settings(session: Session, order: TrackOrder | DraftOrder) -> Session:
     """The session as it is to be tracked in this run; its file keeps its own settings.
 
     BodyError where the order leaves out a part that the body has not.
     """
-    for name in order.left_out or ():
+    asked = said(order)
+    for name in asked.get("left_out", ()):
         session.body.index(name)
-    settings = session.settings.model_copy(update=said(order))
+    settings = session.settings.model_copy(update=asked)
     return session.model_copy(update={"settings": settings})
 
 

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
 
 _OF_SESSION: Final = "; default: the session's setting"
 CUES: Final = ("brightness", "keypoints", "silhouette")
+_NETWORK: Final = (
+    "network that finds keypoints: thunder together with full, full alone, heavy, which is slower "
+    "and has to be added, or one of your own, together with full; `keypose models` adds and lists "
+    "them"
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +42,21 @@ class _Cues(Value):
         if asked == ["silhouette"]:
             raise Misread("silhouette cannot track alone; add brightness or keypoints")
         return tuple(cue for cue in CUES if cue in asked)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _Network(Value):
+    """A network's name; whether it is here, tracking says."""
+
+    metavar: str | None = "NAME"
+
+    def read(self, text: str) -> str:
+        from keypose.tracker.session.settings import network_name  # not for a command's help
+
+        try:
+            return network_name(text)
+        except ValueError as error:
+            raise Misread(str(error)) from None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,11 +95,7 @@ class TrackOrder:
         f"{_OF_SESSION}. Keypoints need a person's body, silhouette needs a static camera; the "
         "published method uses brightness alone",
     )
-    network: NetworkName | None = option(
-        Choice(names=("thunder", "full", "heavy")),
-        "network that finds keypoints: thunder together with full, full alone, or heavy, which is "
-        f"slower and which `keypose models add heavy` adds{_OF_SESSION}",
-    )
+    network: NetworkName | None = option(_Network(), f"{_NETWORK}{_OF_SESSION}")
     smooth: bool | None = option(
         YesNo(), f"whether the motion is smoothed in space as far as the video allows{_OF_SESSION}"
     )
@@ -87,6 +103,15 @@ class TrackOrder:
 
 AS_SET: Final = TrackOrder()
 """As each session is set."""
+
+
+@dataclass(frozen=True)
+class DraftOrder:
+    """How the person of a draft is found."""
+
+    network: NetworkName | None = option(
+        _Network(), f"{_NETWORK}, and the session keeps it; default: as `keypose config` says"
+    )
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,20 @@ def test_a_cue_is_switched_off_by_mouse_or_keyboard_and_undone(at: Desk) -> None
     at.agreed("settings")
 
 
+def test_a_network_that_is_not_here_is_named_with_the_command_that_adds_it(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="settings", network="my-rtmw")
+    cues = page.get_by_role("region", name="Cues")
+    cues.get_by_text(
+        "my-rtmw is not installed: run keypose models add my-rtmw --from FILE --sha256 DIGEST"
+    ).wait_for()
+    screen(page, "cues-3-missing-network")
+    cues.get_by_role("button", name="Network").click()
+    page.get_by_role("option", name="MoveNet Thunder + BlazePose").click()
+    cues.get_by_text("is not installed").wait_for(state="detached")
+    assert [each["id"] for each in at.agreed("networks") if each["chosen"]] == ["thunder"]
+
+
 def test_the_last_cue_stays_on_and_says_why(at: Desk) -> None:
     page = at.page
     cue(page, "Keypoints").click()

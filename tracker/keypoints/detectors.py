@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from keypose.tracker.keypoints.augmented import AugmentedNetwork, augmented_fingerprint
 from keypose.tracker.keypoints.blazepose import BlazePose, fingerprint_of
+from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.model_files import FULL, Model
-from keypose.tracker.keypoints.movenet import MoveNet, movenet_fingerprint
 from keypose.tracker.keypoints.paired import PairedNetwork, paired_fingerprint
 
 
 def open_detector(model: Model, *, fast: bool | None = None) -> AugmentedNetwork | PairedNetwork:
     """Read what looks at frames: BlazePose several times a frame, or BlazePose full and a network
     of joints once each. KeypointError as of `open_runtime` and `verified`."""
-    if model.follows:
+    if model.heads is None:
         return AugmentedNetwork.open(model, fast=fast)
-    return PairedNetwork(BlazePose.open(FULL, fast=fast), MoveNet.open(model, fast=fast))
+    return PairedNetwork(BlazePose.open(FULL, fast=fast), JointNetwork.open(model, fast=fast))
 
 
 def detector_fingerprint(model: Model) -> str:
     """Return what `open_detector(model).fingerprint` would be, with no network read."""
-    if model.follows:
+    if model.heads is None:
         return augmented_fingerprint(model)
-    return paired_fingerprint(fingerprint_of(FULL), movenet_fingerprint(model))
+    return paired_fingerprint(fingerprint_of(FULL), fingerprint_of(model))

@@ -1,21 +1,60 @@
 """The networks that find keypoints, as files: which there are, and where they lie.
 
 They are known by their SHA-256 alone. A file that is damaged, or another network, is never read by
-the library that runs it, which trusts what it reads.
+the library that runs it, which trusts what it reads. Of a network that a person added, a small file
+beside it says what it is.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
-from keypose.tracker.files import read_regular
+from keypose.tracker.files import read_own, read_regular
+from keypose.tracker.session.settings import NetworkName, network_name
 
-LARGEST_BYTES: Final = 64 * 2**20
+LARGEST_BYTES: Final = 256 * 2**20
+"""RTMW-x, the largest network of joints in use, has some 230 MB."""
+
+LARGEST_NOTE_BYTES: Final = 2**16
+
+JointKind: TypeAlias = Literal["movenet", "simcc", "maps", "rtmo"]
+_Pixels: TypeAlias = Annotated[int, Field(ge=32, le=2048)]
+
+
+class JointHeads(BaseModel):
+    """What a network of joints is shown, and what it answers with.
+
+    layout: the order of its joints.  width, height: of its input.  outputs: in the order in which
+    its kind is decoded.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: JointKind
+    layout: Literal["COCO_17", "HALPE_26", "COCO_WHOLEBODY_133"]
+    width: _Pixels
+    height: _Pixels
+    outputs: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...]
+
+
+class AddedNetwork(BaseModel):
+    """A network that a person added, as the file beside it says."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: NetworkName
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    size_mb: Annotated[float, Field(ge=0, le=LARGEST_BYTES / 1e6)]
+    heads: JointHeads
 
 
 @dataclass(frozen=True)
@@ -23,8 +62,8 @@ class Model:
     """A network, and what it is known by.
 
     name: as it is chosen.  file: its name, in the package it comes from too.
-    follows: whether it is BlazePose, which gives depth and follows a body by itself; others see
-        joints alone and look beside it.
+    heads: of a network that sees joints alone and looks beside BlazePose; None of BlazePose, which
+        gives depth and follows a body by itself.
     """
 
     name: str
@@ -32,7 +71,7 @@ class Model:
     sha256: str
     size_mb: float
     bundled: bool
-    follows: bool = True
+    heads: JointHeads | None = None
 
     @property
     def path(self) -> Path:
@@ -66,7 +105,13 @@ THUNDER: Final = Model(
     "9d0b5d2161c408f44bae30f5ba337affa4db675407285d1379a8af6c860d9675",
     12.5,
     bundled=True,
-    follows=False,
+    heads=JointHeads(
+        kind="movenet",
+        layout="COCO_17",
+        width=256,
+        height=256,
+        outputs=("heat", "reg", "center", "off"),
+    ),
 )
 MODELS: Final = (THUNDER, FULL, HEAVY)
 
@@ -81,13 +126,62 @@ def added_folder() -> Path:
     return cache_folder() / "models"
 
 
+def added_file(name: str) -> Path:
+    """Return where an added network lies; what is known of it, `.json`, lies beside it."""
+    return added_folder() / f"{name}.onnx"
+
+
+def added_names() -> tuple[str, ...]:
+    """Return the names of all networks that a person added, in order."""
+    return tuple(sorted(path.stem for path in added_folder().glob("*.json")))
+
+
+def require_network_name(name: str) -> None:
+    """KeypointError where a name cannot be a network's."""
+    try:
+        network_name(name)
+    except ValueError as error:
+        raise KeypointError(f"{name!r} cannot name a network: {error}.") from None
+
+
 def find_model(name: str) -> Model:
-    """The network of this name; KeypointError when there is none."""
+    """The network of this name; KeypointError when there is none, or what is known of it is
+    damaged."""
+    require_network_name(name)
     for model in MODELS:
         if model.name == name:
             return model
-    names = listed([model.name for model in MODELS])
-    raise KeypointError(f"There is no network {name!r}: choose from {names}.")
+    path = added_file(name)
+    try:
+        added = _added(read_own(path.with_suffix(".json"), LARGEST_NOTE_BYTES))
+        return Model(name, path.name, added.sha256, added.size_mb, bundled=False, heads=added.heads)
+    except FileNotFoundError:
+        names = listed([*(model.name for model in MODELS), *added_names()])
+        raise KeypointError(
+            f"There is no network {name!r} here: choose from {names}, or add it by "
+            f"`{adding_own(name)}`."
+        ) from None
+    except OSError as error:
+        raise KeypointError(
+            f"The network {name!r} cannot be read: {error.strerror or error}."
+        ) from None
+    except ValidationError:
+        raise KeypointError(
+            f"What is known of the network {name!r} is damaged: run `keypose models remove {name}` "
+            "and add it again."
+        ) from None
+
+
+def added_models() -> tuple[Model, ...]:
+    """Return the networks that a person added, without those of which what is known is damaged."""
+    found = []
+    for name in added_names():
+        with suppress(KeypointError):
+            found.append(find_model(name))
+    return tuple(found)
+
+
+_added = lru_cache(maxsize=32)(AddedNetwork.model_validate_json)
 
 
 def verified(model: Model) -> Path:
@@ -95,9 +189,7 @@ def verified(model: Model) -> Path:
 
     KeypointError in one sentence when it is missing or damaged.
     """
-    again = (
-        "install Keypose again" if model.bundled else f"run `keypose models add {model.name}`"
-    )  # fmt: skip
+    again = f"run `{adding(model)}`" if not model.bundled else "install Keypose again"
     try:
         content = read_regular(model.path, LARGEST_BYTES)
     except FileNotFoundError:
@@ -111,6 +203,16 @@ def verified(model: Model) -> Path:
             f"{str(model.path)!r} is damaged or is not the {model.name} network: {again}."
         )
     return model.path
+
+
+def adding(model: Model) -> str:
+    """Return the command that adds a network which does not come with Keypose."""
+    return adding_own(model.name) if model.heads else f"keypose models add {model.name}"
+
+
+def adding_own(name: str) -> str:
+    """Return the command that adds a network of a person's own under this name."""
+    return f"keypose models add {name} --from FILE --sha256 DIGEST"
 
 
 def is_content(model: Model, content: bytes) -> bool:

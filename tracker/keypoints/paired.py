@@ -1,17 +1,18 @@
 """BlazePose and a network of joints, put together: what two see differs, and their mean is nearer.
 
 Several looks of one network share its errors; two networks hardly do. The network of joints is the
-better one at limbs. BlazePose gives depth, visibility, and where to look next, and now and then
-exchanges left and right of a whole body: then its look is exchanged back.
+better one at limbs, and at feet and hands where it has these. BlazePose gives depth, visibility,
+and where to look next, and now and then exchanges left and right of a whole body: then its look is
+exchanged back.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Final, Protocol
+from typing import Final, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,8 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.detect import LEAST_PRESENCE, Detector
+from keypose.tracker.keypoints.joint_network import SeenJoints
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.movenet import SeenJoints
 from keypose.tracker.keypoints.region import Region
 
 BLAZEPOSE_SHARE: Final = 0.3
@@ -30,11 +31,25 @@ APART: Final = 0.045
 DOWN_TRUNK: Final = {"shoulder": 0.04, "hip": 0.043, "ankle": -0.02}
 """How far MoveNet's joints are moved from shoulders toward hips, as shares of the trunk, so that
 they lie where BlazePose puts them on the body: means of three people's films. With ankles where
-MoveNet puts them a walker was drafted 1.4 % too large."""
+MoveNet puts them a walker was drafted 1.4 % too large. Networks trained on the same marks, COCO's,
+are taken to do likewise."""
+ENDS: Final = {
+    "heel": "heel",
+    "foot_index": "big_toe",
+    "pinky": "pinky_finger1",
+    "index": "forefinger1",
+    "thumb": "thumb2",
+}
+"""Of feet and hands what BlazePose calls a point, and what layouts do."""
+SURE: Final = 0.3
+"""Confidence from which on such a point is taken from the network of joints, where it has it."""
+
+
+Indices: TypeAlias = NDArray[np.int64]
 
 
 class JointDetector(Protocol):
-    """What sees joints in a region, as `MoveNet`."""
+    """What sees joints in a region, as `JointNetwork`."""
 
     @property
     def names(self) -> Sequence[str]: ...
@@ -51,9 +66,13 @@ class PairedNetwork:
         self._joints = joints
         self.fingerprint = paired_fingerprint(blazepose.fingerprint, joints.fingerprint)
         self._thread = ThreadPoolExecutor(1)
-        known = [name for name in JOINTS if name in joints.names]
-        self._at = [NAMES.index(name) for name in known]
-        self._from = [joints.names.index(name) for name in known]
+        known = {name: name for name in JOINTS if name in joints.names}
+        self._at, self._from = _places(known, joints.names)
+        ends = {
+            f"{side}_{end}": f"{side}_{its}"
+            for side in ("left", "right") for end, its in ENDS.items()
+        }  # fmt: skip
+        self._ends_at, self._ends_from = _places(ends, joints.names)
         self._down = np.array([DOWN_TRUNK.get(name.split("_")[1], 0.0) for name in known])
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
@@ -75,12 +94,24 @@ class PairedNetwork:
         apart = np.linalg.norm(away, axis=1) / (APART * region.side)
         both = seen.uv.copy()
         both[self._at] = uv + (BLAZEPOSE_SHARE / (1 + apart**4))[:, None] * away
+        ends = joints.uv[self._ends_from]
+        sure = (joints.confidence[self._ends_from] >= SURE) & np.isfinite(ends).all(axis=1)
+        both[self._ends_at[sure]] = ends[sure]
         return replace(seen, uv=both)
+
+
+def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indices]:
+    """Return where points are among BlazePose's, and where the same are among others."""
+    known = {name: its for name, its in names.items() if its in of}
+    at, there = [NAMES.index(name) for name in known], [of.index(its) for its in known.values()]
+    return np.array(at, dtype=np.int64), np.array(there, dtype=np.int64)
 
 
 def paired_fingerprint(blazepose: str, joints: str) -> str:
     """Return what `PairedNetwork.fingerprint` is of networks of these fingerprints."""
-    how = hashlib.sha256(repr((BLAZEPOSE_SHARE, APART, DOWN_TRUNK)).encode()).hexdigest()[:8]
+    how = hashlib.sha256(
+        repr((BLAZEPOSE_SHARE, APART, DOWN_TRUNK, ENDS, SURE)).encode()
+    ).hexdigest()[:8]
     return f"{blazepose}-{joints}-{how}"
 
 

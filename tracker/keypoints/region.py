@@ -102,13 +102,15 @@ class Region:
         """(2, 2) from directions in the square to directions in the picture."""
         return _turn(self.turn_rad)
 
-    def to_picture(self, pixels: int) -> Array:
-        """(2, 3) affine map from pixels of the square, drawn with so many a side, to the picture's.
+    def to_picture(self, width: int, height: int | None = None) -> Array:
+        """(2, 3) affine map to pixels of the picture from those of the square, drawn with so many a
+        side. Drawn as a rectangle, the square is widened: its side is the shorter one.
 
         The square's corners are the outer corners of its pixels, whose centres are at integers.
         """
-        A = self.side / pixels * self.R_picture_body
-        return np.column_stack([A, np.array([self.x, self.y]) - A @ np.full(2, (pixels - 1) / 2)])
+        size = np.array([width, height or width])
+        A = self.side / size.min() * self.R_picture_body
+        return np.column_stack([A, np.array([self.x, self.y]) - A @ ((size - 1) / 2)])
 
     def rounded(self, parts: int) -> Region:
         """Round to whole parts of its size, so many of them: what is looked at from nearly the same

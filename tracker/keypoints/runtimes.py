@@ -56,10 +56,20 @@ def open_runtime(path: Path, outputs: Sequence[str], *, fast: bool | None = None
     try:
         return kind(str(path), tuple(outputs))
     except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
-        first = next(iter(str(error).strip().splitlines()), type(error).__name__)
-        raise KeypointError(
-            f"The network {path.name!r} cannot be run by {runtime_name(suffix, fast)}: {first}"
-        ) from None
+        what = f"The network {path.name!r}"
+        raise cannot_run(what, runtime_name(suffix, fast), error) from None
+
+
+def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
+    """Put what a library says of its failure into one sentence."""
+    said = getattr(error, "err", "") or str(error).strip() or type(error).__name__
+    why = said.splitlines()[0].rpartition("error: ")[2]
+    other = (
+        ""
+        if runtime.startswith(tuple(_FAST.values()))
+        else (" (what `pip install keypose[fast-pose]` installs may run it)")
+    )
+    return KeypointError(f"{network} cannot be run by {runtime}{other}: {why}")
 
 
 def fast_is_here(suffix: str) -> bool:
@@ -82,7 +92,8 @@ class _OpenCV:
         suffix = Path(path).suffix
         engine = getattr(cv2.dnn, "ENGINE_CLASSIC" if suffix == TFLITE else "ENGINE_AUTO", None)
         read: Any = cv2.dnn.readNetFromTFLite if suffix == TFLITE else cv2.dnn.readNetFromONNX
-        self._net: Any = read(path, *(() if engine is None else (engine,)))
+        with _quiet():
+            self._net: Any = read(path, *(() if engine is None else (engine,)))
         self._outputs = list(outputs)
         self.name = runtime_name(suffix, fast=False)
 
@@ -127,6 +138,16 @@ class _OnnxRuntime:
     def run(self, image: Tensor) -> list[Tensor]:
         found: list[Tensor] = self._net.run(self._outputs, {self._input: image[None]})
         return found
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """OpenCV prints nothing of what it raises as well."""
+    before = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        yield
+    finally:
+        cv2.utils.logging.setLogLevel(before)
 
 
 _threads_lock = threading.Lock()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import (
@@ -32,10 +33,17 @@ Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
-NetworkName: TypeAlias = Literal["thunder", "full", "heavy"]
 Initial: TypeAlias = Annotated[Literal["auto", "templates", "import"], BeforeValidator(_as_now)]
 
 
+def network_name(text: str) -> str:
+    """A name that a network may have; ValueError where it is none."""
+    if not re.fullmatch("[a-z0-9_-]{1,32}", text):
+        raise ValueError("a network's name has 1 to 32 lower-case letters, digits, - and _")
+    return text
+
+
+NetworkName: TypeAlias = Annotated[str, AfterValidator(network_name)]
 ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints", "silhouette")
 
 
@@ -96,7 +104,8 @@ class TrackSettings(Plain):
         default=None,
         exclude_if=is_unknown,
         description="The network that finds keypoints: thunder, which looks beside full; full "
-        "alone, meant where this is left out; or heavy, which is slower and has to be added.",
+        "alone, meant where this is left out; heavy, which is slower and has to be added; or one "
+        "that a person added under this name.",
     )
     smooth: bool | None = Field(
         default=None,

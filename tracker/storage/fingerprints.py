@@ -20,6 +20,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
@@ -241,8 +242,15 @@ def _keypoints(session: Session) -> list[Any]:
     if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.given_keypoints
-    model = find_model(settings.network_used)
-    return ["keypoints", model.sha256 if given is None else given.file]
+    return ["keypoints", _digest(settings.network_used) if given is None else given.file]
+
+
+def _digest(network: str) -> str:
+    """Return a network's digest; its name where it is not here, with which nothing was tracked."""
+    try:
+        return find_model(network).sha256
+    except KeypointError:
+        return network
 
 
 def _woven(session: Session) -> list[Any]:

@@ -175,17 +175,31 @@ _MODELS_EXAMPLES = """\
   keypose models
   keypose models add heavy
   keypose models add heavy --from pose-0.5.1675469404.tgz
+  keypose models add my-rtmw --from rtmw-x.zip --sha256 DIGEST
+  keypose models remove my-rtmw
 """
 
 
 def add_models(commands: Subcommands) -> None:
-    about = "Without arguments, lists them. `add` downloads one or copies it from a file."
+    about = (
+        "Without arguments, lists them. `add` downloads heavy or copies it from a file, or adds a "
+        "network of a whole person's joints that you have under a name of your own: RTMPose, RTMW, "
+        "RTMO, ViTPose or MoveNet as .onnx of at most 256 MB, or MMDeploy's .zip of one. It looks "
+        "beside BlazePose, which gives depth. What its weights may be used for, their publisher "
+        "says. `remove` removes an added one."
+    )
     command = add_command(commands, "models", about, _MODELS_EXAMPLES)
     command.add_argument(
-        "what", nargs="?", choices=("list", "add"), default="list", help="list (default) or add"
-    )
-    command.add_argument("name", nargs="?", help="with add: which network")
+        "what", nargs="?", choices=("list", "add", "remove"), default="list",
+        help="list (default), add or remove",
+    )  # fmt: skip
+    command.add_argument("name", nargs="?", help="with add and remove: which network")
     command.add_argument(
-        "--from", dest="file", type=Path, metavar="FILE", help="the .tflite file or the npm .tgz"
-    )
+        "--from", dest="file", type=Path, metavar="FILE",
+        help="of heavy the .tflite file or the npm .tgz; otherwise .onnx or .zip",
+    )  # fmt: skip
+    command.add_argument(
+        "--sha256", metavar="DIGEST",
+        help="of your own file: by it you say that you trust it and no other",
+    )  # fmt: skip
     add_json(command)

@@ -23,7 +23,7 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.motion import MotionOrder
-from keypose.app.orders.tracking import FilmTaken, TrackOrder
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder
 from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ _DRAFT_EXAMPLES = """\
 
 def add_draft(commands: Subcommands) -> None:
     details = (
-        "The bundled network finds the person's joints in every frame, and the body is fitted "
+        "A network finds the person's joints in every frame, and the body is fitted "
         "to them. The session and its keypoints are written to the folder. One camera cannot "
         "tell size from distance, so the body keeps its preset's height. Frames that do not "
         "show the person well enough get no draft. Drafts become keyframes when you confirm "
@@ -81,6 +81,7 @@ def add_draft(commands: Subcommands) -> None:
         type=_angle,
         help="along the picture's longer side; default: from the file, else of a usual lens",
     )
+    add_order(command, DraftOrder)
     add_order(command, FilmTaken)
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"

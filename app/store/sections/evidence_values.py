@@ -18,7 +18,13 @@ from keypose.app.store.state import AppState
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.keypoints.model_files import MODELS, Model
+from keypose.tracker.keypoints.model_files import (
+    MODELS,
+    Model,
+    added_models,
+    adding,
+    adding_own,
+)
 from keypose.tracker.keypoints.on_body import HEAD_POINTS, is_persons, points_on_body
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
@@ -67,28 +73,32 @@ def _why_off(doc: Session, cue: Cue) -> str:
 
 def networks_here(_app_state: AppState) -> tuple[Any, ...]:
     """Return which networks are on the disk: one can be added while the page is open."""
-    return tuple(model.is_here for model in MODELS)
+    return tuple((model, model.is_here) for model in (*MODELS, *added_models()))
 
 
 def networks(app_state: AppState) -> Json:
     """The networks that find keypoints: which is chosen, and how to add one that is not here."""
     doc = doc_of(app_state)
     chosen = (doc.settings if doc else TrackSettings()).network_used
-    return [
+    choices = [
         {
             "id": model.name,
             "label": network_label(model),
             "mb": model.size_mb,
             "chosen": model.name == chosen,
-            "remedy": "" if model.is_here else f"keypose models add {model.name}",
+            "remedy": "" if is_here else adding(model),
         }
-        for model in MODELS
+        for model, is_here in networks_here(app_state)
     ]
+    if not any(each["chosen"] for each in choices):
+        unknown = {"id": chosen, "label": chosen, "mb": 0.0, "chosen": True}
+        choices.append({**unknown, "remedy": adding_own(chosen)})
+    return choices
 
 
 def network_label(model: Model) -> str:
     """Return what a choice of network is called."""
-    if model.follows:
+    if model.heads is None:
         return f"BlazePose {model.name}"
     return f"{_CALLED.get(model.name, model.name)} + BlazePose"
 

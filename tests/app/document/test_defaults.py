@@ -42,7 +42,9 @@ def test_the_file_lies_where_the_platform_keeps_settings(
 def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) -> None:
     with Video.open(SAMPLE_FOLDER / "box" / "box.mp4") as video:
         usual = new_session(video, tmp_path / "session.json")
-        config.write_text('body = "elderly_female"\nmethod = "paper"\nsmooth = false\n')
+        config.write_text(
+            'body = "elderly_female"\nmethod = "paper"\nsmooth = false\nnetwork = "mine"\n'
+        )
         own = new_session(video, tmp_path / "session.json")
     assert (usual.body.name, usual.settings.method, usual.settings.smooth) == (
         "adult_male",
@@ -55,6 +57,7 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
         False,
     )
     assert own.settings.cues == usual.settings.cues
+    assert (usual.settings.network, own.settings.network) == ("thunder", "mine")
 
 
 @pytest.mark.parametrize(
@@ -63,6 +66,7 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
         ("port = 99999", "port: input should be less than or equal to 65535"),
         ('quality = "best"', "quality: input should be 'full' or 'preview'"),
         ('cues = ["silhouette"]', "cues: silhouette finds no motion alone"),
+        ('network = "My own"', "network: a network's name has 1 to 32 lower-case letters, "),
         ('body = "dog"', "body: there is no body 'dog'; choose from adult_male, "),
         ('workspace = "films"', "workspace: write the whole path, or one that begins with ~"),
         ("colour = 1", "there is no setting 'colour'; the settings are workspace, port, "),

@@ -11,6 +11,7 @@ from keypose.app.document.new import new_session
 from keypose.app.jobs.draft import DraftClip
 from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.session import Session
 from keypose.tracker.video import Video
 from tests.app.jobs import job_cases
 from tests.app.jobs.job_cases import NUMBER
@@ -68,3 +69,15 @@ def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:
     end = reported(order(content, (0.0, 0.0, 60.0, 60.0)))[-1]
     assert isinstance(end, Failed)
     assert end.words.startswith("No person was found at frame 0:")
+
+
+def test_a_network_that_is_not_here_is_one_sentence_that_says_how_to_add_it(
+    content: bytes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    session = Session.model_validate_json(content)
+    settings = session.settings.model_copy(update={"network": "mine"})
+    named = session.model_copy(update={"settings": settings}).model_dump_json().encode()
+    (end,) = reported(order(named))
+    assert isinstance(end, Failed)
+    assert end.words.endswith("`keypose models add mine --from FILE --sha256 DIGEST`.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,11 @@ from keypose.app.store.store import Store
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.networks import add_own
 from keypose.tracker.storage.sidecars import save_keypoints
 from tests.app.store.test_fitter import Worker
 from tests.scenes import StoreDesk, at_desk, sample
+from tests.tracker.keypoints import tiny_networks as tiny
 
 NAMES = (*JOINTS, "nose", "left_pinky")
 WRIST = JOINTS.index("left_wrist")
@@ -144,6 +147,27 @@ async def test_cues_and_networks_say_what_can_be_chosen_and_why_not(desk: Desk) 
     assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
     desk.do({"do": "settings", "method": "paper"})
     assert reported("cues")["keypoints"]["off"] == "Not in the published method"
+
+
+async def test_networks_of_ones_own_can_be_chosen_and_a_missing_one_says_how_to_add_it(
+    desk: Desk, tmp_path: Path
+) -> None:
+    def networks() -> Any:
+        reported = Sections().changed(desk.store.app_state)["networks"]
+        return {each["id"]: (each["label"], each["chosen"], each["remedy"]) for each in reported}
+
+    again = "keypose models add mine --from FILE --sha256 DIGEST"
+    desk.do({"do": "settings", "network": "mine"})
+    assert networks()["mine"] == ("mine", True, again)
+    assert await desk.shown(7) is not None
+    content = tiny.simcc()
+    (tmp_path / "file").write_bytes(content)
+    model = add_own("mine", tmp_path / "file", hashlib.sha256(content).hexdigest())
+    assert networks()["mine"] == ("mine + BlazePose", True, "")
+    model.path.unlink()
+    assert networks()["mine"] == ("mine + BlazePose", True, again)
+    desk.do({"do": "settings", "network": "../mine"})
+    assert desk.doc.settings.network == "mine"
 
 
 def test_a_file_that_brings_about_a_fault_of_ours_is_as_if_it_were_not_there_and_logged(

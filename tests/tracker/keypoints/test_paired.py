@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from keypose.tracker.keypoints.blazepose import NAMES, BlazePose, Seen
 from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
+from keypose.tracker.keypoints.joint_network import JointNetwork, SeenJoints
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.model_files import MODELS, THUNDER
-from keypose.tracker.keypoints.movenet import MoveNet, SeenJoints
 from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, DOWN_TRUNK, PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
@@ -54,9 +55,10 @@ class FakeJoints:
     uv: NDArray[np.float64]
     names: tuple[str, ...] = JOINTS
     fingerprint: str = "joints"
+    sure: float = 0.9
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
-        return SeenJoints(self.uv, np.full(len(self.uv), 0.9))
+        return SeenJoints(self.uv, np.full(len(self.uv), self.sure))
 
 
 def together(seen: Seen, uv: NDArray[np.float64]) -> Seen:
@@ -119,6 +121,39 @@ def test_what_one_of_them_does_not_see_is_as_blazepose_says(what: str) -> None:
     assert together(seen, uv) is seen
 
 
+FEET = {f"{side}_{end}" for side in ("left", "right") for end in ("heel", "foot_index")}
+HANDS = {f"{side}_{end}" for side in ("left", "right") for end in ("pinky", "index", "thumb")}
+
+
+@pytest.mark.parametrize(
+    ("layout", "sure", "taken"),
+    [
+        ("COCO_17", 0.9, set()),
+        ("HALPE_26", 0.9, FEET),
+        ("COCO_WHOLEBODY_133", 0.9, FEET | HANDS),
+        ("COCO_WHOLEBODY_133", 0.2, set()),
+    ],
+)
+@pytest.mark.parametrize("exchanges", [False, True])
+def test_feet_and_hands_are_taken_from_a_network_that_has_them_and_sees_them(
+    layout: str, sure: float, taken: set[str], exchanges: bool
+) -> None:
+    seen, names = somebody(), LAYOUTS[layout]
+    uv = np.full((len(names), 2), -1.0)
+    uv[[names.index(joint) for joint in JOINTS]] = seen.uv[AT]
+    others = {"heel": "heel", "foot_index": "big_toe", "thumb": "thumb2"}
+    others |= {"pinky": "pinky_finger1", "index": "forefinger1"}
+    place = {}
+    for k, end in enumerate(sorted(taken)):
+        side, _, point = end.partition("_")
+        place[end] = uv[names.index(f"{side}_{others[point]}")] = 200.0 + k, 300.0
+    blazepose = Fake(seen.exchanged() if exchanges else seen)
+    found = PairedNetwork(blazepose, FakeJoints(uv, names, sure=sure)).infer(PICTURE, REGION)
+    for k, name in enumerate(NAMES):
+        if name not in JOINTS:
+            assert found.uv[k].tolist() == list(place.get(name, seen.uv[k]))
+
+
 @pytest.mark.parametrize("model", [m for m in MODELS if m.is_here], ids=lambda m: m.name)
 def test_the_fingerprint_is_known_without_the_networks(model: object) -> None:
     assert open_detector(model).fingerprint == detector_fingerprint(model)  # type: ignore[arg-type]
@@ -129,7 +164,7 @@ def test_each_choice_is_told_from_the_others() -> None:
 
 
 def test_a_real_man_is_found_nearer_than_by_either_alone() -> None:
-    blazepose, movenet = BlazePose.open(fast=False), MoveNet.open(THUNDER, fast=False)
+    blazepose, movenet = BlazePose.open(fast=False), JointNetwork.open(THUNDER, fast=False)
     both, errors = PairedNetwork(blazepose, movenet), np.zeros(2)
     with cases.balance() as video:
         for frame, marked in cases.marks().items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSett
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
+from keypose.tracker.storage.networks import add_own
 from keypose.tracker.storage.results import (
     Results,
     collection,
@@ -28,6 +30,7 @@ from keypose.tracker.storage.results import (
 )
 from tests.app.results_cases import PARTS, both, passing, session, track
 from tests.tracker import session_cases as cases
+from tests.tracker.keypoints import tiny_networks as tiny
 
 KEYPOINTS = "keypoints-0123456789ab.npz"
 SQUARE = ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))
@@ -103,6 +106,29 @@ OUTDATES_NONE: dict[str, Change] = {
     "a draft": lambda of: {"drafts": (of.keyframes[1].model_copy(update={"frame": 2}),)},
     "old results": lambda of: {"results": None},
 }
+
+
+def test_the_motion_follows_the_content_of_a_network_of_ones_own_not_its_name(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+    def key(network: str) -> str:
+        named = {"cues": ("brightness", "keypoints"), "network": network}
+        settings = person.settings.model_copy(update=named)
+        return next(iter(segment_keys(person.model_copy(update={"settings": settings})).values()))
+
+    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
+    bare = {"body": preset("adult_male"), "keyframes": tuple(frames)}
+    person = session().model_copy(update=bare)
+    missing = key("mine")
+    keys = []
+    for name, content in (("mine", tiny.simcc()), ("mine", tiny.maps()), ("other", tiny.maps())):
+        (tmp_path / "file").write_bytes(content)
+        add_own(name, tmp_path / "file", hashlib.sha256(content).hexdigest())
+        keys.append(key(name))
+    assert keys[1] == keys[2]
+    assert len({missing, *keys}) == 3
 
 
 def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:

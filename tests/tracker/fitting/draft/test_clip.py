@@ -14,7 +14,10 @@ from keypose.tracker.fitting.draft import DraftProgress, draft_clip, draft_from_
 from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.blazepose import NAMES, BlazePose, Seen
+from keypose.tracker.keypoints.joint_network import SeenJoints
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.paired import PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.fitting.draft.clips import CAMERA, place, walk
 from tests.tracker.keypoints.keypoint_cases import BOX, balance, marks
@@ -61,6 +64,44 @@ def test_every_frame_that_is_asked_for_is_looked_at_and_drafted() -> None:
     stages = [progress.stage for progress in reported]
     assert stages == sorted(stages)
     assert set(stages) == {"keypoints", "poses"}
+
+
+class BlindToFeet(Knowing):
+    """Puts heels and toes far beside where they are."""
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        seen = super().infer(picture, region)
+        feet = [k for k, name in enumerate(NAMES) if name.endswith(("heel", "foot_index"))]
+        seen.uv[feet] += 60.0
+        return seen
+
+
+class KnowingFeet(Knowing):
+    """A network of 26 joints that knows the clip."""
+
+    names = LAYOUTS["HALPE_26"]
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
+        seen = super().infer(picture, region)
+        uv = np.zeros((len(self.names), 2))
+        for k, name in enumerate(self.names):
+            its = name.replace("big_toe", "foot_index")
+            uv[k] = seen.uv[NAMES.index(its)] if its in NAMES else 0.0
+        return SeenJoints(uv, np.full(len(uv), 0.8))
+
+
+def test_feet_are_drafted_from_a_network_that_sees_them() -> None:
+    skeleton, off = Skeleton.of(CLIP.body), []
+    for network in (BlindToFeet(), PairedNetwork(BlindToFeet(), KnowingFeet())):
+        draft = draft_clip(picture, (0, 11), 5, AROUND, CAMERA, CLIP.body, network)
+        foot = CLIP.body.index("left_foot")
+        turned = [
+            pose_transforms(skeleton, draft.poses[n])[foot, :3, :3].T
+            @ pose_transforms(skeleton, CLIP.poses[n])[foot, :3, :3]
+            for n in draft.poses
+        ]
+        off.append(np.median([np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1)) for R in turned]))
+    assert off[1] < 0.2 * off[0]
 
 
 def test_other_people_on_the_way_are_looked_for_by_what_is_given_for_that() -> None:

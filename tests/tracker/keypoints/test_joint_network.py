@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.model_files import THUNDER, verified
-from keypose.tracker.keypoints.movenet import MoveNet
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import ONNX, fast_is_here
 from tests.tracker.keypoints import keypoint_cases as cases
 
 
 @pytest.fixture(scope="module")
-def thunder() -> MoveNet:
-    return MoveNet.open(fast=False)
+def thunder() -> JointNetwork:
+    return JointNetwork.open(THUNDER, fast=False)
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ REGION = Region(315.0, 440.0, 560.0)
 
 
 def test_marked_joints_are_found_to_a_hundredth_of_the_mans_height(
-    thunder: MoveNet, picture: np.ndarray
+    thunder: JointNetwork, picture: np.ndarray
 ) -> None:
     seen, marked = thunder.infer(picture, REGION), cases.marks()[0]
     height = np.ptp([uv[1] for uv in marked.values()])
@@ -39,7 +39,7 @@ def test_marked_joints_are_found_to_a_hundredth_of_the_mans_height(
     assert (seen.confidence[5:] > 0.5).all()
 
 
-def test_a_turned_picture_gives_turned_joints(thunder: MoveNet, picture: np.ndarray) -> None:
+def test_a_turned_picture_gives_turned_joints(thunder: JointNetwork, picture: np.ndarray) -> None:
     straight = thunder.infer(picture, REGION)
     turned = np.ascontiguousarray(np.rot90(picture, -1))  # clockwise
     height = picture.shape[0]
@@ -49,16 +49,18 @@ def test_a_turned_picture_gives_turned_joints(thunder: MoveNet, picture: np.ndar
     assert again.uv == pytest.approx(expected, abs=0.5)
 
 
-def test_the_same_picture_gives_the_same_numbers(thunder: MoveNet, picture: np.ndarray) -> None:
-    other = MoveNet.open(fast=False)
+def test_the_same_picture_gives_the_same_numbers(
+    thunder: JointNetwork, picture: np.ndarray
+) -> None:
+    other = JointNetwork.open(THUNDER, fast=False)
     assert np.array_equal(thunder.infer(picture, REGION).uv, other.infer(picture, REGION).uv)
 
 
 @pytest.mark.skipif(not fast_is_here(ONNX), reason="ONNX Runtime is not installed")
 def test_onnx_runtime_agrees_to_a_hundredth_of_a_pixel(
-    thunder: MoveNet, picture: np.ndarray
+    thunder: JointNetwork, picture: np.ndarray
 ) -> None:
-    other = MoveNet.open(fast=True)
+    other = JointNetwork.open(THUNDER, fast=True)
     assert other.infer(picture, REGION).uv == pytest.approx(
         thunder.infer(picture, REGION).uv, abs=0.01
     )

@@ -1,0 +1,254 @@
+"""A network of a person's own: trusted by its digest, told apart, used, and removed."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import shutil
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from keypose.app.cli.main import main
+from keypose.tracker.keypoints.model_files import THUNDER, added_folder, find_model
+from keypose.tracker.storage import networks
+from keypose.tracker.storage.files import load_session, save_session
+from tests.tracker.keypoints import tiny_networks as tiny
+from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
+
+SIMCC = tiny.simcc()
+AROUND = ",".join(f"{value:g}" for value in BOX)
+
+
+@pytest.fixture(autouse=True)
+def _alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+def run(*arguments: object) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def add(folder: Path, content: bytes, *, name: str = "mine", sha256: str | None = None) -> int:
+    file = folder / "given"
+    file.write_bytes(content)
+    digest = hashlib.sha256(content).hexdigest() if sha256 is None else sha256
+    return run("models", "add", name, "--from", file, *(("--sha256", digest) if digest else ()))
+
+
+def zipped(*entries: tuple[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries:
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def test_it_is_added_listed_drafted_with_tracked_with_and_removed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = THUNDER.path.read_bytes()
+    assert add(tmp_path, content) == 0
+    assert run("models") == 0
+    line = capsys.readouterr().out.splitlines()[-1]
+    assert line.startswith("mine")
+    assert line.endswith("MoveNet, 17 joints, 256 × 256")
+    assert run("models", "--json") == 0
+    facts = json.loads(capsys.readouterr().out)["models"][-1]
+    assert (facts["name"], facts["sha256"]) == ("mine", hashlib.sha256(content).hexdigest())
+    assert (facts["kind"], facts["layout"], facts["here"]) == ("movenet", "COCO_17", True)
+
+    drafted = tmp_path / "drafted"
+    video, which = BALANCE / "balance.mp4", ("--frames", "0-2", "--network", "mine")
+    assert run("draft", video, "--box", AROUND, *which, "--out", drafted) == 0
+    assert load_session(drafted / "session.json").settings.network == "mine"
+
+    shutil.copytree(BALANCE, tmp_path / "balance")
+    path = tmp_path / "balance" / "session.json"
+    session = load_session(path)
+    save_session(session.model_copy(update={"keyframes": session.keyframes[:2]}), path)
+    asked = ("--network", "mine", "--cues", "brightness,keypoints", "--quality", "preview")
+    assert run("track", path, *asked) in (0, 1)
+    assert load_session(path).results is not None
+
+    assert run("models", "remove", "mine") == 0
+    assert list(added_folder().iterdir()) == []
+    capsys.readouterr()
+    draft = ("draft", video, "--box", AROUND, *which, "--out", tmp_path / "again")
+    for command in (("track", path, *asked), draft):
+        assert run(*command) == 2
+        assert "keypose models add mine --from FILE --sha256 DIGEST" in capsys.readouterr().err
+    assert not (tmp_path / "again").exists()
+
+
+@pytest.mark.parametrize("folder", ["", "rtmpose-m/", "./20230728/model/"])
+def test_a_zip_of_mmdeploy_is_read(tmp_path: Path, folder: str) -> None:
+    content = zipped((f"{folder}pipeline.json", b"{}"), (f"{folder}end2end.onnx", SIMCC))
+    assert add(tmp_path, content) == 0
+    model = find_model("mine")
+    assert model.path.read_bytes() == SIMCC
+    assert model.sha256 == hashlib.sha256(SIMCC).hexdigest()
+
+
+def test_a_file_is_not_looked_into_before_it_is_trusted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(networks, "recognised")
+    for given in ("", "0" * 64):
+        assert add(tmp_path, SIMCC, sha256=given) == 2
+        said = capsys.readouterr().err
+        digest = hashlib.sha256(SIMCC).hexdigest()
+        assert f"is {digest}; add it with --sha256 {digest} if you trust" in said
+    assert not added_folder().exists()
+
+
+def _image(width: int = 192, height: int = 256) -> dict[str, tuple[int | str, ...]]:
+    return {"input": (1, 3, height, width)}
+
+
+def _pooled(name: str) -> bytes:
+    return tiny.node("ReduceMax", ["input"], name, axes=[3], keepdims=0)
+
+
+ONE = {"a": (1, 3, 256)}
+WRONG: dict[str, tuple[bytes, str]] = {
+    "text": (b"# a network", "is no ONNX file, or not all of one"),
+    "nothing": (b"", "has the input nothing and the output nothing: read are MoveNet (heat, "),
+    "cut short": (SIMCC[: len(SIMCC) // 2], "is no ONNX file, or not all of one: it ends early."),
+    "another network": (
+        tiny.model([_pooled("a")], {}, _image(), ONE),
+        "has the input 'input' (1 × 3 × 256 × 192) and the output 'a' (1 × 3 × 256): read are",
+    ),
+    "other outputs": (
+        tiny.model([_pooled("a"), _pooled("b")], {}, _image(), {**ONE, "b": (1, 3, 256)}),
+        "'b' (1 × 3 × 256): read are MoveNet (heat, reg, center and off), RTMPose and RTMW",
+    ),
+    "two inputs": (
+        tiny.model([_pooled("a")], {}, {**_image(), "mask": (1, 1)}, ONE),
+        "'mask' (1 × 1)",
+    ),
+    "maps of another size": (tiny.maps(cells=2), "(1 × 17 × 128 × 96): read are"),
+    "an operation that there is not": (
+        tiny.model([tiny.node("Nonsense", ["input"], "a")], {}, _image(), ONE),
+        "The network 'mine.onnx' cannot be run by ",
+    ),
+    "operations that do not fit": (
+        tiny.model([tiny.node("MatMul", ["input", "input"], "a")], {}, _image(), ONE),
+        "' cannot be run by ",
+    ),
+    "a giant input": (tiny.model([_pooled("a")], {}, _image(99999, 99999), ONE), "read are"),
+    "a hand": (tiny.simcc(21), "is a network of a hand alone: only those of a whole person"),
+    "a face": (tiny.maps(68), "is a network of 68 joints: only those of a whole person are read"),
+    "a zip without": (zipped(("end2end.bin", b"")), "holds no end2end.onnx"),
+    "a zip with two": (
+        zipped(("a/end2end.onnx", SIMCC), ("b/end2end.onnx", SIMCC)),
+        "holds 2 end2end.onnx",
+    ),
+    "a zip that leads out": (zipped(("../end2end.onnx", SIMCC)), "holds no end2end.onnx"),
+    "a zip of the root": (zipped(("/end2end.onnx", SIMCC)), "holds no end2end.onnx"),
+    "a zip cut short": (zipped(("end2end.onnx", SIMCC))[:-40], "it cannot be unpacked"),
+    "a zip bomb": (zipped(("end2end.onnx", bytes(2**24))), "packed by no more than 20 to 1"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_whatever_else_is_one_sentence_and_leaves_nothing(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], name: str
+) -> None:
+    content, words = WRONG[name]
+    assert add(tmp_path, content) == 2
+    (said,) = capfd.readouterr().err.splitlines()
+    assert words in said
+    assert not added_folder().exists()
+
+
+def test_a_network_of_animals_is_known_by_its_name_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "rtmpose-m_simcc-ap10k_pt-aic-coco_210e-256x256.onnx"
+    file.write_bytes(SIMCC)
+    digest = hashlib.sha256(SIMCC).hexdigest()
+    assert run("models", "add", "dogs", "--from", file, "--sha256", digest) == 2
+    assert "is a network of animals: only those of people are read." in capsys.readouterr().err
+    assert not added_folder().exists()
+
+
+def test_a_larger_file_is_not_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(networks, "LARGEST_BYTES", 2**16)
+    for content in (SIMCC, zipped(("end2end.onnx", np.random.default_rng(0).bytes(2**15 * 3)))):
+        assert add(tmp_path, content) == 2
+        assert "larger than 0.0625 MB" in capsys.readouterr().err
+    assert not added_folder().exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ("add", "Mine", "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
+        (
+            ("add", "../mine", "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
+        (
+            ("add", "m" * 33, "--from", "f"),
+            "has 1 to 32 lower-case letters",
+        ),
+        (("add", "full", "--from", "f"), "comes with Keypose"),
+        (("add", "heavy", "--from", "f", "--sha256", "0"), "leave out --sha256"),
+        (("add", "mine", "--from", "nowhere"), "cannot be read"),
+        (("add", "mine"), "keypose models add mine --from FILE --sha256 DIGEST"),
+        (("remove",), "Name the network to remove"),
+        (("remove", "thunder"), "comes with Keypose and cannot be removed"),
+        (("remove", "heavy"), "No network 'heavy' was added"),
+        (("remove", "../mine"), "No network '../mine' was added"),
+        (("remove", "mine", "--sha256", "0"), "--sha256 belongs to"),
+    ],
+)
+def test_wrong_arguments_are_reported_in_one_sentence(
+    capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], words: str
+) -> None:
+    assert run("models", *arguments) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_what_is_known_of_it_is_checked_when_it_is_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert add(tmp_path, SIMCC) == 0
+    note = added_folder() / "mine.json"
+    note.write_text(note.read_text().replace('"simcc"', '"shell"'))
+    capsys.readouterr()
+    assert run("models") == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert "run `keypose models remove mine` and add it again" in listed[-1]
+    assert len(listed) == 4
+    assert run("models", "remove", "mine") == 0
+    assert list(added_folder().iterdir()) == []
+
+
+def test_a_file_that_changed_since_is_not_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert add(tmp_path, SIMCC) == 0
+    (added_folder() / "mine.onnx").write_bytes(SIMCC + b"\0")
+    out = ("--network", "mine", "--out", tmp_path / "out")
+    assert run("draft", BALANCE / "balance.mp4", "--box", AROUND, "--frames", "0-1", *out) == 2
+    assert "is damaged or is not the mine network" in capsys.readouterr().err
+
+
+def test_another_file_takes_its_place(tmp_path: Path) -> None:
+    assert add(tmp_path, SIMCC) == 0
+    before = find_model("mine")
+    assert add(tmp_path, tiny.maps()) == 0
+    after = find_model("mine")
+    assert (before.sha256, after.sha256) == tuple(
+        hashlib.sha256(each).hexdigest() for each in (SIMCC, tiny.maps())
+    )

@@ -1,0 +1,165 @@
+"""The kinds of networks of joints: what each is shown, and how its outputs are decoded.
+
+movenet: R. Votel and N. Li, *Next-Generation Pose Detection with MoveNet and TensorFlow.js*, 2021.
+simcc:   T. Jiang and others, *RTMPose: Real-Time Multi-Person Pose Estimation based on MMPose*,
+         2023; RTMW is the same with hands and face.
+rtmo:    P. Lu and others, *RTMO: Towards High-Performance One-Stage Real-Time Multi-Person Pose
+         Estimation*, 2024.
+maps:    Y. Xu and others, *ViTPose: Simple Vision Transformer Baselines for Human Pose
+         Estimation*, 2022.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.model_files import JointKind
+from keypose.tracker.keypoints.runtimes import Tensor
+
+Size: TypeAlias = tuple[int, int]
+"""Width and height of a network's input, pixels."""
+
+
+class Kind(NamedTuple):
+    """What is particular to one kind.
+
+    title:    what its networks are called.
+    outputs:  their names; of none there is one, called anyhow.
+    prepared: the input of levels (3, H, W), RGB from 0 to 255.
+    decoded:  joints (K, 2) in pixels of the input, and confidence (K,) from 0 to 1.
+    share:    of the region's side, what the input's shorter side shows.
+    outside:  the level beyond the picture's edges.
+    needs_fast: whether ONNX Runtime alone can run it.
+    """
+
+    title: str
+    outputs: tuple[str, ...]
+    prepared: Callable[[Tensor], Tensor]
+    decoded: Callable[[Sequence[Tensor], Size], tuple[Array, Array]]
+    share: float
+    outside: Sequence[float] = (0.0, 0.0, 0.0)
+    needs_fast: bool = False
+
+
+_CIRCLE: Final = 0.8
+"""The circle around the body, around which BlazePose's region leaves a margin. In an input of 3 : 4
+an upright person then is 0.71 of its height. Those networks were trained on boxes × 1.25, thus 0.8
+of the height, by up to a half larger and smaller; that much would cut off arms stretched out."""
+_MEAN = np.array([123.675, 116.28, 103.53], np.float32)[:, None, None]
+_STD = np.array([58.395, 57.12, 57.375], np.float32)[:, None, None]
+"""Of the levels in ImageNet, red first."""
+
+
+def _standardised(levels: Tensor) -> Tensor:
+    return (levels - _MEAN) / _STD
+
+
+def _from_bins(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
+    """Of each joint how likely every column (K, n·W) and every row (K, n·H) is."""
+    likely = [each[0].astype(float) for each in outputs]
+    xy = [_peaks(each) * side / each.shape[1] for each, side in zip(likely, size, strict=True)]
+    confidence = np.minimum(*(each.max(axis=1) for each in likely))
+    return np.column_stack(xy), np.clip(confidence, 0.0, 1.0)
+
+
+def _from_maps(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
+    """Heat (K, h, w), whose outermost cells lie at the outermost pixels."""
+    heat = outputs[0][0].astype(float)
+    count, height, width = heat.shape
+    each = np.arange(count)
+    row, column = np.divmod(heat.reshape(count, -1).argmax(axis=1), width)
+    xy = np.column_stack([_peaks(heat[each, row]), _peaks(heat[each, :, column])])
+    scale = (np.array(size) - 1) / (width - 1, height - 1)
+    return xy * scale, np.clip(heat[each, row, column], 0.0, 1.0)
+
+
+def _peaks(rows: Array) -> Array:
+    """Where each row (K, N) is greatest: the top of the parabola through that value and its
+    neighbours."""
+    each, peak = np.arange(len(rows)), rows.argmax(axis=1)
+    inner = np.clip(peak, 1, rows.shape[1] - 2)
+    before, top, after = (rows[each, inner + step] for step in (-1, 0, 1))
+    bend = before - 2 * top + after
+    found = np.divide(before - after, 2 * bend, out=np.zeros(len(rows)), where=bend < 0)
+    return np.asarray(peak + np.where(peak == inner, found, 0.0))
+
+
+_LEAST_SCORE: Final = 0.1
+"""Of a person in the picture."""
+
+
+def _from_people(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
+    """Boxes with a score (N, 5) and joints with theirs (N, K, 3) of all people; the surest near
+    the middle is taken."""
+    boxes, people = (each[0].astype(float) for each in outputs)
+    middle = (boxes[:, :2] + boxes[:, 2:4]) / 2
+    away = np.linalg.norm(middle - np.array(size) / 2, axis=1) / min(size)
+    score = np.where(boxes[:, 4] >= _LEAST_SCORE, boxes[:, 4] / (away + 0.1), 0.0)
+    if not score.any():
+        return np.full((people.shape[1], 2), np.nan), np.zeros(people.shape[1])
+    person = people[score.argmax()]
+    return person[:, :2], np.clip(person[:, 2], 0.0, 1.0)
+
+
+_SOFTEST: Final = 1.8
+"""How many cells a peak of heat may lie off before it counts half."""
+_SHIFT: Final = -0.25 / 256
+"""Of MoveNet's joints, a share of its input's side."""
+
+
+def _from_heads(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
+    """Logits (17, c, c); rows and columns from a centre to each joint (34, c, c); logits of
+    centres (1, c, c); rows and columns from a cell to the joint in it (34, c, c).
+
+    The person whose centre is hottest near the middle is taken; from there each joint is regressed,
+    and lies where its heat near by is greatest, moved by the offset there.
+    """
+    heat, reg, (center, *_), off = (maps[0] for maps in outputs)
+    rows, columns = np.indices(center.shape)
+    cells = len(center)
+    middle = (cells - 1) / 2
+    near_middle = 1 / (np.hypot(columns - middle, rows - middle) + _SOFTEST)
+    row, column = _hottest(_sigmoid(center) * near_middle)
+    xy, confidence = np.empty((len(heat), 2)), np.empty(len(heat))
+    for k, hot in enumerate(_sigmoid(heat)):
+        to_row, to_column = reg[2 * k : 2 * k + 2, row, column]
+        near = 1 / (np.hypot(columns - column - to_column, rows - row - to_row) + _SOFTEST)
+        r, c = _hottest(hot * near)
+        xy[k] = c + off[2 * k + 1, r, c], r + off[2 * k, r, c]
+        confidence[k] = hot[r, c]
+    return size[0] * (xy / cells + _SHIFT), confidence
+
+
+def _hottest(values: Array) -> tuple[int, int]:
+    row, column = np.unravel_index(int(values.argmax()), values.shape)
+    return int(row), int(column)
+
+
+def _sigmoid(x: Array) -> Array:
+    return np.asarray(1 / (1 + np.exp(-np.clip(x, -50, 50))))
+
+
+KINDS: Final[Mapping[JointKind, Kind]] = {
+    "movenet": Kind(
+        "MoveNet",
+        ("heat", "reg", "center", "off"),
+        lambda levels: levels / np.float32(127.5) - np.float32(1),
+        _from_heads,
+        _CIRCLE,
+    ),
+    "simcc": Kind("RTMPose and RTMW", ("simcc_x", "simcc_y"), _standardised, _from_bins, _CIRCLE),
+    "rtmo": Kind(
+        "RTMO",
+        ("dets", "keypoints"),
+        lambda levels: np.ascontiguousarray(levels[::-1]),
+        _from_people,
+        1.0,
+        outside=(114.0, 114.0, 114.0),
+        needs_fast=True,
+    ),
+    "maps": Kind("ViTPose", (), _standardised, _from_maps, _CIRCLE),
+}

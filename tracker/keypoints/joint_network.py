@@ -1,0 +1,66 @@
+"""A person's joints in one region of one picture, by a network that sees joints alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.joint_kinds import KINDS
+from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.model_files import JointHeads, Model, verified
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.runtimes import ONNX, Runtime, fast_is_here, open_runtime
+
+
+@dataclass(frozen=True, eq=False)
+class SeenJoints:
+    """What a network of joints sees: uv (K, 2) pixels of the whole picture, in the order of its
+    names, NaN where it sees none; confidence (K,) from 0 to 1."""
+
+    uv: Array
+    confidence: Array
+
+
+class JointNetwork:
+    """A network that has been read. One thread at a time; the same input gives the same output."""
+
+    def __init__(self, model: Model, heads: JointHeads, runtime: Runtime) -> None:
+        self.names = LAYOUTS[heads.layout]
+        self.fingerprint = f"{model.sha256[:16]}-{runtime.name}"
+        self._kind = KINDS[heads.kind]
+        self._size = heads.width, heads.height
+        self._runtime = runtime
+
+    @classmethod
+    def open(cls, model: Model, *, fast: bool | None = None) -> JointNetwork:
+        """Read a network's file; fast, and KeypointError, as of `open_runtime`."""
+        assert model.heads is not None
+        return cls(model, model.heads, open_heads(verified(model), model.heads, fast=fast))
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
+        """The joints of the person in BlazePose's region of a picture (H, W, 3), RGB."""
+        kind, size = self._kind, self._size
+        to_picture = replace(region, side=kind.share * region.side).to_picture(*size)
+        how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        image = cv2.warpAffine(picture, to_picture, size, flags=how, borderValue=kind.outside)
+        levels = np.ascontiguousarray(image.transpose(2, 0, 1), dtype=np.float32)
+        xy, confidence = kind.decoded(self._runtime.run(kind.prepared(levels)), size)
+        known = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
+        return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
+
+
+def open_heads(path: Path, heads: JointHeads, *, fast: bool | None = None) -> Runtime:
+    """Read the file of a network of joints, as `open_runtime`."""
+    kind = KINDS[heads.kind]
+    if kind.needs_fast and not fast_is_here(ONNX):
+        raise KeypointError(
+            f"{kind.title} needs ONNX Runtime, which is not installed: run "
+            "`pip install keypose[fast-pose]`."
+        )
+    return open_runtime(path, heads.outputs, fast=kind.needs_fast or fast)

