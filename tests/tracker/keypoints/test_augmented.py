@@ -32,7 +32,7 @@ def truth() -> Seen:
     for k, name in enumerate(NAMES):
         uv[k, 0] += 40 * ("left" in name) - 40 * ("right" in name)
     p = rng.normal(0, 0.3, (len(NAMES), 3))
-    return Seen(uv, np.full(len(NAMES), 0.9), p, 0.95, REGION)
+    return Seen(uv, np.full(len(NAMES), 0.9), p, 0.95, REGION, cases.disc(REGION))
 
 
 @dataclass

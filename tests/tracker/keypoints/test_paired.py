@@ -31,7 +31,8 @@ def somebody() -> Seen:
         down = {"shoulder": 20, "elbow": 35, "wrist": 50, "hip": 55, "knee": 75, "ankle": 95}
         uv[k] += -10 * ("left" in name) + 10 * ("right" in name), down.get(joint, 0)
     p = np.arange(3.0 * len(NAMES)).reshape(-1, 3)
-    return Seen(uv, np.linspace(0.5, 1.0, len(NAMES)), p, 0.95, Region(150.0, 110.0, 90.0))
+    visibility, around = np.linspace(0.5, 1.0, len(NAMES)), Region(150.0, 110.0, 90.0)
+    return Seen(uv, visibility, p, 0.95, around, cases.disc(REGION))
 
 
 @dataclass
