@@ -109,6 +109,11 @@ def _found_keypoints(
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
+    return detected_keypoints(session, video)
+
+
+def detected_keypoints(session: Session, video: Video) -> DetectedKeypoints:
+    """Return what looks for a session's person with its network, and keeps what it finds."""
     model = find_model(session.settings.network or FULL.name)
     film = session.video.pictures
     return DetectedKeypoints(video, session.camera, film, Detections(), model)
