@@ -19,6 +19,7 @@ from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.keypoints.detect import Progress
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.tracking import detected_keypoints
@@ -63,11 +64,8 @@ class Matte:
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
         """RGBA (H, W, 4), alpha straight, or the alpha alone (H, W, 3), of every frame in turn."""
         frames = self.video.frames(self.first, self.last + 1)
-        size = self.video.info.width, self.video.info.height
         for done, (number, picture) in enumerate(frames, start=1):
-            mask = self.seen.mask(number)
-            share = np.zeros(size[::-1]) if mask is None else mask.in_picture(*size)
-            alpha = np.round(255 * share).astype(np.uint8)
+            alpha = _alpha(self.seen.mask(number), self.video)
             shown = np.zeros((*alpha.shape, 3), np.uint8) if picture is None else picture
             yield np.dstack([alpha] * 3 if self.order.alpha_only else [shown, alpha])
             self.progress(self.looks + done, self.looks + len(self))
@@ -115,12 +113,37 @@ def matte_of(
     return Matte(session, video, order, first, last, seen, progress, looks)
 
 
-def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose]:
-    """The poses from which the person is looked for, by frame: those within the frames and the
-    nearest on either side."""
+def shown_mask(
+    session: Session, video: Video, frame: int, pose: Pose, known: Keypoints | None
+) -> NDArray[np.uint8]:
+    """The alpha (H, W) of one frame through an ideal lens, looked for around a pose where it
+    is not known; SessionError where there is nobody."""
+    _require_person(session, session.title)
+    mask = None if known is None else known.mask(frame)
+    if mask is None:
+        found = detected_keypoints(session, video).at(frame, Skeleton.of(session.body), pose)
+        mask = None if found is None else found.mask(frame)
+    if mask is None:
+        raise SessionError(f"No person was found at frame {frame}.")
+    return session.camera.rectify(_alpha(mask, video))
+
+
+def _alpha(mask: PersonMask | None, video: Video) -> NDArray[np.uint8]:
+    size = video.info.width, video.info.height
+    share = np.zeros(size[::-1]) if mask is None else mask.in_picture(*size)
+    return np.round(255 * share).astype(np.uint8)
+
+
+def _require_person(session: Session, name: str) -> None:
     if session.evidence.has_surface or not is_persons(session.body):
         about = "surfaces, not a film" if session.evidence.has_surface else "no person"
         raise SessionError(f"{name} is about {about}: only a person in a film is cut out.")
+
+
+def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose]:
+    """The poses from which the person is looked for, by frame: those within the frames and the
+    nearest on either side."""
+    _require_person(session, name)
     said = () if session.keypoints is None else session.keypoints.seeds
     drafts = [draft for draft in session.drafts if draft.frame in said]
     posed = list(session.keyframes) or drafts or list(session.drafts[:1])
