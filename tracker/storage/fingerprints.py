@@ -229,7 +229,10 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        cues += ["silhouette"] if session.has_static_camera else []
+        if session.has_static_camera:
+            cues += ["silhouette"]
+        elif is_persons(session.body):
+            cues += ["person", find_model(settings.network or FULL.name).sha256]
     return cues
 
 
