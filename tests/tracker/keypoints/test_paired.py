@@ -100,12 +100,12 @@ def test_where_they_are_far_apart_the_network_of_joints_is_believed() -> None:
     assert found.uv[AT[wrist]] == pytest.approx(uv[wrist], abs=0.5)
 
 
-def test_depth_sight_presence_and_where_to_look_next_are_blazeposes() -> None:
+def test_depth_sight_presence_mask_and_where_to_look_next_are_blazeposes() -> None:
     seen = somebody()
     found = together(seen, seen.uv[AT] + 1.0)
     assert np.array_equal(found.p_hips, seen.p_hips)
     assert np.array_equal(found.visibility, seen.visibility)
-    assert (found.presence, found.next) == (seen.presence, seen.next)
+    assert (found.presence, found.next, found.mask) == (seen.presence, seen.next, seen.mask)
 
 
 @pytest.mark.parametrize("what", ["nobody", "no numbers", "no joints"])
