@@ -36,6 +36,10 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     "shot": ("pictures", "Render the body at one frame into a PNG file"),
     "film": ("pictures", "Render the tracked body into an MP4 film (H.264, no sound)"),
     "sheet": ("pictures", "Draw all keyframes on one sheet, a PNG file"),
+    "matte": (
+        "pictures",
+        "Cut the person out of the film: PNG pictures with alpha, or a film with alpha",
+    ),
     "report": ("pictures", "Write a report on the tracking as one HTML file"),
     "export": ("files", "Write the tracked motion for other programs"),
     "import": ("files", "Import a motion recorded elsewhere, 2D keypoints, or a camera"),

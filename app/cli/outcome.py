@@ -18,6 +18,7 @@ from keypose.app.document.open import with_paths_from
 from keypose.app.jobs.rerun import save_found, save_tracks_beside
 from keypose.app.words.problems import space_sentence
 from keypose.tracker.errors import SessionError
+from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Results, Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import open_video_of, session_json, with_present_fingerprints
@@ -60,10 +61,11 @@ def _say_what_was_found(session: Session) -> None:
 
 def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> None:
     """Say what was asked for in this run and cannot be had."""
-    if "silhouette" in (getattr(arguments, "cues", None) or ()) and not session.has_static_camera:
+    shown = session.has_static_camera or is_persons(session.body)
+    if "silhouette" in (getattr(arguments, "cues", None) or ()) and not shown:
         words = (
-            "The camera does not stand still: the silhouette is left out. --static-camera yes "
-            "says that it does."
+            "The camera does not stand still and the body is no person's: the silhouette is left "
+            "out. --static-camera yes says that the camera stands still."
         )
         print(words, file=sys.stderr, flush=True)
 

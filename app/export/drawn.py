@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from keypose.app.export.film import film_of, film_words, write_film
+from keypose.app.export.matte import FILMS, matte_of, write_film_with_alpha, write_zip
 from keypose.app.export.pictures import sheet_png, write_pictures
-from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
+from keypose.app.orders.drawing import FilmOrder, MatteOrder, PicturesOrder, SheetOrder
 from keypose.app.render.palette import Picture
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import still
@@ -19,13 +20,18 @@ from keypose.tracker.storage.files import open_video_of
 def write_drawn(
     session: Session,
     path: Path,
-    order: FilmOrder | SheetOrder | PicturesOrder,
+    order: FilmOrder | SheetOrder | PicturesOrder | MatteOrder,
     out: Path,
     progress: Callable[[int, int], None],
 ) -> str:
     """Write what is ordered; what should be known of it, sentences. A film is as `keypose film`
-    writes it, a sheet as `keypose sheet`, pictures as `keypose shot`, several in one zip."""
+    writes it, a sheet as `keypose sheet`, pictures as `keypose shot`, several in one zip, a matte
+    as `keypose matte`."""
     with open_video_of(session, path) as video:
+        if isinstance(order, MatteOrder):
+            matte = matte_of(session, path.name, video, order, progress)
+            (write_film_with_alpha if order.kind in FILMS else write_zip)(out, matte)
+            return matte.words
         if isinstance(order, SheetOrder):
             content, problem = sheet_png(session, path, video, order, progress)
             out.write_bytes(content)

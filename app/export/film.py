@@ -38,7 +38,7 @@ class FilmFacts:
 
 
 @dataclass(frozen=True)
-class _Clock:
+class Clock:
     """When the film's frames are shown: pts counts in time_base seconds."""
 
     time_base: Fraction
@@ -68,7 +68,7 @@ def write_film(
 ) -> FilmFacts:
     """Draw and write a film; KeyposeError, and no file, when it cannot be made."""
     sweep(out.parent)
-    clock = _clock(session, video, film, fps)
+    clock = clock_of(session, video, film.first, film.last, fps)
     wanted = film_size(session, poses, film)
     aspect = video.info.pixel_aspect if video and film.view == "main" and not film.size else None
     pictures = film_pictures(session, video, poses, film, float(clock.rate))
@@ -90,15 +90,18 @@ def film_words(session: Session, poses: KnownPoses, film: Film) -> list[str]:
     return [*([changed] if changed else []), *([without] if posed < count else [])]
 
 
-def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:
-    count = film.last - film.first + 1
+def clock_of(
+    session: Session, video: Video | None, first: int, last: int, fps: Fraction | None = None
+) -> Clock:
+    """When the frames first to last are shown; fps None: as in the video."""
+    count = last - first + 1
     if fps is None and video is not None and not _has_no_clock(session, video):
         info = video.info
-        pts = info.pts[film.first : film.last + 1]
-        return _Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
+        pts = info.pts[first : last + 1]
+        return Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
     if fps is None:
         fps = _fraction(_fps_of_keyframes(session))
-    return _Clock(1 / fps, list(range(count)), fps)
+    return Clock(1 / fps, list(range(count)), fps)
 
 
 def _has_no_clock(session: Session, video: Video) -> bool:

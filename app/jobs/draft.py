@@ -47,7 +47,10 @@ Drafted: TypeAlias = "tuple[ClipDraft, str]"
 
 @dataclass
 class DraftReporter:
-    """Passes progress on, once for every whole number of per cent, and leaves when cancelled."""
+    """Passes progress on, once for every further per cent of a stage, and leaves when cancelled.
+
+    A stage may find out that there is more to do: meanwhile nothing is reported.
+    """
 
     report: Callable[[DraftProgress], None]
     cancelled: Callable[[], bool]
@@ -56,9 +59,10 @@ class DraftReporter:
     def __call__(self, progress: DraftProgress) -> None:
         if self.cancelled():
             raise Cancelled
-        now = (progress.stage, 100 * progress.done // max(progress.expected, 1))
-        if now != self.reported:
-            self.reported = now
+        stage, per_cent = self.reported
+        now = 100 * progress.done // max(progress.expected, 1)
+        if progress.stage != stage or now > per_cent:
+            self.reported = progress.stage, now
             self.report(progress)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from keypose.app.jobs.side_process import Progress
-from keypose.app.orders.drawing import FilmOrder, PicturesOrder, SheetOrder
+from keypose.app.orders.drawing import FilmOrder, MatteOrder, PicturesOrder, SheetOrder
 from keypose.tracker.formats.apart import LARGEST_COPY_BYTES, MEMORY_BYTES, SECONDS, died_words
 from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.session import Session
@@ -69,7 +69,7 @@ def _limit(seconds: int) -> None:
     limit_time(seconds)
 
 
-Export: TypeAlias = FilmOrder | SheetOrder | PicturesOrder
+Export: TypeAlias = FilmOrder | SheetOrder | PicturesOrder | MatteOrder
 
 
 def suffix_of(order: Export) -> str:
@@ -78,6 +78,8 @@ def suffix_of(order: Export) -> str:
         return ".mp4"
     if isinstance(order, SheetOrder):
         return "-keyframes.png"
+    if isinstance(order, MatteOrder):
+        return f"-matte.{'zip' if order.kind == 'png' else order.kind}"
     return f"-{order.frames}.png" if isinstance(order.frames, int) else "-pictures.zip"
 
 

@@ -18,6 +18,7 @@ from keypose.app.orders.values import (
     Percent,
     Pixels,
     Rate,
+    Switch,
     Value,
     Whole,
 )
@@ -26,6 +27,7 @@ Style: TypeAlias = Literal["wire", "solid", "both"]
 Tint: TypeAlias = Literal["clay", "contact", "photo", "distance"]
 View: TypeAlias = Literal["main", "top", "side", "front", "all"]
 Background: TypeAlias = Literal["video", "none"]
+MatteKind: TypeAlias = Literal["png", "webm", "mov"]
 FilmView: TypeAlias = "View | Viewpoint | Literal['orbit']"
 Size: TypeAlias = tuple[int, int]
 """Width and height, pixels."""
@@ -212,6 +214,27 @@ class SheetOrder(Drawn):
     )  # fmt: skip
 
 
-DRAWN: Final[Mapping[str, type[FilmOrder | PicturesOrder | SheetOrder]]] = {
-    "film": FilmOrder, "pictures": PicturesOrder, "sheet": SheetOrder,
+_MATTES: Final = {"png": "PNG, ZIP", "webm": "WebM", "mov": "MOV"}
+
+
+@dataclass(frozen=True)
+class MatteOrder:
+    """The person cut out of the film. frames: None for all of the video."""
+
+    kind: MatteKind = option(
+        Choice(names=tuple(_MATTES), labels=_MATTES),
+        "png: a folder of pictures; webm: a film, VP9; mov: a film, ProRes 4444", "png",
+        label="Format",
+    )  # fmt: skip
+    frames: tuple[int, int] | None = option(
+        FrameRange(), "first and last frame; default: all frames of the video", label="Frames"
+    )
+    alpha_only: bool = option(
+        Switch(labels=("With alpha", "Alpha alone, grey")), "write the alpha alone, in grey", False,
+        label="Picture",
+    )  # fmt: skip
+
+
+DRAWN: Final[Mapping[str, type[FilmOrder | PicturesOrder | SheetOrder | MatteOrder]]] = {
+    "film": FilmOrder, "pictures": PicturesOrder, "sheet": SheetOrder, "matte": MatteOrder,
 }  # fmt: skip

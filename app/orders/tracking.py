@@ -92,7 +92,7 @@ class TrackOrder:
     cues: tuple[Cue, ...] | None = option(
         _Cues(),
         "what to track from: brightness, keypoints or both, and silhouette, separated by commas"
-        f"{_OF_SESSION}. Keypoints need a person's body, silhouette needs a static camera; the "
+        f"{_OF_SESSION}. Keypoints need a person's body, silhouette that or a static camera; the "
         "published method uses brightness alone",
     )
     network: NetworkName | None = option(_Network(), f"{_NETWORK}{_OF_SESSION}")

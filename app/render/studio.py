@@ -86,10 +86,12 @@ def labelled(picture: Picture, frame: int) -> Picture:
 
 
 def png(picture: Picture | CutOut) -> bytes:
-    """The picture as a PNG file, with how much it covers where that is known."""
+    """The picture as a PNG file, with how much it covers where that is known; grey (H, W) too."""
     smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
-    order = cv2.COLOR_RGB2BGR if picture.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
-    good, content = cv2.imencode(".png", cv2.cvtColor(picture, order), smaller)
+    if picture.ndim == 3:
+        order = cv2.COLOR_RGB2BGR if picture.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
+        picture = np.asarray(cv2.cvtColor(picture, order), np.uint8)
+    good, content = cv2.imencode(".png", picture, smaller)
     if not good:
         raise FormatError("The picture cannot be written as PNG.")
     return content.tobytes()

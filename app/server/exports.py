@@ -14,7 +14,7 @@ from keypose.app.export.drawable import require_frame, require_tint
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.exchange import Export, ExportWork, suffix_of
 from keypose.app.jobs.side_process import WorkState
-from keypose.app.orders.drawing import DRAWN
+from keypose.app.orders.drawing import DRAWN, Drawn
 from keypose.app.server.headers import headers_for, json_answer
 from keypose.app.server.long_work import LongWork
 from keypose.app.store.store import Store
@@ -27,7 +27,8 @@ FILM_REMEDY = "pip install --force-reinstall av"
 
 def require_drawable(order: Export, session: Session) -> None:
     """KeyposeError where it cannot be drawn of this session."""
-    require_tint(session, order.tint)
+    if isinstance(order, Drawn):
+        require_tint(session, order.tint)
     frames = getattr(order, "frames", None)
     if isinstance(frames, tuple):
         require_frame(session, frames[1])

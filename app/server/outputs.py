@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
+import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
@@ -30,6 +31,7 @@ from keypose.app.server.headers import headers_for
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.store import Store
 from keypose.tracker.errors import KeyposeError, one_sentence
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.video import Video
@@ -54,6 +56,8 @@ class CopiedText(Message):
 LEFT_OUT = "X-Keypose-Left-Out"
 """The header that says, percent-encoded, which formats an archive lacks and why."""
 
+MASK_COLOUR, MASK_OPACITY = (64, 224, 144), 0.55
+"""Of the person's mask over the picture: neither side of the body has that colour."""
 FREE_SIZE = (1600, 1200)
 """Pixels of a picture of the free view."""
 
@@ -73,6 +77,7 @@ class Outputs:
         """Return where pictures and motion are to be had."""
         return [
             Route("/picture.png", self._picture),
+            Route("/person/{frame:int}.png", self._person),
             Route("/motion", self._motion),
             Route("/report.html", self._report),
         ]
@@ -101,6 +106,16 @@ class Outputs:
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
         return _download(content, "image/png", f"{name}-{frame}-{_named(order)}.png")
+
+    async def _person(self, request: Request) -> Response:
+        frame = request.path_params["frame"]
+        try:
+            edit, video = await self._require_open()
+            known = self._store.app_state.keypoints.of_segment
+            content = await asyncio.to_thread(_person_png, edit, video, frame, known)
+        except KeyposeError as error:
+            return _refused(error)
+        return _download(content, "image/png", f"{self._store.name}-{frame}-person.png")
 
     async def _motion(self, request: Request) -> Response:
         try:
@@ -164,6 +179,15 @@ def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> b
         return png(from_viewpoint(edit.doc, pose, order.view, floor, FREE_SIZE))
     look = ViewStyle(order.view, order.style, order.opacity, order.tint)
     return png(snapshot(edit.doc, video, frame, pose, look))
+
+
+def _person_png(edit: EditorState, video: Video, frame: int, known: Keypoints | None) -> bytes:
+    """Where the person is in the camera's picture, in one colour; KeyposeError where nobody is."""
+    from keypose.app.export.matte import shown_mask  # its network loads when wanted
+
+    share = shown_mask(edit.settled, video, frame, shown_pose(edit, frame).pose, known)
+    colour = np.full((*share.shape, 3), MASK_COLOUR, np.uint8)
+    return png(np.dstack([colour, np.round(MASK_OPACITY * share).astype(np.uint8)]))
 
 
 def _motion_of(name: str, order: MotionOrder, edit: EditorState) -> File:

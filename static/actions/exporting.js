@@ -3,6 +3,7 @@
 import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
 import { count, joined } from '../controls/words.js';
+import { isSurface } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 import { fetchOwn } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -130,6 +131,7 @@ export function usualExport() {
   const frames = `${keys[0] ?? 0}-${keys.at(-1) ?? 0}`;
   const values = Object.fromEntries(Object.entries(EXPORTS).map(([what, options]) => [what, usualOf(options)]));
   for (const what of ['film', 'motion']) values[what].frames = frames;
+  values.matte.frames = `0-${(server.file?.frames ?? 1) - 1}`;
   for (const what of ['film', 'pictures', 'sheet']) values[what].style = server.view?.mode ?? 'both';
   if (ui.filterMotion) values.motion.filter_hz = String(FILTER_HZ);
   return { what: 'film', format: 'all', values };
@@ -178,6 +180,7 @@ export function exportOrder(exporting, eye = viewNamed('free')?.state) {
   const { what, values } = exporting;
   const order = { ...orderOf(EXPORTS[what], values[what], furtherOf(exporting)) };
   if (what === 'motion') return order;
+  if (what === 'matte') return { what, ...order };
   const frames = order.frames === 'this' ? { frames: String(frame()) } : {};
   return { what, ...painted(), ...order, ...seenFrom(order.view, eye, 'camera'), ...frames };
 }
@@ -228,6 +231,12 @@ export async function askWhatIsMissing() {
   } catch {
     // Nobody answers: then nothing can be exported either, which is said when it is tried.
   }
+}
+
+/** Why the person cannot be cut out of the film, or ''. */
+export function whyNoMatte() {
+  if (!server.body?.is_persons || isSurface()) return 'Only a person in a video can be cut out';
+  return server.keys?.frames.length || server.keys?.drafts.length ? '' : 'Add a keyframe first';
 }
 
 /** Export what is chosen in the dialog. */

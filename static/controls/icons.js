@@ -31,6 +31,7 @@ const SHAPES = {
   solid: svg`<path class="f" d="M4 3.2h8v9.6H4z"/>`,
   both: svg`<path class="f" style="opacity:.4" d="M4 3.2h8v9.6H4z"/><path d="M4 3.2h8v9.6H4zM8 3.2v9.6"/>`,
   rings: svg`<circle cx="8" cy="8" r="5.5" style="opacity:.35"/><path d="M8 2.5a5.5 5.5 0 1 1-5.5 5.5"/><circle class="f" cx="8" cy="8" r="1.2"/>`,
+  person: svg`<circle class="f" cx="8" cy="3.800" r="2.100"/><path class="f" d="M4.200 14V9.300a2.600 2.600 0 0 1 2.600-2.600h2.400a2.600 2.600 0 0 1 2.600 2.600V14z"/>`,
   camc: svg`<rect x="1.8" y="4.5" width="8.4" height="7" rx="1.2"/><path d="M10.200 7.200 14.200 5v6l-4-2.200"/>`,
   floor: svg`<path d="M4.500 4.500h7L15 12H1zM8 4.500V12M2.700 8.200h10.600"/>`,
   ghost: svg`<circle cx="6" cy="8" r="4" stroke-dasharray="2 1.8"/><circle cx="10" cy="8" r="4"/>`,

@@ -92,7 +92,7 @@ export function displaybar() {
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
-    ${toggle('ghosts')}${toggle('trail')}${server.body?.is_persons && !isSurface() ? toggle('rings') : nothing}
+    ${toggle('ghosts')}${toggle('trail')}${server.body?.is_persons && !isSurface() ? [toggle('rings'), largeView() === 'main' ? toggle('personMask') : nothing] : nothing}
     ${largeView() === 'main' ? toggle('floor') : nothing}
   </div>`;
 }

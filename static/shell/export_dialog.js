@@ -1,7 +1,7 @@
 // The dialog of exports: what, with which options, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { beginExport, cancelExport, furtherOf, notInstalled, whyNotExport } from '../actions/exporting.js';
+import { beginExport, cancelExport, furtherOf, notInstalled, whyNoMatte, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented } from '../controls/fields.js';
@@ -12,7 +12,7 @@ import { workUnderWay } from './job.js';
 import { frameCount } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 
-const KINDS = { film: 'Film', pictures: 'Images', sheet: 'Keyframe sheet', motion: 'Motion' };
+const KINDS = { film: 'Film', pictures: 'Images', sheet: 'Keyframe sheet', matte: 'Matte', motion: 'Motion' };
 export function mountExportDialog() {
   mountDialog({
     id: 'exporting', label: 'Export', name: 'exporting',
@@ -59,6 +59,9 @@ function why(options) {
   if (options.what === 'motion') {
     const off = whyNot('saveAllMotion');
     if (off) return `${off}.`;
+  } else if (options.what === 'matte') {
+    const off = whyNoMatte();
+    if (off) return `${off}.`;
   } else if (!server.keys?.frames.length) return 'Add a keyframe first.';
   return whyNotExport(options, frameCount());
 }
@@ -95,10 +98,13 @@ const FILES = {
   film: 'One MP4 file (H.264, without sound).',
   pictures: 'PNG files, several of them in one ZIP.',
   sheet: 'One PNG file with all keyframes and their verdicts.',
+  matte: 'The person with alpha: pictures, or a film (VP9, ProRes 4444).',
   motion: 'As keypose export writes it.',
 };
 
+const STEPS = { film: 'Frame', matte: 'Step' };
+
 function progress({ what, done, of }) {
-  const words = of ? `${what === 'film' ? 'Frame' : 'Image'} ${done} of ${of}` : 'Preparing…';
+  const words = of ? `${STEPS[what] ?? 'Image'} ${done} of ${of}` : 'Preparing…';
   return workUnderWay({ label: 'Export', title: KINDS[what], words, done, of, cancel: cancelExport });
 }

@@ -49,6 +49,7 @@ function items() {
     menuItem('exportFilm', undefined, { right: 'MP4' }),
     menuItem('exportImages', undefined, { right: 'ZIP' }),
     menuItem('exportSheet', undefined, { right: 'PNG' }),
+    menuItem('exportMatte', undefined, { right: 'PNG, WebM, MOV' }),
     line,
     heading(`Motion${frames}`),
     ...Object.entries(FORMATS).map(([format, { reader }]) => menuItem(motionAction(format), undefined, { right: reader, ...lacking(format) })),

@@ -52,6 +52,11 @@ export const EXPORTS = {
     {"name": "columns", "label": "Columns", "kind": "whole", "least": 1, "most": 100, "empty": "As it fits"},
     {"name": "style", "label": "Body", "kind": "choice", "options": [{"id": "wire", "label": "Wire"}, {"id": "solid", "label": "Solid"}, {"id": "both", "label": "Both"}], "usual": "both"},
   ],
+  matte: [
+    {"name": "kind", "label": "Format", "kind": "choice", "options": [{"id": "png", "label": "PNG, ZIP"}, {"id": "webm", "label": "WebM"}, {"id": "mov", "label": "MOV"}], "usual": "png"},
+    {"name": "frames", "label": "Frames", "kind": "range"},
+    {"name": "alpha_only", "label": "Picture", "kind": "switch", "labels": ["With alpha", "Alpha alone, grey"]},
+  ],
   motion: [
     {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU motion capture"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "usd"], "persons": true, "usual": "keypose"},
     {"name": "unit", "label": "Unit", "kind": "choice", "options": [{"id": "m", "label": "Metres", "note": "Blender"}, {"id": "cm", "label": "Centimetres", "note": "MotionBuilder, Maya, Daz"}, {"id": "in", "label": "Inches"}], "only": ["bvh"], "usual": "m"},

@@ -580,6 +580,7 @@
  * @property {[number, number, number, number] | null} [box]  Around the person: left, top, right, bottom, pixels of the video.
  * @property {[number, number] | null} [draftRange]  First and last frame to draft; null: all.
  * @property {boolean} [rings]  Whether keypoints are drawn, once somebody chose; else they are beside the Track tab.
+ * @property {boolean} [personMask]  Whether the network's mask of the person is drawn.
  * @property {string | null} [keypointHover]  The joint that is pointed at in the list.
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.

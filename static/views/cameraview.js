@@ -15,12 +15,13 @@ const BARS_PX = 52; // the height of the bars at the top
 
 export class CameraView extends View {
   screen = Object.assign(document.createElement('canvas'), { className: 'vid' });
+  person = Object.assign(document.createElement('img'), { className: 'pmask', alt: '' });
 
   constructor(el) {
     super(el);
     this.screen.setAttribute('role', 'img');
     this.screen.ariaLabel = 'Picture of the video';
-    el.prepend(this.screen);
+    el.prepend(this.screen, this.person);
   }
 
   newEye() {
@@ -57,10 +58,15 @@ export class CameraView extends View {
     super.draw();
     if (!server.camera) return;
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
-    const across = (this.window.scale * server.camera.width) / this.screen.width;
-    const down = (this.window.scale * server.camera.height) / this.screen.height;
-    this.screen.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
+    const { width, height } = server.camera;
+    const place = (picture, w, h) => {
+      const across = (this.window.scale * width) / w;
+      picture.style.transform = `translate(${x}px,${y}px) scale(${across},${(this.window.scale * height) / h})`;
+      return across;
+    };
+    const across = place(this.screen, this.screen.width, this.screen.height);
     this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
+    if (this.person.naturalWidth) place(this.person, this.person.naturalWidth, this.person.naturalHeight);
   }
 
   paper() {

@@ -4,6 +4,7 @@ import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
 import { FreeView } from './freeview.js';
 import { mountFrames } from './frames.js';
+import { mountPersonMask } from './person_mask.js';
 import { mountLayout, showLarge } from './layout.js';
 import { ALL_VIEWS, mountPace, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 import { SideView } from './sideview.js';
@@ -32,6 +33,7 @@ export function mount() {
     view('main').redraw();
     begin();
   });
+  mountPersonMask(view('main').person, () => view('main').redraw());
   setTimeout(begin, PATIENCE_MS);
   watch(['file'], newFile);
   watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));

@@ -5,7 +5,7 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { beginExport, cancelExport, exportOrder, motionAddress, notInstalled, usualExport, whyNotExport } = await import('../../static/actions/exporting.js');
+const { beginExport, cancelExport, exportOrder, motionAddress, notInstalled, usualExport, whyNoMatte, whyNotExport } = await import('../../static/actions/exporting.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
 Object.assign(server, {
@@ -39,6 +39,24 @@ test('images are of this frame, of the keyframes, or of every frame', () => {
 test('a sheet has the columns that were chosen, or as many as fit', () => {
   assert.deepEqual(exportOrder(chosen('sheet')), { what: 'sheet', ...LOOK });
   assert.equal(exportOrder(chosen('sheet', { columns: '3' })).columns, '3');
+});
+
+test('a matte is of all frames, and knows nothing of how the body is drawn', () => {
+  assert.deepEqual(exportOrder(chosen('matte')), { what: 'matte', kind: 'png', frames: '0-40' });
+  const order = exportOrder(chosen('matte', { kind: 'webm', alpha_only: 'true', frames: '3-9' }));
+  assert.deepEqual(order, { what: 'matte', kind: 'webm', frames: '3-9', alpha_only: 'true' });
+});
+
+test('a matte needs a person in a video, and a pose to start from', () => {
+  const { body, keys } = server;
+  assert.equal(whyNoMatte(), '');
+  server.keys = { ...keys, frames: [] };
+  assert.match(whyNoMatte(), /keyframe/);
+  server.keys = { ...keys, frames: [], drafts: [3] };
+  assert.equal(whyNoMatte(), '');
+  server.body = { ...body, is_persons: false };
+  assert.match(whyNoMatte(), /person/);
+  Object.assign(server, { body, keys });
 });
 
 test('motion is asked for with what was chosen of it and what its format heeds', () => {

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import other_side
 from keypose.tracker.keypoints.model_files import FULL, Model, verified
+from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import Runtime, open_runtime, runtime_name
 
@@ -47,8 +48,8 @@ _MIRROR = np.array([[-1.0, 0.0, SIDE - 1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 _POINTS, _MIDDLE, _RIM = 39, 33, 34
 _HEAT_SIDE, _HEAT_WINDOW, _LEAST_HEAT = 64, 3, 0.5
-_OUTPUTS = ("Identity", "Identity_1", "Identity_3", "Identity_4")
-"""Points, presence, heat maps and metres; Identity_2 is an outline that is not used."""
+_OUTPUTS = ("Identity", "Identity_1", "Identity_2", "Identity_3", "Identity_4")
+"""Points, presence, mask, heat maps and metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,7 @@ class Seen:
     p_hips:     (33, 3) metres in axes parallel to the picture's, the middle of the hips at 0.
     presence:   from 0 to 1, how sure it is that somebody is there.
     next:       the region around this body, to look at in the next frame.
+    mask:       where in the region the person is; of several looks the plain one's.
     """
 
     uv: Array
@@ -67,6 +69,7 @@ class Seen:
     p_hips: Array
     presence: float
     next: Region
+    mask: PersonMask
 
     def exchanged(self) -> Seen:
         """Exchange left and right."""
@@ -104,7 +107,7 @@ class BlazePose:
         square = cv2.warpAffine(
             picture, to_picture, (SIDE, SIDE), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         )
-        points, presence, heat, metres = self._runtime.run(
+        points, presence, mask, heat, metres = self._runtime.run(
             np.ascontiguousarray(square.transpose(2, 0, 1), dtype=np.float32) / np.float32(255)
         )
         rows = points.reshape(_POINTS, 5).astype(float)
@@ -113,12 +116,14 @@ class BlazePose:
         p = metres.reshape(_POINTS, 3)[: len(NAMES)].astype(float)
         p[:, 0] *= -1 if mirrored else 1
         p[:, :2] @= region.R_picture_body.T
+        share = _sigmoid(mask.reshape(SIDE, SIDE)[:, :: -1 if mirrored else 1].astype(float))
         seen = Seen(
             uv[: len(NAMES)],
             _sigmoid(rows[: len(NAMES), 3]),
             p,
             float(presence.ravel()[0]),
             Region.of_circle(uv[_MIDDLE], uv[_RIM]),
+            PersonMask.of(region, share),
         )
         return seen.exchanged() if mirrored else seen
 

@@ -28,6 +28,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.keypoints.region import Box, Region
 
 LEAST_PRESENCE: Final = 0.5
@@ -50,6 +51,7 @@ class DetectionWindow:
     uv, visibility, p_hips: (N, 33, ...) as of Keypoints, NaN and 0 where nobody was seen.
     regions: (N, 4) where to look after each frame.
     lost_for: (N,) since how many frames the body is lost.
+    masks: N, where the person is; None where nobody was seen.
     """
 
     uv: Array
@@ -57,6 +59,7 @@ class DetectionWindow:
     p_hips: Array
     regions: Array
     lost_for: NDArray[np.int64]
+    masks: tuple[PersonMask | None, ...]
 
     def __len__(self) -> int:
         return len(self.uv)
@@ -69,7 +72,8 @@ class DetectionWindow:
     def __getitem__(self, rows: slice) -> DetectionWindow:
         """Some of its frames, or all in the other direction."""
         uv, visibility, p_hips = self.uv[rows], self.visibility[rows], self.p_hips[rows]
-        return DetectionWindow(uv, visibility, p_hips, self.regions[rows], self.lost_for[rows])
+        regions, lost_for = self.regions[rows], self.lost_for[rows]
+        return DetectionWindow(uv, visibility, p_hips, regions, lost_for, self.masks[rows])
 
     @classmethod
     def joined(cls, pieces: Sequence[DetectionWindow]) -> DetectionWindow:
@@ -80,6 +84,7 @@ class DetectionWindow:
             np.concatenate([p.p_hips for p in pieces]),
             np.concatenate([p.regions for p in pieces]),
             np.concatenate([p.lost_for for p in pieces]),
+            tuple(mask for p in pieces for mask in p.masks),
         )
 
 
@@ -130,6 +135,7 @@ class Rows:
             _stack([metres if s is None else s.p_hips for s in self._seen], (points, 3)),
             _stack([np.array(astuple(region)) for region in self._regions], (4,)),
             np.array(self._lost_for, dtype=np.int64),
+            tuple(None if s is None else s.mask for s in self._seen),
         )
 
 
@@ -297,6 +303,7 @@ class _Found:
         self._uv = np.full((count, points, 2), np.nan)
         self._visibility = np.zeros((count, points))
         self._p_hips = np.full((count, points, 3), np.nan)
+        self._masks: list[PersonMask | None] = [None] * count
 
     def put(self, after: int, direction: int, rows: DetectionWindow) -> None:
         """The frames that follow this one in the direction."""
@@ -316,10 +323,11 @@ class _Found:
     def _put(self, frame: int, rows: DetectionWindow, k: int) -> None:
         n = frame - self._first
         self._uv[n], self._visibility[n] = rows.uv[k], rows.visibility[k]
-        self._p_hips[n] = rows.p_hips[k]
+        self._p_hips[n], self._masks[n] = rows.p_hips[k], rows.masks[k]
 
     def keypoints(self) -> Keypoints:
-        return Keypoints(self._first, NAMES, self._uv, self._visibility, self._p_hips)
+        found = self._uv, self._visibility, self._p_hips
+        return Keypoints(self._first, NAMES, *found, masks=tuple(self._masks))
 
 
 @dataclass(eq=False)

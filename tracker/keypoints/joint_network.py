@@ -34,6 +34,7 @@ class JointNetwork:
         self.names = LAYOUTS[heads.layout]
         self.fingerprint = f"{model.sha256[:16]}-{runtime.name}"
         self._kind = KINDS[heads.kind]
+        self.doubted = self._kind.doubted
         self._size = heads.width, heads.height
         self._runtime = runtime
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.person_mask import PersonMask
 
 if TYPE_CHECKING:
     from keypose.tracker.session.annotations import KeypointCorrection
@@ -35,6 +36,8 @@ class Keypoints:
     p_hips:      (N, L, 3) metres, in axes parallel to the picture's (x right, y down, z away),
                  the middle of the hips at 0; NaN where unknown. None where no depth is known.
     by_hand:     (N, L) which of them a person set. None where nobody did.
+    masks:       N, where the person is in the picture; None in frames where that is unknown.
+                 None where it is of all.
     """
 
     first_frame: int
@@ -43,6 +46,7 @@ class Keypoints:
     visibility: Array
     p_hips: Array | None = None
     by_hand: NDArray[np.bool_] | None = None
+    masks: tuple[PersonMask | None, ...] | None = None
 
     def __len__(self) -> int:
         return len(self.uv)
@@ -66,7 +70,14 @@ class Keypoints:
         depth = None if self.p_hips is None else cut(self.p_hips, np.nan)
         by_hand = None if self.by_hand is None else cut(self.by_hand.astype(float), 0.0) > 0
         uv, visibility = cut(self.uv, np.nan), cut(self.visibility, 0.0)
-        return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand)
+        frames = range(first_frame, last_frame + 1)
+        masks = None if self.masks is None else tuple(self.mask(frame) for frame in frames)
+        return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand, masks)
+
+    def mask(self, frame: int) -> PersonMask | None:
+        """Return where the person is in the picture of a frame; None where that is unknown."""
+        here = self.masks is not None and self.first_frame <= frame <= self.last_frame
+        return self.masks[frame - self.first_frame] if self.masks and here else None
 
     def overlaid(self, other: Keypoints) -> Keypoints:
         """Put others, of the same names, in place of those there are of their frames; unseen in

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.detect import LEAST_PRESENCE, Detector
+from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.joint_network import SeenJoints
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.region import Region
@@ -55,6 +56,8 @@ class JointDetector(Protocol):
     def names(self) -> Sequence[str]: ...
     @property
     def fingerprint(self) -> str: ...
+    @property
+    def doubted(self) -> tuple[float, float]: ...
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints: ...
 
 
@@ -87,17 +90,25 @@ class PairedNetwork:
         uv = joints.uv[self._from]
         if not np.isfinite(uv).all():
             return seen
-        seen = min(seen, seen.exchanged(), key=lambda each: _distance(each.uv[self._at], uv))
+        trust = self._trust(joints.confidence[self._from])
+        if trust > 0.5:
+            seen = min(seen, seen.exchanged(), key=lambda each: _distance(each.uv[self._at], uv))
         trunk = seen.uv[_SHOULDERS].mean(axis=0) - seen.uv[_HIPS].mean(axis=0)
         uv = uv - self._down[:, None] * trunk
         away = seen.uv[self._at] - uv
         apart = np.linalg.norm(away, axis=1) / (APART * region.side)
+        share = 1 - trust * (1 - BLAZEPOSE_SHARE / (1 + apart**4))
         both = seen.uv.copy()
-        both[self._at] = uv + (BLAZEPOSE_SHARE / (1 + apart**4))[:, None] * away
+        both[self._at] = uv + share[:, None] * away
         ends = joints.uv[self._ends_from]
         sure = (joints.confidence[self._ends_from] >= SURE) & np.isfinite(ends).all(axis=1)
         both[self._ends_at[sure]] = ends[sure]
         return replace(seen, uv=both)
+
+    def _trust(self, confidence: Array) -> float:
+        """How far the joints are believed, from 0 to 1."""
+        low, high = self._joints.doubted
+        return float(np.clip((confidence.mean() - low) / max(high - low, 1e-9), 0.0, 1.0))
 
 
 def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indices]:
@@ -109,10 +120,9 @@ def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indic
 
 def paired_fingerprint(blazepose: str, joints: str) -> str:
     """Return what `PairedNetwork.fingerprint` is of networks of these fingerprints."""
-    how = hashlib.sha256(
-        repr((BLAZEPOSE_SHARE, APART, DOWN_TRUNK, ENDS, SURE)).encode()
-    ).hexdigest()[:8]
-    return f"{blazepose}-{joints}-{how}"
+    kinds = {name: (kind.share, kind.doubted) for name, kind in KINDS.items()}
+    how = repr((BLAZEPOSE_SHARE, APART, DOWN_TRUNK, ENDS, SURE, kinds))
+    return f"{blazepose}-{joints}-{hashlib.sha256(how.encode()).hexdigest()[:8]}"
 
 
 _HIPS = [NAMES.index(f"{side}_hip") for side in ("left", "right")]

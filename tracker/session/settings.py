@@ -97,8 +97,9 @@ class TrackSettings(Plain):
         exclude_if=is_unknown,
         description="What the motion between keyframes is found from: brightness, how it changes "
         "from frame to frame; keypoints, where a detector sees a person's joints; and silhouette, "
-        "what moves before a camera that stands still, which shows where the body does not cover "
-        "it. Left out: brightness alone, as before there were others.",
+        "what moves before a camera that stands still, or else where a network sees the person, "
+        "which shows where the body does not match it. Left out: brightness alone, as before there "
+        "were others.",
     )
     network: NetworkName | None = Field(
         default=None,

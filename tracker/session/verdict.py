@@ -45,7 +45,7 @@ one_keyframe: the fit was stopped before it came from the second keyframe.
 keyframe_off_surface: the keyframe lies off the surface of its frame.
 body_off_surface: the body was posed off the surface that moves with it.
 keyframe_off_keypoints: the keyframe was posed where no keypoint is.
-moves_beside_body: the body does not cover what moves.
+moves_beside_body: the body does not match the silhouette.
 not_followed: the body was lost; a keyframe is needed.
 nothing_seen: nothing of the body is seen in the pictures.
 contradiction: the neighbouring keyframes contradict each other.

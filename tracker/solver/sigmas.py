@@ -38,7 +38,7 @@ POSE_LIMIT_RAD: Final = np.radians(2.0)
 
 # --- keypoints of a detector
 
-KEYPOINT_SHARE: Final = 0.010
+KEYPOINT_SHARE: Final = 0.007
 """Of a sure keypoint beside where the detector puts it on that body."""
 SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""

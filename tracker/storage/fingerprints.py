@@ -230,7 +230,10 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        cues += ["silhouette"] if session.has_static_camera else []
+        if session.has_static_camera:
+            cues += ["silhouette"]
+        elif is_persons(session.body):
+            cues += ["person", _digest(settings.network_used)]
     return cues
 
 

@@ -62,14 +62,22 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    source = keypoint_source(session, video, keypoints)
+    source, people = keypoint_source(session, video, keypoints), _people(session, video)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.first_motion
     own = [(run.first_frame, run.last_frame) for run in imported.own] if imported else []
     if like is not None:
         return like.renewed(
-            skeleton, poses, first_motion, source, parts, keys, fewest=fewest, own=own
+            skeleton,
+            poses,
+            first_motion,
+            source,
+            parts,
+            keys,
+            fewest=fewest,
+            own=own,
+            people=people,
         )
     return Tracker(
         video,
@@ -85,6 +93,7 @@ def tracker_of(
         keys,
         fewest=fewest,
         own=own,
+        people=people,
     )
 
 
@@ -109,6 +118,17 @@ def _found_keypoints(
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
+    return detected_keypoints(session, video)
+
+
+def _people(session: Session, video: Video) -> DetectedKeypoints | None:
+    """Return what sees the person's silhouette, where no background shows it."""
+    wanted = "silhouette" in session.settings.cues_used and not session.has_static_camera
+    return detected_keypoints(session, video) if wanted and is_persons(session.body) else None
+
+
+def detected_keypoints(session: Session, video: Video) -> DetectedKeypoints:
+    """Return what looks for a session's person with its network, and keeps what it finds."""
     model = find_model(session.settings.network_used)
     film = session.video.pictures
     return DetectedKeypoints(video, session.camera, film, Detections(), model)

@@ -19,7 +19,7 @@ from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
 from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
 from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
-from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
+from keypose.tracker.tracking.cues.silhouette import Outlines, outlines_of, silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
 from keypose.tracker.tracking.diagnostics.judge import segment_result
@@ -102,8 +102,12 @@ class Tracker:
         *,
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
+        people: KeypointSource | None = None,
     ) -> None:
-        """keys: of the segments without `keyed_parts`; where two are equal so are the motions."""
+        """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
+        people: what sees where in the picture a person is.
+        """
+        self._people = people
         self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
@@ -128,6 +132,7 @@ class Tracker:
         *,
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
+        people: KeypointSource | None = None,
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -136,6 +141,7 @@ class Tracker:
         """
         other = copy(self)
         other._first_motion, other._own, other._keypoints = first_motion, tuple(own), keypoints
+        other._people = people
         other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._points_by_spacing = {}
@@ -230,8 +236,9 @@ class Tracker:
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
                 if self._uses_silhouette(settings):
-                    found = silhouette_mismatch(scene, segment.clip, outcome.trajectory)
-                    outcome = replace(outcome, silhouette=found)
+                    outlines = self._outlines(segment, emit)
+                    seen = silhouette_mismatch(scene, segment.clip, outcome.trajectory, outlines)
+                    outcome = replace(outcome, silhouette=seen)
                 if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
                 return segment_result(scene, segment, outcome, method, enlarged)
@@ -259,7 +266,8 @@ class Tracker:
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Evidence:
         """Return what limbs are tracked from."""
-        method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
+        method = method_of(settings)
+        keypoints = self._keypoints_of(self.keypoint_source(settings), segment, emit)
         if keypoints is None:
             return Evidence(scene)
         span = segment.first_frame, segment.last_frame
@@ -269,7 +277,8 @@ class Tracker:
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
         """Track with keypoints where there are any; without, as if there never were."""
-        method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
+        method = method_of(settings)
+        keypoints = self._keypoints_of(self.keypoint_source(settings), segment, emit)
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
@@ -282,11 +291,10 @@ class Tracker:
         return track_segment(scene, segment, method)
 
     def _keypoints_of(
-        self, segment: Segment, settings: TrackSettings, emit: Emit
+        self, source: KeypointSource | None, segment: Segment, emit: Emit
     ) -> Keypoints | None:
         """While they are looked for, the motion is interpolation: that is emitted now and then, so
         that the work can be stopped."""
-        source = self.keypoint_source(settings)
         if source is None:
             return None
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
@@ -296,6 +304,15 @@ class Tracker:
                 emit(waiting, 0)
 
         return source.over(segment, self.skeleton, report)
+
+    def _outlines(self, segment: Segment, emit: Emit) -> Outlines | None:
+        """Return where the person is, before a camera that moves; None before one that stands
+        still."""
+        if self._prepared.has_static_camera:
+            return None
+        seen = self._keypoints_of(self._people, segment, emit)
+        loader = self.loader((segment.first_frame, segment.last_frame))
+        return outlines_of(seen, loader.camera, loader.size)
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
         """Return where keypoints come from; None where they do not count."""
@@ -309,9 +326,11 @@ class Tracker:
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
     def _uses_silhouette(self, settings: TrackSettings) -> bool:
-        """Return whether what moves counts: it is known before a camera that stands still."""
+        """Return whether it counts: before a camera that stands still, and where there is a
+        person."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
-        return wanted and self._prepared.has_static_camera
+        persons = self._people is not None and is_persons(self.skeleton.body)
+        return wanted and (self._prepared.has_static_camera or persons)
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

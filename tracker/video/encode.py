@@ -1,4 +1,4 @@
-"""Pictures into a film: H.264 in MP4, every one at the time it is given.
+"""Pictures into a film, every one at the time it is given: H.264 in MP4, or with alpha.
 
     with film_file(Path("film.mp4"), overwrite=False) as place:
         with FilmWriter(place, (640, 360), Fraction(1, 25), Fraction(25)) as film:
@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Final, Self
 
 import av
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
@@ -27,15 +28,43 @@ from keypose.tracker.video.container import PYAV_ERRORS
 from keypose.tracker.video.picture import Picture
 
 QUALITY = 18
-"""Of H.264, lower is better: drawn lines and letters stay sharp."""
+"""Of H.264 and VP9, lower is better: drawn lines and letters stay sharp."""
 LARGEST_SIDE = 8192
 BT709 = 1
 """The number of that standard, for colours, their spread and their primaries."""
 
 
-def can_write_films() -> bool:
-    """Return whether the installed PyAV brings an encoder for H.264."""
-    return "libx264" in av.codecs_available
+@dataclass(frozen=True)
+class FilmFormat:
+    """How a film is coded. name: of the codec, for a person; pixels: without alpha, and with it
+    where that can be."""
+
+    name: str
+    container: str
+    codec: str
+    pixels: tuple[str, ...]
+    options: Mapping[str, str]
+    container_options: Mapping[str, str]
+
+
+_FAST_START: Final = {"movflags": "+faststart"}
+MP4: Final = FilmFormat(
+    *("H.264", "mp4", "libx264", ("yuv420p",)),
+    *({"crf": str(QUALITY), "preset": "veryfast"}, _FAST_START),
+)
+WEBM: Final = FilmFormat(
+    *("VP9", "webm", "libvpx-vp9", ("yuv420p", "yuva420p")),
+    *({"crf": str(QUALITY), "b": "0", "deadline": "good", "cpu-used": "4"}, {}),
+)
+MOV: Final = FilmFormat(
+    *("ProRes", "mov", "prores_ks", ("yuv444p10le", "yuva444p10le")),
+    *({"profile": "4444"}, _FAST_START),
+)
+
+
+def can_write_films(kind: FilmFormat = MP4) -> bool:
+    """Return whether the installed PyAV brings the encoder."""
+    return kind.codec in av.codecs_available
 
 
 class FilmWriter:
@@ -48,41 +77,56 @@ class FilmWriter:
         time_base: Fraction,
         rate: Fraction,
         pixel_aspect: Fraction | None = None,
+        kind: FilmFormat = MP4,
+        *,
+        alpha: bool = False,
     ) -> None:
-        """Begin a film of this size, both sides even, whose times count in time_base seconds.
+        """Begin a film of this size, whose times count in time_base seconds; of H.264 both sides
+        are even.
 
         rate: frames a second, on average. pixel_aspect: width over height of a pixel.
+        alpha: pictures are RGBA, alpha straight.
         VideoError in one sentence when it cannot be begun.
         """
         width, height = size
-        if width % 2 or height % 2 or not 2 <= min(size) <= max(size) <= LARGEST_SIDE:
+        odd = kind is MP4 and (width % 2 or height % 2)
+        if odd or not 2 <= min(size) <= max(size) <= LARGEST_SIDE:
             raise VideoError(
                 f"A film of {width}×{height} pixels cannot be made: both sides must be even, "
                 f"and at most {LARGEST_SIDE}."
             )
-        if not can_write_films():
+        if not can_write_films(kind):
             raise VideoError(
-                "The installed PyAV cannot write H.264: install it anew with pip install av."
+                f"The installed PyAV cannot write {kind.name}: install it anew with pip install av."
             )
         self._place, self._time_base = place, time_base
+        self._given, self._pixels = "rgba" if alpha else "rgb24", kind.pixels[alpha]
         self._reformatter = VideoReformatter()
         self._last: int | None = None
         with _encoder_errors(place):
             self._container = av.open(
-                f"file:{place}", "w", format="mp4", options={"movflags": "+faststart"}
+                f"file:{place}", "w", format=kind.container, options=dict(kind.container_options)
             )
         try:
             with _encoder_errors(place):
-                self._begin(size, rate, pixel_aspect)
+                self._begin(size, rate, pixel_aspect, kind)
         except BaseException:
             self._container.close()
             raise
 
-    def _begin(self, size: tuple[int, int], rate: Fraction, pixel_aspect: Fraction | None) -> None:
-        options = {"crf": str(QUALITY), "preset": "veryfast"}
-        stream = self._container.add_stream("libx264", rate=rate, options=options)
+    def _begin(
+        self,
+        size: tuple[int, int],
+        rate: Fraction,
+        pixel_aspect: Fraction | None,
+        kind: FilmFormat,
+    ) -> None:
+        stream = self._container.add_stream(kind.codec, rate=rate, options=dict(kind.options))
+        assert isinstance(stream, av.VideoStream)
         stream.width, stream.height = size
-        stream.pix_fmt = "yuv420p"
+        stream.pix_fmt = self._pixels
+        if kind is WEBM and self._given == "rgba":
+            stream.metadata["alpha_mode"] = "1"  # players look for it
         stream.time_base = self._time_base
         context = stream.codec_context
         context.time_base = self._time_base
@@ -100,8 +144,8 @@ class FilmWriter:
             raise ValueError(f"a picture at {pts} cannot follow one at {self._last}")
         self._last = pts
         frame = self._reformatter.reformat(
-            av.VideoFrame.from_ndarray(picture, format="rgb24"),
-            format="yuv420p",
+            av.VideoFrame.from_ndarray(picture, format=self._given),
+            format=self._pixels,
             dst_colorspace=Colorspace.ITU709,
             threads=1,
         )

@@ -10,7 +10,7 @@ from keypose.app.cli.arguments import (
     add_session,
     typed,
 )
-from keypose.app.orders.drawing import FilmOrder, PictureOrder, SheetOrder
+from keypose.app.orders.drawing import FilmOrder, MatteOrder, PictureOrder, SheetOrder
 from keypose.app.orders.values import Whole
 
 _SHOT_EXAMPLES = """\
@@ -77,6 +77,25 @@ def add_sheet(commands: Subcommands) -> None:
     add_session(command)
     add_order(command, SheetOrder)
     add_output(command, "FILE.png")
+
+
+_MATTE_EXAMPLES = """\
+  keypose matte session.json --out matte
+  keypose matte session.json --frames 10-60 --kind mov --out person.mov
+  keypose matte session.json --alpha-only --out alpha --overwrite
+"""
+
+
+def add_matte(commands: Subcommands) -> None:
+    details = (
+        "A network shows in every frame where the person is; it starts at the keyframes, or "
+        "where the poses were drafted. Pictures are RGBA of the frame as it was filmed, alpha "
+        "straight. Frames without the person have an empty alpha, and their number is said."
+    )
+    command = add_command(commands, "matte", details, _MATTE_EXAMPLES)
+    add_session(command)
+    add_order(command, MatteOrder)
+    add_output(command, "PLACE", "the folder of the pictures, or the film's file")
 
 
 _REPORT_EXAMPLES = """\

@@ -34,7 +34,7 @@ from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",
     "keypoints": "Compare the body’s joints with those found in each frame",
-    "silhouette": "Compare where the body is with what moves before the background",
+    "silhouette": "Compare where the body is with what moves, or where a network sees the person",
 }
 _PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
 """Those that only a person's body can be compared with."""
@@ -66,8 +66,8 @@ def _why_off(doc: Session, cue: Cue) -> str:
         return "Needs a person’s body"
     if doc.settings.method == "paper":
         return "Not in the published method"
-    if cue == "silhouette" and not doc.has_static_camera:
-        return "Needs a still camera"
+    if cue == "silhouette" and not (doc.has_static_camera or is_persons(doc.body)):
+        return "Needs a static camera or a person’s body"
     return ""
 
 

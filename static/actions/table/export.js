@@ -4,7 +4,7 @@ import { server, setUi, ui } from '../../store/state.js';
 import { words } from '../../store/clip.js';
 import { FORMATS } from '../../store/orders.js';
 import {
-  askWhatIsMissing, FILTER_HZ, hasMotion, saveMotion, saveReport, usualExport,
+  askWhatIsMissing, FILTER_HZ, hasMotion, saveMotion, saveReport, usualExport, whyNoMatte,
 } from '../exporting.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -29,6 +29,10 @@ export const EXPORT = {
   exportFilm: { ...exportDialog('film', 'Film…', 'film'), also: 'video movie mp4 gif webm render overlay clip' },
   exportImages: { ...exportDialog('pictures', 'Images of all keyframes…', 'img'), also: 'pictures stills frames png jpg' },
   exportSheet: { ...exportDialog('sheet', 'Keyframe sheet…', 'quad'), also: 'contact sheet overview poses print' },
+  exportMatte: {
+    ...exportDialog('matte', 'Matte of the person…', 'crop'), off: whyNoMatte,
+    also: 'alpha mask cutout transparent background removal roto silhouette webm prores png sequence',
+  },
   exportMotion: {
     ...exportDialog('motion', 'With options…', 'track'),
     also: 'options unit rig fps rate scale up axis fbx retarget character skeleton',

@@ -82,6 +82,11 @@ export const VIEW = {
     label: 'Show rings', icon: 'rings', title: 'Keypoints on the picture: drag one to correct it',
     on: ringsAreShown, run: () => setUi('rings', !ringsAreShown()),
   },
+  personMask: {
+    also: 'silhouette alpha matte segmentation outline overlay',
+    label: 'Show the mask of the person', icon: 'person', title: 'Where the network sees the person, as the matte has it',
+    on: () => ui.personMask === true, run: () => setUi('personMask', !ui.personMask),
+  },
   floor: {
     also: 'ground grid plane',
     label: 'Floor', icon: 'floor', title: 'Floor in the camera view, cells of 25 cm',

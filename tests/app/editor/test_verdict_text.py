@@ -33,7 +33,7 @@ SAID = {
     "Check: at key 24 the left forearm is not where it is seen": Verdict.check(
         "keyframe_off_keypoints", (24, 24), "left_forearm"
     ),
-    "Check: the body does not cover what moves, frames 31–36": Verdict.check(
+    "Check: the body does not match the silhouette, frames 31–36": Verdict.check(
         "moves_beside_body", (31, 36)
     ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from keypose import sample_videos
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
+from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.video import Video
 
@@ -21,6 +22,14 @@ BOX = (220.0, 200.0, 390.0, 680.0)
 """Around the man at the first frame, as roughly as one draws it."""
 WIDTH, HEIGHT = 320, 240
 SIDE = 100.0
+NO_MASK = PersonMask.of(Region(0.0, 0.0, 1.0), np.zeros((MASK_SIDE, MASK_SIDE)))
+"""Of a network whose masks do not matter."""
+
+
+def disc(region: Region, share: float = 1.0) -> PersonMask:
+    """A mask of a body as wide as half the square."""
+    rows, columns = np.indices((MASK_SIDE, MASK_SIDE)) - (MASK_SIDE - 1) / 2
+    return PersonMask.of(region, share * (np.hypot(rows, columns) < MASK_SIDE / 4))
 
 
 @contextmanager
@@ -76,7 +85,8 @@ class Walker:
         points = np.full((len(NAMES), 2), (x, 120.0))
         metres = np.zeros((len(NAMES), 3))
         sure = 1.0 if is_there else 0.0
-        return Seen(points, np.full(len(NAMES), 0.9), metres, sure, body_at(x, 120.0))
+        visibility = np.full(len(NAMES), 0.9)
+        return Seen(points, visibility, metres, sure, body_at(x, 120.0), disc(region))
 
 
 def true_x(number: int) -> float:

@@ -32,7 +32,7 @@ def truth() -> Seen:
     for k, name in enumerate(NAMES):
         uv[k, 0] += 40 * ("left" in name) - 40 * ("right" in name)
     p = rng.normal(0, 0.3, (len(NAMES), 3))
-    return Seen(uv, np.full(len(NAMES), 0.9), p, 0.95, REGION)
+    return Seen(uv, np.full(len(NAMES), 0.9), p, 0.95, REGION, cases.disc(REGION))
 
 
 @dataclass
@@ -125,12 +125,14 @@ def test_where_nobody_is_one_look_is_enough() -> None:
     assert len(fake.looked) == 1
 
 
-def test_whether_somebody_is_there_and_where_to_look_next_are_the_plain_looks() -> None:
+def test_whether_and_where_somebody_is_and_where_to_look_next_are_the_plain_looks() -> None:
     next_ = Region(3.0, 4.0, 50.0)
-    others = {k: replace(truth(), next=Region(0, 0, 9), presence=0.2) for k in range(1, LOOKS)}
+    changed = {"next": Region(0, 0, 9), "presence": 0.2, "mask": cases.NO_MASK}
+    others = {k: replace(truth(), **changed) for k in range(1, LOOKS)}
     seen = looked_at(Fake({0: replace(truth(), next=next_), **others}))
     assert seen.next == next_
     assert seen.presence == truth().presence
+    assert seen.mask == truth().mask
 
 
 def test_what_was_found_by_one_look_is_not_taken_for_the_same() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,9 +15,13 @@ from keypose.tracker.keypoints import model_files
 from keypose.tracker.keypoints.blazepose import NAMES, SIDE, BlazePose, Seen
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import FULL, HEAVY, Model, verified
+from keypose.tracker.keypoints.person_mask import FULL_LEVEL, PersonMask
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import TFLITE, fast_is_here
 from tests.tracker.keypoints import keypoint_cases as cases
+
+DISC = 40
+"""Radius of the made-up person, pixels of the square."""
 
 
 @pytest.fixture(scope="module")
@@ -124,8 +129,9 @@ def test_in_a_mirror_the_same_is_seen_with_left_still_left(network: BlazePose) -
 
 @dataclass
 class _Dot:
-    """A runtime whose network sees every point where the square is brightest."""
+    """A runtime whose network sees every point where the square is brightest, and a disc there."""
 
+    channels_first: bool = False
     name: str = "dot"
 
     def run(self, image: np.ndarray) -> list[np.ndarray]:
@@ -133,7 +139,10 @@ class _Dot:
         points = np.tile([x, y, 0.0, 5.0, 5.0], (39, 1)).astype(np.float32)
         metres = np.tile([x - SIDE / 2, y - SIDE / 2, 0.0], (39, 1)).astype(np.float32)
         heat = np.full((1, 64, 64, 39), -50, np.float32)
-        return [points, np.ones(1, np.float32), heat, metres]
+        rows, columns = np.indices((SIDE, SIDE))
+        disc = np.where(np.hypot(rows - y, columns - x) < DISC, 8, -8).astype(np.float32)
+        shape = (1, 1, SIDE, SIDE) if self.channels_first else (1, SIDE, SIDE, 1)
+        return [points, np.ones(1, np.float32), disc.reshape(shape), heat, metres]
 
 
 @pytest.mark.parametrize("turn_rad", [0.0, 0.7, -2.5])
@@ -146,6 +155,66 @@ def test_a_point_is_told_where_it_is_in_the_picture(turn_rad: float, mirrored: b
     assert seen.uv == pytest.approx(np.tile([150, 130], (33, 1)), abs=1.5)
     way = np.array([150 - 160, 130 - 120]) / np.hypot(10, 10)
     assert seen.p_hips[0, :2] / np.linalg.norm(seen.p_hips[0, :2]) == pytest.approx(way, abs=0.15)
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 0.7, -2.5])
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("channels_first", [False, True])
+def test_a_mask_is_told_where_it_is_in_the_picture(
+    turn_rad: float, mirrored: bool, channels_first: bool
+) -> None:
+    picture = np.zeros((240, 320, 3), np.uint8)
+    cv2.circle(picture, (150, 130), 2, (255, 255, 255), -1)
+    dot = BlazePose(FULL, _Dot(channels_first))
+    seen = dot.infer(picture, Region(160, 120, 120, turn_rad), mirrored=mirrored)
+    shown = seen.mask.in_picture(320, 240)
+    rows, columns = np.indices(shown.shape)
+    away = np.hypot(rows - 130, columns - 150) - DISC * 120 / SIDE
+    assert (shown[away < -2] > 0.9).all()
+    assert (shown[away > 2] < 0.1).all()
+
+
+def test_a_mask_is_of_nobody_outside_the_square() -> None:
+    region = Region(160, 120, 100, 0.4)
+    shown = PersonMask.of(region, np.ones((SIDE, SIDE))).in_picture(320, 240)
+    rows, columns = np.indices(shown.shape)
+    c, s = np.cos(0.4), np.sin(0.4)
+    x, y = columns - 160, rows - 120
+    away = np.maximum(np.abs(c * x + s * y), np.abs(c * y - s * x)) - 50
+    assert (shown.shape, shown.dtype) == ((240, 320), np.float32)
+    assert (shown[away < -1] == 1).all()
+    assert (shown[away > 1] == 0).all()
+
+
+@pytest.mark.parametrize(
+    "packed", [b"", b"none", zlib.compress(b"\0" * 9), zlib.compress(b"\xff" * SIDE**2)]
+)
+def test_what_is_packed_is_a_mask_or_is_refused(packed: bytes) -> None:
+    with pytest.raises(ValueError, match=r"\w"):
+        PersonMask(Region(160, 120, 100), packed).levels()
+
+
+def test_a_mask_keeps_its_levels_and_a_few_kilobytes() -> None:
+    share = np.linspace(0, 1, SIDE**2).reshape(SIDE, SIDE)
+    mask = PersonMask.of(Region(160, 120, 100), share)
+    assert np.abs(mask.levels() / FULL_LEVEL - share).max() <= 0.5 / FULL_LEVEL + 1e-9
+    with cases.balance() as video:
+        real = BlazePose.open(fast=False).infer(video.frame(0), Region.of_box(cases.BOX, 610, 735))
+    assert len(real.mask.packed) < 4000
+
+
+def test_marked_joints_of_a_real_man_lie_in_his_mask(network: BlazePose) -> None:
+    inside = []
+    with cases.balance() as video:
+        for frame, marked in cases.marks().items():
+            picture = video.frame(frame)
+            height, width = picture.shape[:2]
+            region = Region.of_box(cases.around(marked), width, height)
+            seen = network.infer(picture, network.infer(picture, region).next)
+            shown = seen.mask.in_picture(width, height)
+            inside += [shown[round(v), round(u)] > 0.5 for u, v in (marked[j] for j in JOINTS)]
+            assert 0.05 < (shown > 0.5).mean() < 0.3
+    assert all(inside)
 
 
 @pytest.mark.parametrize("grey", [0, 128, 255])
@@ -161,6 +230,7 @@ def test_litert_agrees_to_a_hundredth_of_a_pixel(network: BlazePose) -> None:
     one, other = network.infer(picture, region), BlazePose.open(fast=True).infer(picture, region)
     assert other.uv == pytest.approx(one.uv, abs=0.01)
     assert other.p_hips == pytest.approx(one.p_hips, abs=1e-4)
+    assert np.abs(other.mask.levels().astype(int) - one.mask.levels()).max() <= 1
 
 
 @pytest.mark.skipif(fast_is_here(TFLITE), reason="LiteRT is installed")

@@ -12,7 +12,7 @@ from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.region import Region
-from tests.tracker.keypoints.keypoint_cases import HEIGHT, SIDE, numbered
+from tests.tracker.keypoints.keypoint_cases import HEIGHT, NO_MASK, SIDE, numbered
 
 FRAMES = 80
 OFFSETS = np.random.default_rng(5).uniform(-SIDE / 3, SIDE / 3, (len(NAMES), 2))
@@ -43,7 +43,7 @@ class Street:
         uv = OFFSETS + np.array([x, HEIGHT / 2])
         near = float(abs(x - region.x) < SIDE)
         return Seen(uv, np.full(len(NAMES), 0.9), np.zeros((len(NAMES), 3)), near,
-                    Region(x, HEIGHT / 2, SIDE))  # fmt: skip
+                    Region(x, HEIGHT / 2, SIDE), NO_MASK)  # fmt: skip
 
 
 def changes(network: Street, at: int, person: Place) -> tuple[int, ...]:

@@ -46,6 +46,18 @@ def test_a_body_is_followed_both_ways_from_one_seed() -> None:
     assert (found.visibility > 0).all()
 
 
+def test_where_the_person_is_is_known_of_the_frames_that_show_one() -> None:
+    found = detect(numbered, (0, 80), seeds(40), Walker(hidden=frozenset([50, 51])))
+    assert [n for n in range(81) if found.mask(n) is None] == [50, 51]
+    for number in (0, 40, 80):
+        mask = found.mask(number)
+        assert mask is not None
+        assert mask.region.distance(body_at(true_x(number), 120)) < 0.02
+    part = found.over(79, 82)
+    assert [part.mask(n) is not None for n in range(78, 84)] == [*(0, 1, 1), *(0, 0, 0)]
+    assert part.mask(80) is found.mask(80)
+
+
 def test_between_seeds_every_frame_is_looked_at_once() -> None:
     walker = Walker()
     detect(numbered, (0, 60), seeds(0, 60), walker)

@@ -32,7 +32,8 @@ def somebody() -> Seen:
         down = {"shoulder": 20, "elbow": 35, "wrist": 50, "hip": 55, "knee": 75, "ankle": 95}
         uv[k] += -10 * ("left" in name) + 10 * ("right" in name), down.get(joint, 0)
     p = np.arange(3.0 * len(NAMES)).reshape(-1, 3)
-    return Seen(uv, np.linspace(0.5, 1.0, len(NAMES)), p, 0.95, Region(150.0, 110.0, 90.0))
+    visibility, around = np.linspace(0.5, 1.0, len(NAMES)), Region(150.0, 110.0, 90.0)
+    return Seen(uv, visibility, p, 0.95, around, cases.disc(REGION))
 
 
 @dataclass
@@ -56,6 +57,7 @@ class FakeJoints:
     names: tuple[str, ...] = JOINTS
     fingerprint: str = "joints"
     sure: float = 0.9
+    doubted: tuple[float, float] = (0.0, 0.0)
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
         return SeenJoints(self.uv, np.full(len(self.uv), self.sure))
@@ -63,6 +65,11 @@ class FakeJoints:
 
 def together(seen: Seen, uv: NDArray[np.float64]) -> Seen:
     return PairedNetwork(Fake(seen), FakeJoints(uv)).infer(PICTURE, REGION)
+
+
+def together_doubted(seen: Seen, uv: NDArray[np.float64], sure: float) -> Seen:
+    joints = FakeJoints(uv, sure=sure, doubted=(0.4, 0.6))
+    return PairedNetwork(Fake(seen), joints).infer(PICTURE, REGION)
 
 
 def test_a_joint_lies_between_where_both_see_it() -> None:
@@ -101,12 +108,28 @@ def test_where_they_are_far_apart_the_network_of_joints_is_believed() -> None:
     assert found.uv[AT[wrist]] == pytest.approx(uv[wrist], abs=0.5)
 
 
-def test_depth_sight_presence_and_where_to_look_next_are_blazeposes() -> None:
+@pytest.mark.parametrize(("sure", "share"), [(0.3, 0.0), (0.5, 0.5), (0.7, 1.0)])
+def test_joints_of_a_figure_that_is_hardly_known_as_a_person_count_little(
+    sure: float, share: float
+) -> None:
+    seen = somebody()
+    found = together_doubted(seen, seen.uv[AT] + (2.0, 0.0), sure)
+    shift = (found.uv - seen.uv)[AT][LIMBS, 0]
+    assert shift == pytest.approx(share * 2.0 * (1 - BLAZEPOSE_SHARE), abs=0.05)
+
+
+def test_sides_are_not_exchanged_for_joints_that_are_not_believed() -> None:
+    exchanged = somebody().exchanged()
+    found = together_doubted(exchanged, somebody().uv[AT], 0.3)
+    assert np.array_equal(found.p_hips, exchanged.p_hips)
+
+
+def test_depth_sight_presence_mask_and_where_to_look_next_are_blazeposes() -> None:
     seen = somebody()
     found = together(seen, seen.uv[AT] + 1.0)
     assert np.array_equal(found.p_hips, seen.p_hips)
     assert np.array_equal(found.visibility, seen.visibility)
-    assert (found.presence, found.next) == (seen.presence, seen.next)
+    assert (found.presence, found.next, found.mask) == (seen.presence, seen.next, seen.mask)
 
 
 @pytest.mark.parametrize("what", ["nobody", "no numbers", "no joints"])

@@ -1,14 +1,17 @@
-"""Where a posed body and what moves in the picture disagree, before a camera that stands still.
+"""Where a posed body and what the picture shows of it disagree.
 
-The loader marks pixels that look as the empty scene does. Pixels near the body that move and that
-no part covers are missing from the pose; a part's pixels that stand still show no body there.
-Neither needs the truth, and both grow with the error of a pose.
+Before a camera that stands still the loader marks pixels that look as the empty scene does; before
+one that moves a network's mask says where a person is. Pixels near the body that move, or are the
+person's, and that no part covers are missing from the pose; a part's pixels that stand still, or
+are not the person's, show no body there. Neither needs the truth, and both grow with the error of
+a pose. Below, "moves" stands for either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import cv2
 import numpy as np
@@ -16,12 +19,17 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import extent_px
 from keypose.tracker.video.clip_loader import WorkingSize
-from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
+from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
+
+Outlines: TypeAlias = Callable[[int], NDArray[np.bool_] | None]
+"""Where a person is, (h, w) at the finest level of a clip, by frame; None where that is unknown."""
 
 REACH = 0.07
 """Share of the body's extent: how far from the body what moves is taken to be the body's."""
@@ -39,6 +47,8 @@ of it has changed, as when the exposure does: a person near by makes up less."""
 TONES = (5.0, 95.0)
 """Percentiles of a part's brightness at the keyframes: a still pixel between them may be the part
 itself before a background that is as bright."""
+HALF_LEVEL = 128
+"""Of 255, from which a pixel of a mask is the person's."""
 FEWEST_PIXELS = 12
 """A part that shows fewer at the keyframes gives no tones."""
 
@@ -49,9 +59,9 @@ class SilhouetteMismatch:
 
     uncovered_by_part: (N, P) moving pixels that no part covers, by the part that lies nearest.
     unmoved_by_part: (N, P) pixels of a part that look as the empty scene does.
-    Both are NaN in frames without a background to compare with, as where the picture is missing,
-    has changed all around the body, or the camera does not stand still, and in those whose picture
-    shows nothing of the body.
+    Both are NaN in frames without anything to compare with, as where the picture is missing, has
+    changed all around the body, or nobody is seen, and in those whose picture shows nothing of the
+    body.
     """
 
     uncovered_by_part: Array
@@ -88,13 +98,15 @@ class SilhouetteMismatch:
         return np.asarray(np.nan_to_num(total - (1 - share) * ends[0] - share * ends[1]))
 
 
-def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> SilhouetteMismatch:
+def silhouette_mismatch(
+    scene: Scene, clip: Clip, trajectory: Trajectory, outlines: Outlines | None = None
+) -> SilhouetteMismatch:
     """The mismatch of every pose of a trajectory whose frames are all in the clip.
 
-    The clip is one of a loader with `static_camera`; of any other, everything is NaN.
-    IndexError where the clip lacks a frame.
+    outlines: of the person; without them the clip is one of a loader with `static_camera`: of any
+    other, everything is NaN.  IndexError where the clip lacks a frame.
     """
-    windows = list(_windows(scene, clip, trajectory))
+    windows = list(_windows(scene, clip, trajectory, outlines))
     parts = scene.skeleton.part_count
     tones = _tones([window for window in (windows[0], windows[-1]) if window is not None], parts)
     found = np.full((2, len(trajectory), parts), np.nan)
@@ -102,6 +114,23 @@ def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> Sil
         if window is not None:
             found[:, n] = _shares(window, tones)
     return SilhouetteMismatch(*frozen(found))
+
+
+def outlines_of(seen: Keypoints | None, camera: Camera, size: WorkingSize) -> Outlines:
+    """Return where a network saw the person, in the pictures of a clip; nowhere where it did not.
+
+    camera: of the video, with its distortion.  size: of the clip.
+    """
+
+    def outline(frame: int) -> NDArray[np.bool_] | None:
+        mask = None if seen is None else seen.mask(frame)
+        if mask is None:
+            return None
+        share = mask.in_picture(camera.width, camera.height)
+        levels = np.round(255 * share).astype(np.uint8)
+        return np.asarray(size.picture(camera.rectify(levels)) >= HALF_LEVEL)
+
+    return outline
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +148,9 @@ class _Window:
     elsewhere: float
 
 
-def _windows(scene: Scene, clip: Clip, trajectory: Trajectory) -> Iterator[_Window | None]:
+def _windows(
+    scene: Scene, clip: Clip, trajectory: Trajectory, outlines: Outlines | None
+) -> Iterator[_Window | None]:
     """One for every frame; None where nothing can be compared."""
     mesh = BodyMesh.of(scene.skeleton)
     level = _level(extent_px(scene, trajectory), clip)
@@ -129,16 +160,29 @@ def _windows(scene: Scene, clip: Clip, trajectory: Trajectory) -> Iterator[_Wind
     marks = scene.mark_pixels(trajectory) / 2**level
     for slot, uv, T in zip(slots, marks, Ts, strict=True):
         picture = clip.levels[level][slot]
+        used = picture[..., 3]
+        if outlines is not None:
+            used = _by_outline(used, outlines(clip.first_frame + int(slot)), 2**level)
         extent = float((uv.max(axis=0) - uv.min(axis=0)).max())
         window = _window(uv, 2 * REACH * extent, picture.shape)
-        if window is None or not (picture[..., 3] == TARGET_ONLY).any():
+        if window is None or not (used == TARGET_ONLY).any():
             yield None
             continue
         shown = raster(mesh, T, _within(view, window)).part
-        grey, use = picture[window][..., 0], picture[window][..., 3]
-        moving, inside = picture[..., 3] == USABLE, use == USABLE
+        grey, use = picture[window][..., 0], used[window]
+        moving, inside = used == USABLE, use == USABLE
         rest = max(moving.size - inside.size, 1)
         yield _Window(shown, use, grey, extent, float(moving.sum() - inside.sum()) / rest)
+
+
+def _by_outline(
+    used: NDArray[np.float32], outline: NDArray[np.bool_] | None, step: int
+) -> NDArray[np.float32]:
+    """What pixels may be used for by where the person is; as it was where that is unknown."""
+    if outline is None:
+        return used
+    person = np.where(outline[::step, ::step], np.float32(USABLE), np.float32(TARGET_ONLY))
+    return np.where(used == IGNORED, used, person)
 
 
 def _level(extent: float, clip: Clip) -> int:

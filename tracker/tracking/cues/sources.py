@@ -110,28 +110,32 @@ class DetectedKeypoints:
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
         first, last = segment.first_frame, segment.last_frame
-        seeds = _seeds({first: segment.start, last: segment.end}, skeleton, self.camera)
-
-        def leave(_progress: Progress) -> None:
-            report()
-
-        return self._detect((first, last), seeds, leave)
+        posed = {first: segment.start, last: segment.end}
+        return self.follow((first, last), skeleton, posed, lambda progress: report())
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        return self._detect(
-            (frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unreported
-        )
+        return self.follow((frame, frame), skeleton, {frame: pose}, lambda progress: None)
 
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
-        seeds = _seeds({frame: pose}, skeleton, self.camera)
         frames = min(frame, last), max(frame, last)
-        return self._detect(frames, seeds, lambda progress: report())
+        return self.follow(frames, skeleton, {frame: pose}, lambda progress: report())
 
-    def _detect(
-        self, frames: tuple[int, int], seeds: list[Seed], report: Callable[[Progress], None]
+    def follow(
+        self,
+        frames: tuple[int, int],
+        skeleton: Skeleton,
+        posed: Mapping[int, Pose],
+        report: Callable[[Progress], None],
     ) -> Keypoints | None:
+        """Return the keypoints of all frames from the first to the last; None where nobody is
+        found.
+
+        posed: poses of the body by frame, of one or more of these.  report: called before each
+        look; what it raises ends the search.
+        """
+        seeds = _seeds(posed, skeleton, self.camera)
         with _LOOKING:
             network = _network(self.model)  # a KeypointError of its own where it is not here
             try:
@@ -220,7 +224,3 @@ def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> lis
         Seed(frame, Region.of_pose(skeleton, pose, camera).rounded(SEED_PARTS))
         for frame, pose in posed.items()
     ]
-
-
-def _unreported(progress: Progress) -> None:
-    """Nobody waits for it."""

@@ -20,7 +20,7 @@ from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.paired import PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.fitting.draft.clips import CAMERA, place, walk
-from tests.tracker.keypoints.keypoint_cases import BOX, balance, marks
+from tests.tracker.keypoints.keypoint_cases import BOX, NO_MASK, balance, marks
 
 CLIP = walk(12)
 
@@ -43,7 +43,7 @@ class Knowing:
         for k, name in enumerate(NAMES):
             if name in known.names:
                 uv[k], p_hips[k] = known.uv[number, place(name)], known.p_hips[number, place(name)]
-        return Seen(uv, np.ones(len(NAMES)), p_hips, self.presence, region)
+        return Seen(uv, np.ones(len(NAMES)), p_hips, self.presence, region, NO_MASK)
 
 
 def picture(number: int) -> NDArray[np.uint8]:

@@ -16,10 +16,13 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.view import ViewCamera
-from keypose.tracker.tracking.cues.silhouette import silhouette_mismatch
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.tracking.cues.silhouette import outlines_of, silhouette_mismatch
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
+from tests.tracker.keypoints.keypoint_cases import disc
 from tests.tracker.tracking_cases import MemoryVideo, clip_of
 
 CAMERA = Camera(width=320, height=240, fx=400.0, fy=400.0, cx=159.5, cy=119.5)
@@ -72,6 +75,13 @@ def clip_with(moving: NDArray[np.bool_], first_frame: int = 0) -> Clip:
 CLIP = clip_with(covered(TRUTH))
 
 
+def clip_of_a_moving_camera() -> Clip:
+    """The same brightness, and nothing said of what moves."""
+    level = CLIP.levels[0].copy()
+    level[..., 3] = USABLE
+    return Clip(CLIP.first_frame, (level,))
+
+
 def filmed(camera: Camera = CAMERA) -> Clip:
     """The figure before a patterned wall, loaded as the film of a camera that stands still."""
     rng = np.random.default_rng(0)
@@ -95,6 +105,48 @@ def test_a_filmed_body_at_its_true_pose_has_next_to_none() -> None:
     assert at_truth.total.max() < 0.03
     wrong = silhouette_mismatch(SCENE, clip, turned(TRUTH, "left_upper_arm", ELBOW_DEG))
     assert wrong.total.min() > 2 * at_truth.total.max()
+
+
+def test_where_a_person_is_counts_as_what_moves_does() -> None:
+    clip, person = clip_of_a_moving_camera(), covered(TRUTH)
+    for motion in (TRUTH, turned(TRUTH, "left_upper_arm", ELBOW_DEG, slice(8, 16))):
+        by_outline = silhouette_mismatch(SCENE, clip, motion, lambda frame: person[frame])
+        np.testing.assert_array_equal(
+            by_outline.by_part, silhouette_mismatch(SCENE, CLIP, motion).by_part
+        )
+    assert np.isnan(silhouette_mismatch(SCENE, clip, TRUTH).total).all()
+
+
+def test_what_is_ignored_stays_so_and_where_nobody_is_seen_nothing_is_known() -> None:
+    clip, person = clip_of_a_moving_camera(), covered(TRUTH)
+    clip.levels[0][5, ..., 3] = IGNORED
+
+    def outlines(frame: int) -> NDArray[np.bool_] | None:
+        return None if frame == 7 else person[frame]
+
+    total = silhouette_mismatch(SCENE, clip, TRUTH, outlines).total
+    assert np.flatnonzero(np.isnan(total)).tolist() == [5, 7]
+
+
+BENT = CAMERA.model_copy(update={"distortion": (-0.2, 0.05, 0.0, 0.0, 0.0)})
+
+
+@pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["ideal", "bent"])
+@pytest.mark.parametrize("halvings", [0, 1])
+def test_a_mask_lies_in_a_clip_where_the_picture_does(camera: Camera, halvings: int) -> None:
+    size, region = WorkingSize(halvings), Region(90.0, 110.0, 120.0, 0.3)
+    mask = disc(region)
+    nowhere = np.full((2, 12, 2), np.nan)
+    seen = Keypoints(3, JOINTS, nowhere, np.zeros((2, 12)), masks=(mask, None))
+    outlines = outlines_of(seen, camera, size)
+    filmed = np.round(255 * mask.in_picture(camera.width, camera.height)).astype(np.uint8)
+    white = size.picture(camera.rectify(filmed)) > 127
+    found = outlines(3)
+    assert found is not None
+    assert 1500 < white.sum() * 4**halvings < 4000
+    assert np.array_equal(found, white)
+    assert outlines(4) is None
+    assert outlines_of(None, camera, size)(3) is None
 
 
 def test_a_large_body_is_compared_as_a_small_one_is() -> None:

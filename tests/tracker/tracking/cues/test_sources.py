@@ -12,6 +12,7 @@ from keypose.tracker.keypoints.model_files import FULL, HEAVY
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before
+from tests.tracker.keypoints.keypoint_cases import NO_MASK
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving
 
 FILM = Filmed(moving())
@@ -25,7 +26,7 @@ class Somebody:
 
     def infer(self, picture: np.ndarray, region: Region) -> Seen:
         uv = region.x + np.arange(66.0).reshape(33, 2)
-        return Seen(uv, np.full(33, 0.9), np.zeros((33, 3)), 1.0, region)
+        return Seen(uv, np.full(33, 0.9), np.zeros((33, 3)), 1.0, region, NO_MASK)
 
 
 class Pictures:

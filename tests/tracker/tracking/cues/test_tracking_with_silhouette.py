@@ -1,7 +1,12 @@
-"""What moves before a camera that stands still judges a motion, and is never a must."""
+"""What moves before a camera that stands still, or a person's mask before another, judges a motion,
+and is never a must."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
+import cv2
 import numpy as np
 import pytest
 
@@ -9,6 +14,8 @@ from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
+from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
 from keypose.tracker.tracking.result import SegmentResult
@@ -47,14 +54,51 @@ def clip_that_shows(motion: Trajectory) -> Clip:
     return Clip(motion.first_frame, tuple(levels))
 
 
+def before_a_moving_camera(clip: Clip) -> Clip:
+    """The same brightness, with nothing said of what moves."""
+    levels = [level.copy() for level in clip.levels]
+    for level in levels:
+        level[..., 3] = USABLE
+    return Clip(clip.first_frame, tuple(levels))
+
+
+SQUARE = Region((CAMERA.width - 1) / 2, (CAMERA.height - 1) / 2, CAMERA.width)
+"""Around the whole picture."""
+
+
+def people_seen(motion: Trajectory) -> GivenKeypoints:
+    """What sees a person exactly where the body is."""
+    mesh, view = BodyMesh.of(SKELETON), ViewCamera.of(CAMERA)
+    to_square = cv2.invertAffineTransform(SQUARE.to_picture(MASK_SIDE))
+    masks = tuple(
+        PersonMask.of(
+            SQUARE,
+            cv2.warpAffine(
+                (raster(mesh, T, view).part >= 0).astype(np.float32), to_square, (MASK_SIDE,) * 2
+            ),
+        )
+        for T in motion.transforms(SKELETON)
+    )
+    return GivenKeypoints(replace(FILM.keypoints, masks=masks))
+
+
 def result(
-    motion_shown: Trajectory, monkeypatch: pytest.MonkeyPatch, still: bool, **settings: object
+    motion_shown: Trajectory,
+    monkeypatch: pytest.MonkeyPatch,
+    still: bool,
+    people: GivenKeypoints | None = None,
+    **settings: object,
 ) -> SegmentResult:
-    monkeypatch.setattr(ClipLoader, "load", lambda *_: clip_that_shows(motion_shown))
+    clip = clip_that_shows(motion_shown)
+    clip = before_a_moving_camera(clip) if people else clip
+    monkeypatch.setattr(ClipLoader, "load", lambda *_: clip)
     segment = FILM.segment
     poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
     source = GivenKeypoints(FILM.keypoints)
-    tracker = Tracker(None, CAMERA, SKELETON, poses, static_camera=still, keypoints=source)  # type: ignore[arg-type]
+    video: Any = None
+    tracker = Tracker(
+        video, CAMERA, SKELETON, poses, static_camera=still, keypoints=source, people=people
+    )
     (found,) = tracked(tracker, **settings)
     return found
 
@@ -71,11 +115,29 @@ def test_a_body_beside_what_moves_is_to_be_checked(monkeypatch: pytest.MonkeyPat
     assert covered.verdict.cause != "moves_beside_body"
 
 
+def test_before_a_camera_that_moves_a_body_beside_the_person_is_to_be_checked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    shown, tracked = with_arms_raised(FILM.truth), {"cues": ALL_CUES, "quality": "preview"}
+    found = result(shown, monkeypatch, False, people_seen(shown), **tracked)
+    without = result(shown, monkeypatch, False, people_seen(shown), quality="preview", cues=BOTH)
+    assert found.verdict is not None
+    assert found.verdict.cause == "moves_beside_body"
+    assert without.verdict is not None
+    assert without.verdict.cause != "moves_beside_body"
+    np.testing.assert_array_equal(  # it judges the motion and does not change it
+        found.trajectory.Rs_parent_part, without.trajectory.Rs_parent_part
+    )
+    covered = result(FILM.truth, monkeypatch, False, people_seen(FILM.truth), **tracked)
+    assert covered.verdict is not None
+    assert covered.verdict.cause != "moves_beside_body"
+
+
 @pytest.mark.parametrize(
     ("still", "settings"),
     [
         (True, {"cues": BOTH}),  # named by nobody
-        (False, {"cues": ALL_CUES}),  # a camera that moves
+        (False, {"cues": ALL_CUES}),  # a camera that moves, and nothing that sees a person
     ],
 )
 def test_where_it_is_not_named_or_cannot_be_had_all_is_as_without(

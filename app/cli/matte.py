@@ -1,0 +1,69 @@
+"""`keypose matte`: the person cut out of the film, as PNG pictures or a film with alpha."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.json_output import print_json
+from keypose.app.export.drawable import require_frame
+from keypose.app.export.matte import (
+    FILMS,
+    frames_of,
+    matte_of,
+    picture_names,
+    write_film_with_alpha,
+    write_pictures_into,
+)
+from keypose.app.orders.drawing import MatteOrder
+from keypose.tracker.errors import FormatError
+from keypose.tracker.storage.atomic import require_absent, require_folder, sweep
+from keypose.tracker.storage.files import load_session, open_video_of
+
+
+def run(arguments: argparse.Namespace) -> int:
+    session, out = load_session(arguments.session), arguments.out
+    order = order_of(MatteOrder, arguments)
+    first, last = frames_of(session, order)
+    require_frame(session, last)
+    is_film = order.kind in FILMS
+    if is_film and out.suffix.lower() != f".{order.kind}":
+        raise FormatError(f"{str(out)!r} must end in .{order.kind}, the format of the film.")
+    written = [out] if is_film else [out / name for name in picture_names(session, first, last)]
+    if not arguments.overwrite:
+        require_absent(written)
+    require_folder(out.parent if is_film else out)
+    with open_video_of(session, arguments.session) as video, _bar() as progress:
+        matte = matte_of(session, arguments.session.name, video, order, progress)
+        if is_film:
+            sweep(out.parent)
+            write_film_with_alpha(out, matte, overwrite=arguments.overwrite)
+        else:
+            write_pictures_into(out, matte, overwrite=arguments.overwrite)
+    note(matte.words or None)
+    if arguments.json:
+        empty = list(matte.empty)
+        print_json({"written": list(map(str, written)), "frames": [first, last], "empty": empty})
+    else:
+        print(f"Written: {out}" if is_film else f"Written: {len(written)} pictures in {out}")
+    return 0
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int], None]]:
+    """Show at a terminal how far it is: every frame is looked at, and then written."""
+    if not sys.stderr.isatty():
+        yield lambda done, of: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(unit="step", file=sys.stderr, dynamic_ncols=True) as bar:
+
+        def report(done: int, of: int) -> None:
+            bar.n, bar.total = done, of
+            bar.refresh()
+
+        yield report

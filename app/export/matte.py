@@ -1,0 +1,193 @@
+"""The person cut out of the film, as pictures or as a film with alpha: of command line and page."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.app.export.film import clock_of
+from keypose.app.orders.drawing import MatteOrder
+from keypose.app.render.studio import png
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError, listed
+from keypose.tracker.keypoints.detect import Progress
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.keypoints.person_mask import PersonMask
+from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.atomic import make_folder, write_file
+from keypose.tracker.storage.tracking import detected_keypoints
+from keypose.tracker.video import Video
+from keypose.tracker.video.encode import MOV, WEBM, FilmWriter, film_file
+
+FILMS = {"webm": WEBM, "mov": MOV}
+
+
+@dataclass(frozen=True, eq=False)
+class Matte:
+    """Where the person is in the frames of a film, first to last.
+
+    progress: is told how many of how many steps are done, a look or a picture each.
+    """
+
+    session: Session
+    video: Video
+    order: MatteOrder
+    first: int
+    last: int
+    seen: Keypoints
+    progress: Callable[[int, int], None]
+    looks: int
+
+    def __len__(self) -> int:
+        return self.last - self.first + 1
+
+    @property
+    def words(self) -> str:
+        """What should be known of it, a sentence or nothing."""
+        if not self.empty:
+            return ""
+        share = f"{len(self.empty)} of the {len(self)} frames"
+        return f"No person was found in {share}: their alpha is empty."
+
+    @property
+    def empty(self) -> tuple[int, ...]:
+        """Frames in which no person was found."""
+        return tuple(n for n in range(self.first, self.last + 1) if self.seen.mask(n) is None)
+
+    def pictures(self) -> Iterator[NDArray[np.uint8]]:
+        """RGBA (H, W, 4), alpha straight, or the alpha alone (H, W, 3), of every frame in turn."""
+        frames = self.video.frames(self.first, self.last + 1)
+        for done, (number, picture) in enumerate(frames, start=1):
+            alpha = _alpha(self.seen.mask(number), self.video)
+            shown = np.zeros((*alpha.shape, 3), np.uint8) if picture is None else picture
+            yield np.dstack([alpha] * 3 if self.order.alpha_only else [shown, alpha])
+            self.progress(self.looks + done, self.looks + len(self))
+
+
+def picture_names(session: Session, first: int, last: int) -> list[str]:
+    """Return the names of the pictures of these frames."""
+    digits = max(4, len(str(session.video.frame_count - 1)))
+    return [f"frame{number:0{digits}}.png" for number in range(first, last + 1)]
+
+
+def frames_of(session: Session, order: MatteOrder) -> tuple[int, int]:
+    """First and last frame that are ordered."""
+    return order.frames or (0, session.video.frame_count - 1)
+
+
+def matte_of(
+    session: Session,
+    name: str,
+    video: Video,
+    order: MatteOrder,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Matte:
+    """Look for the person in the frames that are ordered; what `progress` raises ends that.
+
+    name: of the session's file.  SessionError where there is nothing to start from, or nobody.
+    """
+    first, last = frames_of(session, order)
+    seeds = _seeds(session, name, first, last)
+    count, looks = last - first + 1, 0
+
+    def looked(now: Progress) -> None:
+        nonlocal looks
+        looks = now.expected
+        progress(now.done, now.expected + count)
+
+    reached = min(first, *seeds), max(last, *seeds)
+    skeleton = Skeleton.of(session.body)
+    seen = detected_keypoints(session, video).follow(reached, skeleton, seeds, looked)
+    if seen is None or all(seen.mask(n) is None for n in range(first, last + 1)):
+        raise SessionError(
+            f"No person was found in frames {first} to {last}, starting from the poses at "
+            f"{listed([str(n) for n in seeds])}: pose the body over a person who is seen well."
+        )
+    return Matte(session, video, order, first, last, seen, progress, looks)
+
+
+def shown_mask(
+    session: Session, video: Video, frame: int, pose: Pose, known: Keypoints | None
+) -> NDArray[np.uint8]:
+    """The alpha (H, W) of one frame through an ideal lens, looked for around a pose where it
+    is not known; SessionError where there is nobody."""
+    _require_person(session, session.title)
+    mask = None if known is None else known.mask(frame)
+    if mask is None:
+        found = detected_keypoints(session, video).at(frame, Skeleton.of(session.body), pose)
+        mask = None if found is None else found.mask(frame)
+    if mask is None:
+        raise SessionError(f"No person was found at frame {frame}.")
+    return session.camera.rectify(_alpha(mask, video))
+
+
+def _alpha(mask: PersonMask | None, video: Video) -> NDArray[np.uint8]:
+    size = video.info.width, video.info.height
+    share = np.zeros(size[::-1]) if mask is None else mask.in_picture(*size)
+    return np.round(255 * share).astype(np.uint8)
+
+
+def _require_person(session: Session, name: str) -> None:
+    if session.evidence.has_surface or not is_persons(session.body):
+        about = "surfaces, not a film" if session.evidence.has_surface else "no person"
+        raise SessionError(f"{name} is about {about}: only a person in a film is cut out.")
+
+
+def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose]:
+    """The poses from which the person is looked for, by frame: those within the frames and the
+    nearest on either side."""
+    _require_person(session, name)
+    said = () if session.keypoints is None else session.keypoints.seeds
+    drafts = [draft for draft in session.drafts if draft.frame in said]
+    posed = list(session.keyframes) or drafts or list(session.drafts[:1])
+    if not posed:
+        raise SessionError(
+            f"{name} does not say where the person is: set a keyframe, or draft the poses from a "
+            "box around the person."
+        )
+    before = [k for k in posed if k.frame <= first][-1:]
+    after = [k for k in posed if k.frame >= last][:1]
+    within = [k for k in posed if first < k.frame < last]
+    skeleton = Skeleton.of(session.body)
+    return {k.frame: k.pose(skeleton) for k in (*before, *within, *after)}
+
+
+def write_pictures_into(folder: Path, matte: Matte, *, overwrite: bool) -> None:
+    """Write a PNG file a frame; each is whole or not there."""
+    make_folder(folder)
+    for name, picture in _named(matte):
+        write_file(folder / name, picture, overwrite=overwrite)
+
+
+def write_zip(out: Path, matte: Matte) -> None:
+    """Write the same files into one zip."""
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
+        for name, picture in _named(matte):
+            archive.writestr(zipfile.ZipInfo(name), picture)
+
+
+def _named(matte: Matte) -> Iterator[tuple[str, bytes]]:
+    names = picture_names(matte.session, matte.first, matte.last)
+    for name, picture in zip(names, matte.pictures(), strict=True):
+        yield name, png(picture[..., 0] if matte.order.alpha_only else picture)
+
+
+def write_film_with_alpha(out: Path, matte: Matte, *, overwrite: bool = False) -> None:
+    """Write a film; VideoError, and no file, when it cannot be made."""
+    info = matte.video.info
+    clock = clock_of(matte.session, matte.video, matte.first, matte.last)
+    timing = clock.time_base, clock.rate, info.pixel_aspect
+    kind, alpha = FILMS[matte.order.kind], not matte.order.alpha_only
+    with (
+        film_file(out, overwrite=overwrite) as place,
+        FilmWriter(place, (info.width, info.height), *timing, kind, alpha=alpha) as film,
+    ):
+        for pts, picture in zip(clock.pts, matte.pictures(), strict=True):
+            film.add(picture, pts)

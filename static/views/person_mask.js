@@ -1,0 +1,44 @@
+// Where the network sees the person, over the picture: fetched once the picture rests.
+
+import { isSurface } from '../store/clip.js';
+import { server, ui, watch } from '../store/state.js';
+import { fetchOwn } from '../store/storage.js';
+
+const REST_MS = 120;
+
+/** @type {HTMLImageElement} */
+let element;
+let wanted = '';
+let timer = 0;
+
+/** Show it in this image; `changed()` when there is another one. @param {HTMLImageElement} image @param {() => void} changed */
+export function mountPersonMask(image, changed) {
+  element = image;
+  watch(['u:personMask', 'u:shown', 'u:playing', 'file', 'camera', 'body'], () => follow(changed));
+}
+
+function follow(changed) {
+  const isWanted = ui.personMask && !ui.playing && server.file && server.body?.is_persons && !isSurface() && ui.shown !== undefined;
+  const now = isWanted ? `${server.file.path}|${server.camera?.image_version}|${ui.shown}` : '';
+  if (now === wanted) return;
+  wanted = now;
+  clearTimeout(timer);
+  delete element.dataset.frame;
+  if (now) timer = setTimeout(() => load(now, ui.shown, changed), REST_MS);
+}
+
+async function load(asked, frame, changed) {
+  try {
+    const answer = await fetchOwn(`/person/${frame}.png`);
+    if (!answer.ok || asked !== wanted) return; // nobody is there, or another frame is shown by now
+    const address = URL.createObjectURL(await answer.blob());
+    element.src = address;
+    await element.decode();
+    URL.revokeObjectURL(address);
+    if (asked !== wanted) return;
+    element.dataset.frame = String(frame);
+    changed();
+  } catch {
+    // The connection is lost, which is said elsewhere.
+  }
+}
