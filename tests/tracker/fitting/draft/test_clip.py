@@ -80,6 +80,7 @@ class KnowingFeet(Knowing):
     """A network of 26 joints that knows the clip."""
 
     names = LAYOUTS["HALPE_26"]
+    doubted = (0.0, 0.0)
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
         seen = super().infer(picture, region)
