@@ -15,7 +15,8 @@ from keypose.app.cli.arguments import (
 )
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_hull_kernels
-from keypose.tracker.errors import SurfaceError
+from keypose.tracker.errors import SurfaceError, numbers_listed
+from keypose.tracker.keypoints.blazepose import BlazePose
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.surface.cameras.hulls import Hulls, ply_bytes
 from keypose.tracker.surface.cameras.rig import Rig
@@ -30,7 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out
     stop = threading.Event()
     with ExitStack() as stack:
-        hulls = stack.enter_context(Hulls(Rig.open(arguments.rig), arguments.voxel))
+        rig, network = Rig.open(arguments.rig), BlazePose.open() if arguments.person else None
+        hulls = stack.enter_context(Hulls(rig, arguments.voxel, network))
         places = [out / f"step_{step:04d}.ply" for step in range(hulls.step_count)]
         if not arguments.overwrite:
             require_absent(places, error=SurfaceError)
@@ -44,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         warm_hull_kernels()
         stack.enter_context(set_when_interrupted(stop))
         written, refused = _make(hulls, places, stop, arguments)
-    _print_outcome(written, refused, len(places), stop.is_set(), arguments.json)
+    _print_outcome(written, refused, hulls, stop.is_set(), arguments)
     if stop.is_set():
         return INTERRUPTED
     return FAILED if refused else DONE
@@ -100,16 +102,29 @@ def _progress(count: int, as_json: bool) -> Iterator[OnStep]:
 
 
 def _print_outcome(
-    written: list[Path], refused: dict[int, str], count: int, interrupted: bool, as_json: bool
+    written: list[Path],
+    refused: dict[int, str],
+    hulls: Hulls,
+    interrupted: bool,
+    arguments: argparse.Namespace,
 ) -> None:
-    if as_json:
+    count, left_out = hulls.step_count, sorted(hulls.left_out.items())
+    if arguments.json:
         facts: dict[str, Any] = {"written": [str(place) for place in written]}
         steps = [{"step": step, "error": why} for step, why in refused.items()]
-        print_json({**facts, "steps": count, "refused": steps, "interrupted": interrupted})
+        without = {"left_out": {name: sorted(numbers) for name, numbers in left_out}}
+        facts |= {"steps": count, "refused": steps, **without, "interrupted": interrupted}
+        print_json(facts)
         return
     if written:
         print(f"Written: {written[0]} to {written[-1].name}, {len(written)} of {count} surfaces.")
     for step, why in refused.items():
         note(f"step {step} is left out. {why}")
+    for name, numbers in left_out:
+        nobody = "shows nobody or " if arguments.person else ""
+        note(
+            f"camera {name!r} is left out at step {numbers_listed(numbers)}: its picture "
+            f"{nobody}cannot be read."
+        )
     if interrupted:
         print(f"Interrupted: {len(written)} of {count} steps are kept.", file=sys.stderr)

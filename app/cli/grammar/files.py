@@ -104,6 +104,7 @@ def add_import(commands: Subcommands) -> None:
 _HULL_EXAMPLES = """\
   keypose hull cameras.json --out meshes
   keypose hull cameras.json --voxel 0.02 --out meshes --overwrite
+  keypose hull cameras.json --person --out meshes
 """
 
 
@@ -127,6 +128,12 @@ def add_hull(commands: Subcommands) -> None:
         type=_length,
         default=0.01,
         help="edge length of a voxel in metres; default: 0.01",
+    )
+    command.add_argument(
+        "--person",
+        action="store_true",
+        help="find a person in the cameras' images instead of reading silhouettes: no masks and no "
+        "clean background are needed; of several people, the one in the camera's box in the file",
     )
     add_json(command)
     add_overwrite(command)

@@ -13,12 +13,14 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.tracker import warm
 from keypose.tracker.kernels import carving, patches
+from keypose.tracker.keypoints.blazepose import BlazePose
 from keypose.tracker.surface.cameras import hulls
 from keypose.tracker.surface.files.sequence import MeshSequence
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.placing import Placement
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, studio
+from tests.tracker.surface.test_person import Disc
 
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 VOXEL = ["--voxel", "0.03"]
@@ -68,6 +70,36 @@ def test_a_step_without_a_hull_is_reported_and_left_out(
     assert main(["hull", str(cameras), "--out", str(out), *VOXEL]) == 1
     assert sorted(path.name for path in out.iterdir()) == ["step_0000.ply", "step_0002.ply"]
     assert "step 1 is left out. No place lies" in capsys.readouterr().err
+
+
+def test_a_camera_whose_silhouette_cannot_be_read_is_left_out_and_told(
+    cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (cameras.parent / "camera_02" / "silhouettes" / "0001.png").write_bytes(b"no picture")
+    assert main(["hull", str(cameras), "--out", str(tmp_path / "meshes"), *VOXEL]) == 0
+    expected = "camera 'camera_02' is left out at step 1: its picture cannot be read."
+    assert expected in capsys.readouterr().err
+
+
+def test_a_person_that_is_found_needs_no_silhouettes(
+    cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    (cameras.parent / "camera_02" / "images" / "0001.png").write_bytes(b"no picture")
+    data = json.loads(cameras.read_bytes())
+    for camera in data["cameras"]:
+        camera["silhouettes"] = None
+    cameras.write_text(json.dumps(data))
+    monkeypatch.setattr(BlazePose, "open", Disc)
+    command = ["hull", str(cameras), "--out", str(tmp_path / "meshes"), *VOXEL]
+    assert main(command) == 2
+    assert "have silhouettes: at least two must name theirs, or --person" in capsys.readouterr().err
+    assert main([*command, "--person"]) == 0
+    out, err = capsys.readouterr()
+    assert "step_0000.ply to step_0002.ply, 3 of 3" in out
+    assert "camera 'camera_02' is left out at step 1: its picture shows nobody or cannot" in err
+    assert main([*command, "--person", "--json", "--overwrite"]) == 0
+    assert json.loads(capsys.readouterr().out)["left_out"] == {"camera_02": [1]}
 
 
 def test_ctrl_c_keeps_what_is_done(

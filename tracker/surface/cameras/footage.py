@@ -5,7 +5,7 @@ On phantom volume, and where a surface was reconstructed badly, they do not.  SU
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Literal, Self, TypeAlias
@@ -85,6 +85,10 @@ def _nearness(
 
 What: TypeAlias = Literal["images", "silhouettes"]
 
+Shown: TypeAlias = Callable[[str, NDArray[np.uint8]], Grey | None]
+"""Of a camera's name and its picture (H, W, 3), RGB, how much of each pixel belongs to the thing;
+None where the thing is not found."""
+
 
 @dataclass(frozen=True, eq=False)
 class _CameraVideo:
@@ -126,13 +130,18 @@ class Footage:
 
     def pictures(self, step: int) -> tuple[list[View], list[Grey]]:
         """The views whose picture of this step can be read, and these pictures (H, W)."""
-        found = [(taken, grey) for taken, grey in self._greys(step) if grey is not None]
+        found = self._each(step, _grey)
         pictures = [taken.lens.rectify(grey) for taken, grey in found]
         return [taken.view for taken, _ in found], pictures
 
-    def silhouettes(self, step: int) -> tuple[list[View], list[Silhouette]]:
-        """The same of silhouettes: what is brighter than half belongs to the thing."""
-        found = [(taken, grey) for taken, grey in self._greys(step) if grey is not None]
+    def silhouettes(
+        self, step: int, shown: Shown | None = None
+    ) -> tuple[list[View], list[Silhouette]]:
+        """The same of silhouettes: what is brighter than half belongs to the thing.
+
+        shown: makes them from images, of those views where it finds the thing.
+        """
+        found = self._each(step, shown or _grey)
         return [taken.view for taken, _ in found], [_silhouette(t.lens, g) for t, g in found]
 
     def rate(self, mesh: SurfaceMesh, step: int) -> SurfaceMesh:
@@ -152,21 +161,27 @@ class Footage:
             ideal = replace(view, camera=view.camera.without_distortion())
             taken.append(_CameraVideo(ideal, view.camera, video))
         if len(taken) < 2:
+            other = "" if self._what == "images" else ", or --person finds a person in the images"
             raise SurfaceError(
                 f"Only {len(taken)} of the {len(rig.cameras)} cameras have {self._what}: at least "
-                f"two must name theirs."
+                f"two must name theirs{other}."
             )
         return taken
 
-    def _greys(self, step: int) -> list[tuple[_CameraVideo, Grey | None]]:
-        return [(taken, _grey(taken.video, step)) for taken in self._taken]
+    def _each(self, step: int, shown: Shown) -> list[tuple[_CameraVideo, Grey]]:
+        """What is made of the pictures of a step, where they can be read and it is found."""
+        found = []
+        for taken in self._taken:
+            try:
+                grey = shown(taken.view.name, taken.video.frame(step))
+            except MissingFrame:
+                continue
+            if grey is not None:
+                found.append((taken, grey))
+        return found
 
 
-def _grey(video: Video, step: int) -> Grey | None:
-    try:
-        picture = video.frame(step)
-    except MissingFrame:
-        return None
+def _grey(_name: str, picture: NDArray[np.uint8]) -> Grey:
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
 
 

@@ -1,4 +1,4 @@
-"""Make the hulls of a rig's silhouettes step by step, rated by its images; write them as PLY."""
+"""Make the hulls of a rig's silhouettes, or of a person in its images; write them as PLY."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from typing import Self
 import numpy as np
 
 from keypose.tracker.errors import SurfaceError
-from keypose.tracker.surface.cameras.footage import Footage, consistency
+from keypose.tracker.keypoints.detect import Detector
+from keypose.tracker.surface.cameras.footage import Footage, What, consistency
 from keypose.tracker.surface.cameras.hull import hull_field, hull_mesh
+from keypose.tracker.surface.cameras.person import PersonFinder
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.mesh import SurfaceMesh
 
@@ -43,16 +45,25 @@ _NOWHERE = np.zeros(3)
 
 
 class Hulls:
-    """Meshes by step, in the units and the world of the cameras' file. Close it, or use `with`."""
+    """Meshes by step, in the units and the world of the cameras' file. Close it, or use `with`.
 
-    def __init__(self, rig: Rig, voxel_m: float) -> None:
-        """SurfaceError where there are too few silhouettes."""
+    left_out: by camera the steps made without it: it showed nobody, or could not be read.
+    """
+
+    def __init__(self, rig: Rig, voxel_m: float, network: Detector | None = None) -> None:
+        """SurfaceError where there are too few silhouettes, or images, or a box is none.
+
+        network: finds a person in the images, whose silhouettes are taken; None: those of the file.
+        """
         self._rig, self._voxel_m = rig, voxel_m
+        self._person = None if network is None else PersonFinder(rig, network)
+        self.left_out: dict[str, set[int]] = {}
         self.has_images = any(camera.images for camera in rig.cameras)
         with ExitStack() as opening:
-            self._silhouettes = opening.enter_context(Footage(rig, "silhouettes", _NOWHERE))
-            self._images: Footage | None = None
-            if self.has_images:
+            shapes: What = "silhouettes" if network is None else "images"
+            self._silhouettes = opening.enter_context(Footage(rig, shapes, _NOWHERE))
+            self._images = None if network is None else self._silhouettes
+            if self.has_images and network is None:
                 self._images = opening.enter_context(Footage(rig, "images", _NOWHERE))
                 _require_same_count(self._silhouettes, self._images)
             self._open = opening.pop_all()
@@ -62,8 +73,18 @@ class Hulls:
         return self._silhouettes.frame_count
 
     def mesh(self, step: int) -> SurfaceMesh:
-        """SurfaceError where no hull can be made of this step."""
-        mesh = hull_mesh(hull_field(*self._silhouettes.silhouettes(step), self._voxel_m))
+        """SurfaceError where no hull can be made of this step. Of a person, ask in ascending order:
+        each step is looked at where the person was last."""
+        views, silhouettes = self._silhouettes.silhouettes(step, self._person)
+        every = [view.name for view in self._silhouettes.views]
+        if self._person is not None and len(views) < 2:
+            raise SurfaceError(
+                f"A person was found by {len(views)} of the {len(every)} cameras, and a hull needs "
+                'two: give a "box" around the person in the cameras\' file.'
+            )
+        mesh = hull_mesh(hull_field(views, silhouettes, self._voxel_m))
+        for name in set(every) - {view.name for view in views}:
+            self.left_out.setdefault(name, set()).add(step)
         if self._images is not None:
             mesh = replace(mesh, consistency=consistency(mesh, *self._images.pictures(step)))
         return self._rig.in_file(mesh, _NOWHERE)

@@ -3,12 +3,14 @@
     {"units": "cm", "up": "+z", "cameras": [
       {"name": "north", "width": 640, "height": 480, "fx": 620, "fy": 620, "cx": 319.5, "cy": 239.5,
        "R_camera_world": [[…], […], […]], "t_camera_world": [12.5, 80, 340],
-       "images": "north/images", "silhouettes": "north/silhouettes"}, …]}
+       "images": "north/images", "silhouettes": "north/silhouettes",
+       "box": [220, 90, 410, 460]}, …]}
 
 A point of the world is at R_camera_world · p + t_camera_world in a camera's frame: x right, y down,
 z away, pixel centres at integers. Units and the up axis are those of the world, which is also that
 of the surfaces. Images and silhouettes are folders of images or videos, a picture for every step,
-relative to the file.
+relative to the file. The box is about the person in the first image: left, top, right and bottom,
+pixels.
 """
 
 from __future__ import annotations
@@ -120,6 +122,7 @@ class RigCamera(Camera):
     t_camera_world: Triple
     images: PathText | None = None
     silhouettes: PathText | None = None
+    box: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
 
     @model_validator(mode="after")
     def _stands_one_way(self) -> Self:
