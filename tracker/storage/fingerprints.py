@@ -41,12 +41,19 @@ AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 def segment_keys(session: Session) -> dict[Span, str]:
     """The keys of all segments of a session, in the order of their frames."""
-    return dict(_keys(ById(session)))
+    return dict(_keys_of(session))
+
+
+def _keys_of(session: Session) -> dict[Span, str]:
+    return _keys(ById(session), _digest(session.settings.network_used))
 
 
 @lru_cache(maxsize=8)
-def _keys(session: ById) -> dict[Span, str]:
-    """Cached: called often for an unchanged session."""
+def _keys(session: ById, _network: str) -> dict[Span, str]:
+    """Cached: called often for an unchanged session.
+
+    _network: its digest, another one once a file of that name is added, replaced or removed.
+    """
     setup = _setup(session.it)
     at = {keyframe.frame: keyframe for keyframe in session.it.keyframes}
     return {span: _key(session.it, setup, at, span) for span in session.it.spans}
@@ -63,7 +70,7 @@ def present_keys(session: Session) -> dict[Span, str]:
 
 def segment_key(session: Session, first: int, last: int) -> str:
     """The key of one segment; KeyError where the session has no such segment."""
-    return _keys(ById(session))[first, last]
+    return _keys_of(session)[first, last]
 
 
 def without_part_keyframes(session: Session) -> Session:
@@ -240,7 +247,7 @@ def _cues(session: Session) -> list[Any]:
 def _keypoints(session: Session) -> list[Any]:
     """Return which keypoints count.
 
-    Those that the bundled network finds follow from the film and the segment's own keyframes.
+    Those that a network finds follow from the film and the segment's own keyframes.
     """
     if not _uses_keypoints(session):
         return []
@@ -249,7 +256,7 @@ def _keypoints(session: Session) -> list[Any]:
 
 
 def _digest(network: str) -> str:
-    """Return a network's digest; its name where it is not here, with which nothing was tracked."""
+    """Return a network's digest; its name where it is not here: then no result fits."""
     try:
         return find_model(network).sha256
     except KeypointError:

@@ -113,14 +113,18 @@ def test_the_motion_follows_the_content_of_a_network_of_ones_own_not_its_name(
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
-    def key(network: str) -> str:
+    def with_network(network: str) -> Session:
         named = {"cues": ("brightness", "keypoints"), "network": network}
         settings = person.settings.model_copy(update=named)
-        return next(iter(segment_keys(person.model_copy(update={"settings": settings})).values()))
+        return person.model_copy(update={"settings": settings})
+
+    def key(network: str) -> str:
+        return next(iter(segment_keys(of[network]).values()))
 
     frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
     bare = {"body": preset("adult_male"), "keyframes": tuple(frames)}
     person = session().model_copy(update=bare)
+    of = {name: with_network(name) for name in ("mine", "other")}  # both stay open
     missing = key("mine")
     keys = []
     for name, content in (("mine", tiny.simcc()), ("mine", tiny.maps()), ("other", tiny.maps())):
