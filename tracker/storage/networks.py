@@ -69,10 +69,14 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
     require_network_name(name)
     content, source = _read(path), repr(str(path))
     digest = hashlib.sha256(content).hexdigest()
-    if sha256 is None or sha256.lower() != digest:
+    if sha256 is None:
         raise KeypointError(
             f"The SHA-256 of {source} is {digest}; add it with --sha256 {digest} if you trust "
             "where it comes from."
+        )
+    if sha256.lower() != digest:
+        raise KeypointError(
+            f"{source} is another file or damaged: its SHA-256 is {digest}, not the one given."
         )
     if _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower():
         raise KeypointError(f"{source} is a network of animals: only those of people are read.")
