@@ -189,7 +189,7 @@ def verified(model: Model) -> Path:
 
     KeypointError in one sentence when it is missing or damaged.
     """
-    again = f"run `{adding(model)}`" if not model.bundled else "install Keypose again"
+    again = f"run `{adding(model)}`"
     try:
         content = read_regular(model.path, LARGEST_BYTES)
     except FileNotFoundError:
@@ -206,7 +206,9 @@ def verified(model: Model) -> Path:
 
 
 def adding(model: Model) -> str:
-    """Return the command that adds a network which does not come with Keypose."""
+    """Return the command that brings a network here; those that come with Keypose, with it."""
+    if model.bundled:
+        return "pip install --force-reinstall keypose"
     return adding_own(model.name) if model.heads else f"keypose models add {model.name}"
 
 

@@ -62,7 +62,9 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    source, people = keypoint_source(session, video, keypoints), _people(session, video)
+    source = people = None
+    if session.settings.method == "keypose":  # the published method looks for nobody
+        source, people = keypoint_source(session, video, keypoints), _people(session, video)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.first_motion

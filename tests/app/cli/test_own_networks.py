@@ -7,15 +7,21 @@ import io
 import json
 import shutil
 import zipfile
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.tracker.keypoints.model_files import THUNDER, added_folder, find_model
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints.model_files import FULL, THUNDER, Model, added_folder, find_model
+from keypose.tracker.session.settings import ALL_CUES
 from keypose.tracker.storage import networks
 from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.tracking import tracker_of
 from tests.tracker.keypoints import tiny_networks as tiny
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 
@@ -82,6 +88,31 @@ def test_it_is_added_listed_drafted_with_tracked_with_and_removed(
         assert run(*command) == 2
         assert "keypose models add mine --from FILE --sha256 DIGEST" in capsys.readouterr().err
     assert not (tmp_path / "again").exists()
+
+
+def test_the_published_method_needs_no_network() -> None:
+    session, video = load_session(BALANCE / "session.json"), cast("Any", None)
+    of = {"network": "mine", "cues": ALL_CUES, "static_camera": False}
+    for method, refused in (("paper", False), ("keypose", True)):
+        settings = session.settings.model_copy(update={**of, "method": method})
+        with pytest.raises(KeypointError, match="no network 'mine'") if refused else nullcontext():
+            tracker_of(session.model_copy(update={"settings": settings}), video)
+
+
+@pytest.mark.parametrize("bundled", [THUNDER, FULL])
+def test_a_network_that_came_with_keypose_and_is_gone_comes_with_it_again(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    bundled: Model,
+) -> None:
+    monkeypatch.setattr(model_files, "__file__", str(tmp_path / "model_files.py"))
+    assert run("models") == 0
+    (line,) = (x for x in capsys.readouterr().out.splitlines() if x.startswith(bundled.name))
+    again = "pip install --force-reinstall keypose"
+    assert line.endswith(f"not here: {again}")
+    with pytest.raises(KeypointError, match=f"is not installed: run `{again}`"):
+        model_files.verified(bundled)
 
 
 @pytest.mark.parametrize("folder", ["", "rtmpose-m/", "./20230728/model/"])
