@@ -46,7 +46,8 @@ EXTRAS: Final = (
         for name, kind in FORMATS.items()
         if kind.library is not None
     ),
-    ("ai_edge_litert", "ai-edge-litert", "keypoints two to four times as fast"),
+    ("ai_edge_litert", "ai-edge-litert", "BlazePose in less than half the time"),
+    ("onnxruntime", "onnxruntime", "other networks of keypoints in less than half the time"),
     ("distributed", "distributed", "`keypose batch` on many computers"),
 )
 
@@ -233,14 +234,9 @@ def _megabytes(of: list[Path]) -> int:
 def networks() -> Iterator[Finding]:
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import THUNDER
-    from keypose.tracker.keypoints.runtimes import ONNX, TFLITE, fast_is_here
 
     open_detector(THUNDER)
-    yield Finding("keypoints", "ok", "the bundled networks are here and run")
-    if not (fast_is_here(ONNX) and fast_is_here(TFLITE)):
-        words = "OpenCV runs the networks"
-        remedy = "For keypoints in half the time: pip install keypose[fast-pose]"
-        yield Finding("keypoints", "note", words, remedy)
+    yield Finding("keypoints", "ok", "the bundled networks are here and can be read")
 
 
 def port() -> Iterator[Finding]:

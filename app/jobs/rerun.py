@@ -61,7 +61,7 @@ _LACKING = ByEvidence({FilmEvidence: _of_film, SurfaceEvidence: _of_surfaces})
 
 
 def with_settings(session: Session, order: TrackOrder | DraftOrder) -> Session:
-    """The session as it is to be tracked in this run; its file keeps its own settings.
+    """The session with the settings of an order; its file is not written.
 
     BodyError where the order leaves out a part that the body has not.
     """

@@ -306,7 +306,7 @@ class Session(Plain):
 
     @property
     def given_keypoints(self) -> KeypointFile | None:
-        """Imported keypoints, which count in place of those that the bundled network finds."""
+        """Imported keypoints, which count in place of those that a network finds."""
         return None if self.keypoints is None or self.keypoints.network else self.keypoints
 
     @property

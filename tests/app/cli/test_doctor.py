@@ -100,6 +100,11 @@ def test_a_damaged_network_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert "is damaged" in found[0].words
 
 
+def test_each_library_that_runs_networks_fast_is_told_once() -> None:
+    names = [finding.name for check in (networks, doctor.extras) for finding in check()]
+    assert [names.count(n) for n in ("keypoints", "ai-edge-litert", "onnxruntime")] == [1, 1, 1]
+
+
 def test_an_optional_part_comes_with_the_command_of_this_kind_of_installation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -208,7 +208,7 @@ class Observed:
             what = missing[0].replace("_", " ") if missing else "depth"
             raise KeypointError(
                 f"These keypoints have no {what}: a draft needs a person's arms and legs with "
-                "their depth, as the bundled network finds them."
+                "their depth, as Keypose finds them."
             )
         columns = [_column(keypoints, keypoints.p_hips, name) for name in POINTS]
         filmed, seen, p_hips = (np.stack(values, axis=1) for values in zip(*columns, strict=True))
