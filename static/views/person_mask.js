@@ -10,6 +10,7 @@ const REST_MS = 120;
 let element;
 let wanted = '';
 let timer = 0;
+let last = Promise.resolve();
 
 /** Show it in this image; `changed()` when there is another one. @param {HTMLImageElement} image @param {() => void} changed */
 export function mountPersonMask(image, changed) {
@@ -19,22 +20,25 @@ export function mountPersonMask(image, changed) {
 
 function follow(changed) {
   const isWanted = ui.personMask && !ui.playing && server.file && server.body?.is_persons && !isSurface() && ui.shown !== undefined;
-  const now = isWanted ? `${server.file.path}|${server.camera?.image_version}|${ui.shown}` : '';
+  const frame = ui.shown;
+  const now = isWanted ? `${server.file.path}|${server.camera?.image_version}|${frame}` : '';
   if (now === wanted) return;
   wanted = now;
   clearTimeout(timer);
   delete element.dataset.frame;
-  if (now) timer = setTimeout(() => load(now, ui.shown, changed), REST_MS);
+  // One after another: each is work for the server, and those left behind are not asked for.
+  const ask = () => void (last = last.then(() => load(now, frame, changed)));
+  if (now) timer = setTimeout(ask, REST_MS);
 }
 
 async function load(asked, frame, changed) {
+  if (asked !== wanted) return;
   try {
     const answer = await fetchOwn(`/person/${frame}.png`);
     if (!answer.ok || asked !== wanted) return; // nobody is there, or another frame is shown by now
     const address = URL.createObjectURL(await answer.blob());
     element.src = address;
-    await element.decode();
-    URL.revokeObjectURL(address);
+    await element.decode().finally(() => URL.revokeObjectURL(address));
     if (asked !== wanted) return;
     element.dataset.frame = String(frame);
     changed();
