@@ -13,9 +13,15 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.keypoints.model_files import JointHeads, Model, verified
+from keypose.tracker.keypoints.model_files import JointHeads, Model, note_damaged, verified
 from keypose.tracker.keypoints.region import Region
-from keypose.tracker.keypoints.runtimes import ONNX, Runtime, fast_is_here, open_runtime
+from keypose.tracker.keypoints.runtimes import (
+    ONNX,
+    Runtime,
+    cannot_run,
+    fast_is_here,
+    open_runtime,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +46,18 @@ class JointNetwork:
 
     @classmethod
     def open(cls, model: Model, *, fast: bool | None = None) -> JointNetwork:
-        """Read a network's file; fast, and KeypointError, as of `open_runtime`."""
+        """Read a network's file, and look at nothing once; fast, and KeypointError, as of
+        `open_runtime`."""
         assert model.heads is not None
-        return cls(model, model.heads, open_heads(verified(model), model.heads, fast=fast))
+        runtime = open_heads(verified(model), model.heads, fast=fast)
+        network = cls(model, model.heads, runtime)
+        try:  # what added it was perhaps another runtime, or its note is of another file
+            seen = network.infer(np.zeros((8, 8, 3), np.uint8), Region(3.5, 3.5, 8.0))
+        except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
+            raise cannot_run(f"The network {model.name!r}", runtime.name, error) from None
+        if len(seen.uv) != len(network.names):
+            raise note_damaged(model.name)
+        return network
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
         """The joints of the person in BlazePose's region of a picture (H, W, 3), RGB."""

@@ -166,10 +166,15 @@ def find_model(name: str) -> Model:
             f"The network {name!r} cannot be read: {error.strerror or error}."
         ) from None
     except ValidationError:
-        raise KeypointError(
-            f"What is known of the network {name!r} is damaged: run `keypose models remove {name}` "
-            "and add it again."
-        ) from None
+        raise note_damaged(name) from None
+
+
+def note_damaged(name: str) -> KeypointError:
+    """Return what is said where the file beside an added network cannot be right."""
+    return KeypointError(
+        f"What is known of the network {name!r} is damaged: run `keypose models remove {name}` "
+        "and add it again."
+    )
 
 
 def added_models() -> tuple[Model, ...]:

@@ -17,6 +17,7 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.model_files import FULL, THUNDER, Model, added_folder, find_model
 from keypose.tracker.session.settings import ALL_CUES
 from keypose.tracker.storage import networks
@@ -249,6 +250,27 @@ def test_wrong_arguments_are_reported_in_one_sentence(
 ) -> None:
     assert run("models", *arguments) == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("field", "other", "words"),
+    [
+        ("outputs", ["simcc_x"], "'mine' cannot be run by"),
+        ("outputs", ["simcc_x", "other"], "'mine' cannot be run by"),
+        ("layout", "COCO_WHOLEBODY_133", "'mine' is damaged: run `keypose models remove mine`"),
+    ],
+)
+def test_a_network_that_is_not_as_it_was_added_is_refused_before_it_looks(
+    tmp_path: Path, field: str, other: object, words: str
+) -> None:
+    assert add(tmp_path, SIMCC) == 0
+    note = find_model("mine").path.with_suffix(".json")
+    facts = json.loads(note.read_text())
+    facts["heads"][field] = other
+    note.write_text(json.dumps(facts))
+    with pytest.raises(KeypointError) as refused:
+        JointNetwork.open(find_model("mine"))
+    assert words in str(refused.value)
 
 
 def test_what_is_known_of_it_is_checked_when_it_is_read(
