@@ -48,7 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
         empty = list(matte.empty)
         print_json({"written": list(map(str, written)), "frames": [first, last], "empty": empty})
     else:
-        print(f"Written: {out}" if is_film else f"Written: {len(written)} pictures in {out}")
+        pictures = "1 picture" if len(written) == 1 else f"{len(written)} pictures"
+        print(f"Written: {out}" if is_film else f"Written: {pictures} in {out}")
     return 0
 
 

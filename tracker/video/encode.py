@@ -92,8 +92,8 @@ class FilmWriter:
         odd = kind is MP4 and (width % 2 or height % 2)
         if odd or not 2 <= min(size) <= max(size) <= LARGEST_SIDE:
             raise VideoError(
-                f"A film of {width}×{height} pixels cannot be made: both sides must be even, "
-                f"and at most {LARGEST_SIDE}."
+                f"A film of {width}×{height} pixels cannot be made: both sides must be "
+                f"{'even' if kind is MP4 else '2 or more'}, and at most {LARGEST_SIDE}."
             )
         if not can_write_films(kind):
             raise VideoError(

@@ -87,8 +87,11 @@ def test_pictures_are_the_film_with_straight_alpha(
         assert np.array_equal(picture[..., 3], expected(number))
 
 
-def test_the_alpha_alone_is_grey(session: Path, tmp_path: Path) -> None:
+def test_the_alpha_alone_is_grey(
+    session: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run(session, "--frames", "1-1", "--alpha-only", "--out", tmp_path) == 0
+    assert capsys.readouterr().out == f"Written: 1 picture in {tmp_path}\n"
     picture = cv2.imread(str(tmp_path / "frame0001.png"), cv2.IMREAD_UNCHANGED)
     assert np.array_equal(picture, expected(1))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video import Video
-from keypose.tracker.video.encode import FilmWriter, film_file
+from keypose.tracker.video.encode import MOV, FilmWriter, film_file
 
 SIZE = (96, 64)
 
@@ -116,6 +116,12 @@ def test_sizes_that_cannot_be_coded_are_refused(tmp_path: Path, size: tuple[int,
     with pytest.raises(VideoError, match="both sides must be even"):
         FilmWriter(tmp_path / "film.mp4", size, Fraction(1, 25), Fraction(25))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("size", [(1, 64), (8193, 63)])
+def test_a_film_with_alpha_is_never_told_to_be_even(tmp_path: Path, size: tuple[int, int]) -> None:
+    with pytest.raises(VideoError, match="both sides must be 2 or more, and at most 8192"):
+        FilmWriter(tmp_path / "a.mov", size, Fraction(1, 25), Fraction(25), kind=MOV, alpha=True)
 
 
 def test_without_the_encoder_it_is_reported_what_to_install(
