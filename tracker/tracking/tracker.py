@@ -229,6 +229,7 @@ class Tracker:
         segment = Segment(first, last, start, end, clip, imported, own)
         method = method_of(settings)
         scene = self.scene(span, method.density)
+        outlines = self._outlines(segment, settings, emit)
         work, number = self._corrected_work(scene, segment, settings, emit), 0
         while True:
             try:
@@ -236,7 +237,6 @@ class Tracker:
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
                 if self._uses_silhouette(settings):
-                    outlines = self._outlines(segment, emit)
                     seen = silhouette_mismatch(scene, segment.clip, outcome.trajectory, outlines)
                     outcome = replace(outcome, silhouette=seen)
                 if outcome.joints is None and self._uses_keypoints(settings):
@@ -305,10 +305,10 @@ class Tracker:
 
         return source.over(segment, self.skeleton, report)
 
-    def _outlines(self, segment: Segment, emit: Emit) -> Outlines | None:
+    def _outlines(self, segment: Segment, settings: TrackSettings, emit: Emit) -> Outlines | None:
         """Return where the person is, before a camera that moves; None before one that stands
-        still."""
-        if self._prepared.has_static_camera:
+        still, and where no silhouette counts."""
+        if self._prepared.has_static_camera or not self._uses_silhouette(settings):
             return None
         seen = self._keypoints_of(self._people, segment, emit)
         loader = self.loader((segment.first_frame, segment.last_frame))

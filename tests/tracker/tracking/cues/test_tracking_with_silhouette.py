@@ -12,8 +12,10 @@ import pytest
 
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
@@ -131,6 +133,21 @@ def test_before_a_camera_that_moves_a_body_beside_the_person_is_to_be_checked(
     covered = result(FILM.truth, monkeypatch, False, people_seen(FILM.truth), **tracked)
     assert covered.verdict is not None
     assert covered.verdict.cause != "moves_beside_body"
+
+
+def test_without_the_network_that_sees_the_person_nothing_is_tracked_in_vain(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Absent(GivenKeypoints):
+        def over(self, *_: object) -> Keypoints:
+            raise KeypointError("The network is not installed.")
+
+    def worked(*_: object) -> None:
+        pytest.fail("it was tracked before")
+
+    monkeypatch.setattr(Tracker, "_work", worked)
+    with pytest.raises(KeypointError, match="not installed"):
+        result(FILM.truth, monkeypatch, False, Absent(FILM.keypoints), cues=ALL_CUES)
 
 
 @pytest.mark.parametrize(
