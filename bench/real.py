@@ -52,7 +52,9 @@ class Posed:
             )  # fmt: skip
         source = None
         if network is not None:
-            source = DetectedKeypoints(self.video, self.clip.camera, model=network)
+            source = DetectedKeypoints(
+                self.video, self.clip.camera, model=network, every_second=network.heads is not None
+            )
         plain = self.prepared[static_camera]
         return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
 

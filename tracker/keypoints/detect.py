@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 from typing import Final, Protocol, TypeAlias
 
@@ -125,6 +125,12 @@ class Rows:
         self._regions.append(self.region)
         self._lost_for.append(self.lost_for)
 
+    def skip(self) -> None:
+        """The next frame, which is not looked at."""
+        self._seen.append(None)
+        self._regions.append(self.region)
+        self._lost_for.append(self.lost_for)
+
     def stretch(self) -> DetectionWindow:
         points = len(NAMES)
         uv, metres = np.full((points, 2), np.nan), np.full((points, 3), np.nan)
@@ -206,6 +212,7 @@ def detect(
     report: Callable[[Progress], None] = lambda progress: None,
     film: str = "",
     kept: Kept | None = None,
+    every_second: bool = False,
 ) -> Keypoints:
     """The keypoints of one body in all frames from the first to the last asked for.
 
@@ -213,6 +220,7 @@ def detect(
     seeds:  one or more, of different frames among these.
     report: called before each look; what it raises ends the work within a frame.
     film:   fingerprint of the pictures, under which stretches are kept; with `kept` alone.
+    every_second: whether every second frame is enough, those between being means without a mask.
 
     Where nobody is found, and in frames that cannot be decoded, keypoints are NaN and unseen.
     KeypointError when no seed's region shows anybody.
@@ -223,7 +231,9 @@ def detect(
     inside = bool(numbers) and first <= numbers[0] <= numbers[-1] <= last
     if not inside or len(set(numbers)) < len(numbers):
         raise ValueError("seeds are of different frames among those asked for")
-    work = _DetectionRun(frame, network, report, film, kept, expected=last - first + 1)
+    work = _DetectionRun(
+        frame, network, report, film, kept, every_second, expected=last - first + 1
+    )
     starts = [start for start in map(work.start, ordered) if start is not None]
     if not starts:
         raise _nobody(numbers)
@@ -234,7 +244,26 @@ def detect(
     found.put(starts[-1].frame, 1, work.chain(starts[-1], 1, last))
     for start in starts:
         found.put(start.frame - 1, 1, start.seen)
-    return found.keypoints()
+    return _with_means(found.keypoints()) if every_second else found.keypoints()
+
+
+def _is_between(frame: int) -> bool:
+    """Return whether a frame is one of those between the ones that are looked at."""
+    return frame % 2 == 1
+
+
+def _with_means(found: Keypoints) -> Keypoints:
+    """Put the mean of both neighbours, where they are known, into frames between."""
+    uv, visibility, p_hips = found.uv.copy(), found.visibility.copy(), found.p_hips
+    assert p_hips is not None
+    p_hips = p_hips.copy()
+    for row in range(1, len(uv) - 1):
+        around = [row - 1, row + 1]
+        is_open = _is_between(found.first_frame + row) and np.isnan(uv[row]).all()
+        if is_open and np.isfinite(uv[around]).all():
+            for values in (uv, visibility, p_hips):
+                values[row] = values[around].mean(axis=0)
+    return replace(found, uv=uv, visibility=visibility, p_hips=p_hips)
 
 
 def _nobody(frames: Sequence[int]) -> KeypointError:
@@ -339,6 +368,7 @@ class _DetectionRun:
     report: Callable[[Progress], None]
     film: str
     kept: Kept | None
+    every_second: bool
     expected: int
     done: int = 0
 
@@ -369,10 +399,18 @@ class _DetectionRun:
             rows = Rows(region, lost_for)
             for number in frames:
                 self._report(number)
+                may_skip = self.every_second and _is_between(number) and number != frames[-1]
+                if may_skip and not rows.lost_for:
+                    rows.skip()
+                    continue
                 rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
             return rows.stretch()
 
-        key = ("piece", frames[0], frames.step, astuple(region.rounded(LOOK_PARTS)), lost_for)
+        key: tuple[object, ...] = (
+            "piece", frames[0], frames.step, astuple(region.rounded(LOOK_PARTS)), lost_for
+        )  # fmt: skip
+        if self.every_second:  # a longer piece may skip the frame at which this one ends
+            key += ("every second", frames[-1] if _is_between(frames[-1]) else None)
         return self._kept(key, len(frames), look)
 
     def _kept(

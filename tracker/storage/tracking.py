@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Final
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -31,6 +32,12 @@ from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never,
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES
+
+LEAST_FPS: Final = 23.0
+"""From so many frames a second on keypoints of every second one are enough: the motion between
+keyframes is as near to its marks as by those of each."""
+_EVERY_FRAME: Final = ("full", "heavy")
+"""Networks whose motions stay what they were."""
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
@@ -120,20 +127,27 @@ def _found_keypoints(
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
-    return detected_keypoints(session, video)
+    enough = session.settings.network_used not in _EVERY_FRAME and video.info.fps >= LEAST_FPS
+    return detected_keypoints(session, video, every_second=enough and not _needs_masks(session))
+
+
+def _needs_masks(session: Session) -> bool:
+    return "silhouette" in session.settings.cues_used and not session.has_static_camera
 
 
 def _people(session: Session, video: Video) -> DetectedKeypoints | None:
     """Return what sees the person's silhouette, where no background shows it."""
-    wanted = "silhouette" in session.settings.cues_used and not session.has_static_camera
-    return detected_keypoints(session, video) if wanted and is_persons(session.body) else None
+    wanted = _needs_masks(session) and is_persons(session.body)
+    return detected_keypoints(session, video) if wanted else None
 
 
-def detected_keypoints(session: Session, video: Video) -> DetectedKeypoints:
+def detected_keypoints(
+    session: Session, video: Video, *, every_second: bool = False
+) -> DetectedKeypoints:
     """Return what looks for a session's person with its network, and keeps what it finds."""
     model = find_model(session.settings.network_used)
     film = session.video.pictures
-    return DetectedKeypoints(video, session.camera, film, Detections(), model)
+    return DetectedKeypoints(video, session.camera, film, Detections(), model, every_second)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

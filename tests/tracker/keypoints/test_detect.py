@@ -202,3 +202,36 @@ def test_a_chain_from_a_keyframe_in_between_takes_what_another_found(begins: int
     found = detect(numbered, (begins, 100), [Seed(begins, body_at(x, 120))], walker, kept=kept)
     assert max(walker.looked) <= -(-begins // STRETCH) * STRETCH
     assert np.array_equal(found.uv[STRETCH:], whole.uv[begins + STRETCH :])
+
+
+def in_every_second(last: int, network: Walker, kept: Kept | None = None) -> Keypoints:
+    """Found from a seed at frame 0."""
+    return detect(numbered, (0, last), seeds(0), network, film="film", kept=kept, every_second=True)
+
+
+@pytest.mark.parametrize("last", [40, 41])
+def test_of_every_second_frame_those_between_are_means_and_the_last_one_is_looked_at(
+    last: int,
+) -> None:
+    network = Walker()
+    found = in_every_second(last, network)
+    assert set(network.looked) == {*range(0, last + 1, 2), last}
+    assert seen_x(found) == pytest.approx([true_x(n) for n in range(last + 1)])
+    assert (found.visibility == 0.9).all()
+    assert found.mask(20) is not None
+    assert found.mask(21) is None
+
+
+def test_a_body_that_is_lost_is_looked_for_in_every_frame() -> None:
+    network = Walker(hidden=frozenset({10, 11, 12}))
+    found = in_every_second(30, network)
+    assert {10, 11, 12, 13} <= set(network.looked)
+    missing = np.flatnonzero(np.isnan(seen_x(found)))
+    assert missing.tolist() == [9, 10, 11, 12]
+
+
+def test_what_was_kept_of_every_second_frame_ends_where_it_is_asked_to() -> None:
+    kept = Kept()
+    longer, shorter = in_every_second(31, Walker(), kept), in_every_second(21, Walker(), kept)
+    assert np.isfinite(seen_x(shorter)).all()
+    assert seen_x(shorter) == pytest.approx(seen_x(longer)[:22])

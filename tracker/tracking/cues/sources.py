@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from threading import Lock
@@ -97,7 +98,7 @@ class DetectedKeypoints:
     """Keypoints by a network, which looks for the body from both of its keyposes.
 
     camera: of the video, with its distortion.  film: the video's fingerprint, under which what is
-    found is kept.  model: the network.
+    found is kept.  model: the network.  every_second: as of `detect`.
     """
 
     video: Video
@@ -105,6 +106,7 @@ class DetectedKeypoints:
     film: str = ""
     kept: Kept | None = None
     model: Model = FULL
+    every_second: bool = False
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -142,6 +144,7 @@ class DetectedKeypoints:
                 return detect(
                     self._frame, frames, seeds, network,
                     report=report, film=self.film, kept=self.kept,
+                    every_second=self.every_second,
                 )  # fmt: skip
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
@@ -210,13 +213,14 @@ def found_before(
         raise _NotKept
 
     frames = (min(posed), max(posed))
-    seeds = _seeds(posed, skeleton, camera)
-    try:
-        return detect(
-            no_picture, frames, seeds, _Recall(detector_fingerprint(model)), film=film, kept=kept
-        )
-    except (_NotKept, KeypointError):  # never looked for, or nobody seen
-        return None
+    seeds, recall = _seeds(posed, skeleton, camera), _Recall(detector_fingerprint(model))
+    for every_second in (True, False):
+        with suppress(_NotKept, KeypointError):  # never looked for so, or nobody seen
+            return detect(
+                no_picture, frames, seeds, recall,
+                film=film, kept=kept, every_second=every_second,
+            )  # fmt: skip
+    return None
 
 
 def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> list[Seed]:
