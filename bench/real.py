@@ -24,6 +24,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, joined
 from keypose.tracker.keypoints.model_files import Model, find_model
 from keypose.tracker.session.settings import Cue, TrackSettings
+from keypose.tracker.storage.tracking import LEAST_FPS
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
@@ -53,7 +54,10 @@ class Posed:
         source = None
         if network is not None:
             source = DetectedKeypoints(
-                self.video, self.clip.camera, model=network, every_second=network.heads is not None
+                self.video,
+                self.clip.camera,
+                model=network,
+                every_second=network.heads is not None and self.video.info.fps >= LEAST_FPS,
             )
         plain = self.prepared[static_camera]
         return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
