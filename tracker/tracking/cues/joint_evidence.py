@@ -46,9 +46,9 @@ TINY = 1e-9
 FEW, LITTLE_PX, TALL_PX = 0.05, 4.7, 288.0
 """A segment is good where all joints at all frames but so few are expected to be off by so little,
 in the picture or on a person so tall: marks in a larger one are no finer. With 400 for
-288 a third of the segments between marked keyframes are said to be good, with 288 57 %: all within
+288 a third of the segments between marked keyframes are said to be good, with 288 half: all within
 6 px of their marks in the mean on a person 400 px tall, where marks differ by 3 to 4 px from one
-person to the next."""
+person to the next (`python -m bench evidence`)."""
 KEYED_WRONG, KEYED_SURE = 0.04, 0.8
 """A joint of a keyframe is doubted that lies this far from a keypoint which is seen so well."""
 BACK, COMES_BACK = slice(1, 4), 0.5
