@@ -29,7 +29,7 @@ from keypose.tracker.keypoints.detect import LOOK_PARTS, Rows
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.keypoints import JOINTS, other_side
 from keypose.tracker.keypoints.model_files import THUNDER
-from keypose.tracker.keypoints.paired import BLAZEPOSE_SHARE, DOWN_TRUNK
+from keypose.tracker.keypoints.paired import APART, down_trunk, weighted_mean
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video import Video
 
@@ -50,10 +50,9 @@ SHORT = {
     for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 }
 LOOKS = (Variation(), *VARIATIONS)
-APART_HEIGHT = 0.06
-"""`paired.APART` as a share of the body's height: a region is about 4/3 as tall."""
+REGION_HEIGHTS = 4 / 3
+"""Side of BlazePose's region over the body's height, about."""
 OTHER_SIDE = [JOINTS.index(other_side(name, JOINTS)) for name in JOINTS]
-DOWN = np.array([DOWN_TRUNK.get(name.split("_")[1], 0.0) for name in JOINTS])
 MOST_COST, MOST_BETTER = 0.5, 0.9
 """Of two networks, as shares of five looks of one: processor time, and pixels at marks."""
 
@@ -109,6 +108,17 @@ def keypoints(report: Report) -> None:
     jitter = report.table("jitter of standing ankles, px", *here)
     for way, (_, joints) in WAYS.items():
         jitter.row(way, *(_figures(name, joints(looks(name)))[3] for name in here))
+    sides = report.table("frames in which left and right are exchanged", *here)
+    for way, (_, joints) in WAYS.items():
+        sides.row(way, *(_exchanged(looks(name), joints(looks(name))) for name in here))
+
+
+def _exchanged(seen: Looks, uv: Array) -> int:
+    """How many marked frames lie nearer to their marks with all sides exchanged."""
+    off = [np.linalg.norm(each - seen.marks, axis=-1) for each in (uv, uv[:, OTHER_SIDE])]
+    known = np.isfinite(off[0]) & np.isfinite(off[1])
+    plain, exchanged = (np.where(known, each, 0.0).sum(axis=1) for each in off)
+    return int((exchanged < plain).sum())
 
 
 def _is_here(name: str) -> bool:
@@ -144,15 +154,13 @@ def _by_blazepose(*variations: int) -> Way:
     return way
 
 
-def _together(*variations: int, share: float = BLAZEPOSE_SHARE) -> Way:
+def _together(*variations: int) -> Way:
     """As `PairedNetwork` puts them together."""
 
     def way(looks: Looks) -> Array:
         other = _with_sides_of(looks.thunder, _by_blazepose(*variations)(looks))
-        uv = looks.thunder - DOWN[:, None] * _trunk(other)
-        away = other - uv
-        apart = np.linalg.norm(away, axis=-1) / (APART_HEIGHT * looks.tall_px[:, None])
-        return np.asarray(uv + (share / (1 + apart**4))[..., None] * away)
+        uv = looks.thunder - down_trunk(JOINTS)[:, None] * _trunk(other)
+        return weighted_mean(uv, other, APART * REGION_HEIGHTS * looks.tall_px[:, None])
 
     return way
 
@@ -177,7 +185,6 @@ WAYS: dict[str, tuple[Callable[[Array], float], Way]] = {
     "full, five looks": (FIVE, _by_blazepose(1, 2, 3, 4)),
     "Thunder alone": (_cost(1, 1), lambda looks: looks.thunder),
     DEFAULT: (_cost(1, 1), _together()),
-    "  half each": (_cost(1, 1), _together(share=0.5)),
     "  three looks of full": (_cost(3, 1), _together(1, 2)),
 }
 

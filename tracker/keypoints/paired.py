@@ -76,7 +76,7 @@ class PairedNetwork:
             for side in ("left", "right") for end, its in ENDS.items()
         }  # fmt: skip
         self._ends_at, self._ends_from = _places(ends, joints.names)
-        self._down = np.array([DOWN_TRUNK.get(name.split("_")[1], 0.0) for name in known])
+        self._down = down_trunk(list(known))
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         """The keypoints of the person in a region of a picture (H, W, 3), RGB."""
@@ -95,11 +95,8 @@ class PairedNetwork:
             seen = min(seen, seen.exchanged(), key=lambda each: _distance(each.uv[self._at], uv))
         trunk = seen.uv[_SHOULDERS].mean(axis=0) - seen.uv[_HIPS].mean(axis=0)
         uv = uv - self._down[:, None] * trunk
-        away = seen.uv[self._at] - uv
-        apart = np.linalg.norm(away, axis=1) / (APART * region.side)
-        share = 1 - trust * (1 - BLAZEPOSE_SHARE / (1 + apart**4))
         both = seen.uv.copy()
-        both[self._at] = uv + share[:, None] * away
+        both[self._at] = weighted_mean(uv, seen.uv[self._at], APART * region.side, trust)
         ends = joints.uv[self._ends_from]
         sure = (joints.confidence[self._ends_from] >= SURE) & np.isfinite(ends).all(axis=1)
         both[self._ends_at[sure]] = ends[sure]
@@ -109,6 +106,24 @@ class PairedNetwork:
         """How far the joints are believed, from 0 to 1."""
         low, high = self._joints.doubted
         return float(np.clip((confidence.mean() - low) / max(high - low, 1e-9), 0.0, 1.0))
+
+
+def weighted_mean(
+    uv: Array, uv_blazepose: Array, apart_px: Array | float, trust: float = 1.0
+) -> Array:
+    """Joints (..., K, 2) between where a network of joints and BlazePose see them.
+
+    apart_px: distance, of all or (..., K), at which BlazePose's share is halved.
+    """
+    away = uv_blazepose - uv
+    apart = np.linalg.norm(away, axis=-1) / apart_px
+    share = 1 - trust * (1 - BLAZEPOSE_SHARE / (1 + apart**4))
+    return np.asarray(uv + share[..., None] * away)
+
+
+def down_trunk(names: Sequence[str]) -> Array:
+    """(K,) `DOWN_TRUNK` of joints such as left_hip."""
+    return np.array([DOWN_TRUNK.get(name.split("_")[1], 0.0) for name in names])
 
 
 def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indices]:

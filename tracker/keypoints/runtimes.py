@@ -64,11 +64,8 @@ def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
     """Put what a library says of its failure into one sentence."""
     said = getattr(error, "err", "") or str(error).strip() or type(error).__name__
     why = said.splitlines()[0].rpartition("error: ")[2]
-    other = (
-        ""
-        if runtime.startswith(tuple(_FAST.values()))
-        else (" (what `pip install keypose[fast-pose]` installs may run it)")
-    )
+    is_fast = runtime.startswith(tuple(_FAST.values()))
+    other = "" if is_fast else " (what `pip install keypose[fast-pose]` installs may run it)"
     return KeypointError(f"{network} cannot be run by {runtime}{other}: {why}")
 
 

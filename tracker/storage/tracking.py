@@ -76,32 +76,13 @@ def tracker_of(
     own = [(run.first_frame, run.last_frame) for run in imported.own] if imported else []
     if like is not None:
         return like.renewed(
-            skeleton,
-            poses,
-            first_motion,
-            source,
-            parts,
-            keys,
-            fewest=fewest,
-            own=own,
-            people=people,
-        )
+            skeleton, poses, first_motion, source, parts, keys,
+            fewest=fewest, own=own, people=people,
+        )  # fmt: skip
     return Tracker(
-        video,
-        session.camera,
-        skeleton,
-        poses,
-        session.ignore_masks,
-        session.has_static_camera,
-        memory,
-        first_motion,
-        source,
-        parts,
-        keys,
-        fewest=fewest,
-        own=own,
-        people=people,
-    )
+        video, session.camera, skeleton, poses, session.ignore_masks, session.has_static_camera,
+        memory, first_motion, source, parts, keys, fewest=fewest, own=own, people=people,
+    )  # fmt: skip
 
 
 def keypoint_source(

@@ -186,7 +186,7 @@ def test_each_choice_is_told_from_the_others() -> None:
     assert len({detector_fingerprint(model) for model in MODELS}) == len(MODELS)
 
 
-def test_a_real_man_is_found_nearer_than_by_either_alone() -> None:
+def test_a_real_man_is_found_nearer_than_by_blazepose_alone() -> None:
     blazepose, movenet = BlazePose.open(fast=False), JointNetwork.open(THUNDER, fast=False)
     both, errors = PairedNetwork(blazepose, movenet), np.zeros(2)
     with cases.balance() as video:

@@ -4,7 +4,7 @@ Three things go together with the error of a joint beyond that of the keyframes.
 leads from the motion at its part: where pictures say otherwise than keypoints and keyframes,
 something is wrong. How far the motions lie apart that two different starts led to. And how far the
 nearer keyframe is. Errors last longer than a frame, so a few frames show more than one. How far a
-joint lies from its keypoint, and how well that is seen, say nothing besides: brightness puts many a
+joint lies from its keypoint, and how well that is seen, say little besides: brightness puts many a
 joint right whose keypoint is elsewhere. Where keypoints alone were followed there is nothing else.
 
 The error is taken to be log-logistic about its median, which is a product of powers of the three:
