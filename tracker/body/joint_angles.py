@@ -9,8 +9,13 @@ forward.
 rotation about the y of the part that moves, adduction about the axis at right angles to both. That
 is the joint coordinate system of Grood and Suntay (1983), which the society takes up for hip, knee
 and ankle, and what full-body models of OpenSim use (Rajagopal et al. 2016). The shoulder has the
-same order, as in that model; the society's Y-X-Y says nothing where an arm hangs. It is not
-determined where an upper arm points straight sideways. The pelvis has this order as well.
+same order, as in that model; the society's Y-X-Y says nothing where an arm hangs. The pelvis has
+this order as well.
+
+**Over time** angles run on without jumps, beyond half a turn where the motion does. Where an upper
+arm points straight sideways flexion and rotation are not determined one by one: within 20° of there
+they are smoothed, and leave the pose by a degree, where it passes fast by up to five
+(`keypose.tracker.body.cardan`).
 
 **Signs.** Left limbs are mirrored, so that both sides have the same signs; `JOINTS` names what is
 positive. Pelvis, trunk and neck count bending and obliquity to the right, turns to the left.
@@ -25,6 +30,7 @@ from typing import Final
 import numpy as np
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.cardan import continuous_zxy
 from keypose.tracker.geometry.rotations import Array, frozen
 
 R_ANATOMICAL_PART: Final = frozen([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -57,8 +63,9 @@ class Joint:
     """A joint of a person: where the rotation of `part` in `carrier` is read.
 
     angles: about z, x and y, in this order.
-    usual_deg: near which angles are chosen, of a right limb, signs as of the axes: every rotation
-        has two triples, and an arm raised beyond the horizontal needs to be given which.
+    usual_deg: near which the angles of a motion are chosen, of a right limb, signs as of the axes:
+        every rotation has two triples, and an arm raised beyond the horizontal needs to be given
+        which.
     """
 
     name: str
@@ -104,11 +111,6 @@ _LIMBS: Final[dict[str, tuple[str, str, tuple[Angle, Angle, Angle]]]] = {
 }
 _USUAL_SHOULDER_DEG = (60.0, -60.0, 0.0)
 """Half of how far an arm is raised, forward and sideways."""
-UNUSUAL: Final = 0.05
-"""What a degree away from the usual costs at every frame, of what a degree of change costs."""
-WANDERS_DEG: Final = 270.0
-"""Farther from the usual, an angle has wound up: that of a joint that was posed half round once."""
-
 _TRUNK = ("waist", "chest", "head")
 
 
@@ -186,67 +188,25 @@ def _chain(body: Body, joint: Joint) -> tuple[int, ...]:
     return tuple(chain) if reached == joint.carrier else ()
 
 
-def cardan_zxy(rotations: Array) -> Array:
-    """Angles [z, x, y] (..., 3) in radians of R = Rz · Rx · Ry, that of x within ±90°."""
-    R = rotations
-    x = np.arcsin(np.clip(R[..., 2, 1], -1.0, 1.0))
-    z = np.arctan2(-R[..., 0, 1], R[..., 1, 1])
-    y = np.arctan2(-R[..., 2, 0], R[..., 2, 2])
-    return np.stack([z, x, y], axis=-1)
-
-
 def _angles_deg(joint: Joint, rotations: Array) -> Array:
     signs = np.array([angle.sign for angle in joint.angles])
     known = np.isfinite(rotations).all(axis=(1, 2))
     made = np.full((len(rotations), 3), np.nan)
     if known.any():
-        made[known] = _steady(np.degrees(cardan_zxy(rotations[known])), np.array(joint.usual_deg))
-        even = np.unwrap(made[known], period=360.0, axis=0)
-        if joint.carrier != ROOT:
-            even = _kept_near(even, made[known], np.array(joint.usual_deg))
-        made[known] = even
+        both = (continuous_zxy(rotations[known], turned) for turned in (0.0, np.pi))
+        shown = (_near(joint, np.degrees(one)) for one in both)
+        made[known] = min(shown, key=lambda one: one[0])[1]
     return np.asarray(made * signs + 0.0)
 
 
-def _kept_near(even: Array, wrapped: Array, usual: Array) -> Array:
-    """Angles (N, 3) that run on past half a turn, as long as they do not wander far from the usual
-    ones (3,); else those within half a turn, which then jump where no joint comes anyway."""
-    even = even - 360.0 * np.round((np.median(even, axis=0) - usual) / 360.0)
-    wander = np.abs(even - usual).max(axis=0) > WANDERS_DEG
-    return np.asarray(np.where(wander, wrapped, even))
-
-
-def _steady(angles: Array, usual: Array) -> Array:
-    """Choose of two triples [z, x, y] (N, 3) for every rotation, degrees, those that together
-    change least from frame to frame and, over time, stay near the usual ones (3,).
+def _near(joint: Joint, angles: Array) -> tuple[float, Array]:
+    """Return how far angles (N, 3) are from the usual ones in all, and the angles, by such whole
+    turns over all frames as bring their middle, the pelvis' first ones, nearest to these, degrees.
     """
-    both = np.stack([angles, [180.0, 180.0, 180.0] + angles * [1.0, -1.0, 1.0]], axis=1)
-    both = usual + _within_half_turn(both - usual)
-    cost = UNUSUAL * np.abs(both - usual).sum(axis=2)
-    changes = np.abs(_within_half_turn(both[1:, :, None] - both[:-1, None])).sum(axis=3)
-    return np.asarray(both[np.arange(len(both)), _cheapest(cost, changes)])
-
-
-def _cheapest(cost: Array, changes: Array) -> list[int]:
-    """The way through two states of N frames that costs least in all.
-
-    cost: (N, 2) of being in a state.  changes: (N - 1, 2, 2) of coming to [k] from [j].
-    """
-    first, second = cost[0].tolist()
-    from_second: list[tuple[bool, bool]] = []
-    for (a, b), (aa, ab), (ba, bb) in zip(
-        cost[1:].tolist(), *np.moveaxis(changes, 1, 0).tolist(), strict=True
-    ):
-        from_second.append((second + ab < first + aa, second + bb < first + ba))
-        first, second = a + min(first + aa, second + ab), b + min(first + ba, second + bb)
-    way = [int(second < first)]
-    for came in reversed(from_second):
-        way.append(int(came[way[-1]]))
-    return way[::-1]
-
-
-def _within_half_turn(degrees: Array) -> Array:
-    return np.asarray(degrees - 360.0 * np.round(degrees / 360.0))
+    usual = np.array(joint.usual_deg)
+    middle = angles[0] if joint.carrier == ROOT else np.median(angles, axis=0)
+    near = angles - 360.0 * np.round((middle - usual) / 360.0)
+    return round(float(np.abs(near - usual).mean(axis=0).sum()), 6), near
 
 
 def _stands_as_a_person(body: Body) -> bool:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from keypose.tracker.body.body import PEOPLE, preset
 from keypose.tracker.body.joint_angles import (
     JOINTS,
+    R_ANATOMICAL_PART,
     JointAngles,
-    cardan_zxy,
+    carried,
     joint_angles,
     joints_of,
 )
 from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from tests.rendering.mocap import jumping_jacks, needs_mocap, walk
 from tests.tracker import session_cases
 
@@ -169,14 +172,81 @@ def shoulder_turned(sweep: Array) -> Array:
     return np.asarray(found["internal_rotation"])
 
 
-def test_an_angle_runs_on_past_half_a_turn_but_does_not_wind_up() -> None:
+def test_an_angle_runs_on_past_half_a_turn() -> None:
     there_and_back = np.concatenate([np.arange(20.0, 220.0, 10.0), np.arange(220.0, 0.0, -10.0)])
     np.testing.assert_allclose(shoulder_turned(there_and_back), there_and_back, atol=1e-6)
     once_round = np.arange(20.0, 370.0, 10.0)
-    shown = shoulder_turned(once_round)
-    assert np.abs(shown).max() <= 180.0 + 1e-6
-    assert shown[0] == pytest.approx(20.0)
-    assert shown[-1] == pytest.approx(0.0, abs=1e-6)
+    np.testing.assert_allclose(np.diff(shoulder_turned(once_round)), 10.0, atol=1e-6)
+
+
+def pointing(*ways: tuple[float, float]) -> Array:
+    """(N, 3, 3) of a left upper arm that goes from one direction to the next in 30 frames each.
+
+    ways: degrees from straight ahead to its own side, and from hanging upward.
+    """
+    places = np.concatenate(
+        [np.linspace(a, b, 30, endpoint=False) for a, b in itertools.pairwise(ways)]
+    )
+    side, up = np.radians(places).T
+    along = np.stack([np.sin(up) * np.sin(side), np.cos(up), -np.sin(up) * np.cos(side)], axis=-1)
+    Rs = [np.eye(3)]
+    for before, after in itertools.pairwise(np.vstack([[0.0, 1.0, 0.0], along])):
+        axis = np.cross(before, after)
+        sine = max(float(np.linalg.norm(axis)), 1e-12)
+        Rs.append(exp_rotation(axis / sine * np.arctan2(sine, before @ after)) @ Rs[-1])
+    return np.array(Rs[1:])
+
+
+def circled(aside_deg: float) -> Array:
+    """(N, 3, 3) of an arm that goes round twice in a plane so far from straight ahead."""
+    axis = exp_rotation(np.radians([0.0, aside_deg, 0.0]))[:, 0]
+    return exp_rotation(np.linspace(0.0, -4 * np.pi, 60)[:, None] * axis)
+
+
+def shaken_sideways() -> Array:
+    """(N, 3, 3) of an arm that is held straight sideways and shakes by some degrees."""
+    shaking = exp_rotation(np.random.default_rng(0).normal(0, np.radians(2), (90, 3)))
+    return np.asarray(exp_rotation(np.array([0.0, 0.0, -np.pi / 2])) @ shaking)
+
+
+SMOOTH_WAYS = {
+    "forward, then overhead through sideways": (
+        pointing((0, 0), (0, 90), (90, 90), (90, 170)),
+        1.5,
+    ),
+    "the same beside straight sideways": (pointing((0, 0), (0, 90), (80, 90), (80, 170)), 1.5),
+    "jumping jacks a little before the body": (pointing((85, 5), (85, 175), (85, 5)), 5.5),
+    "a serve": (
+        pointing((0, 20), (60, 110), (150, 100), (120, 150), (0, 100), (-30, 40)),
+        1.0,
+    ),
+    "circles overhead, ahead": (circled(0), 1e-6),
+    "circles overhead, aslant": (circled(30), 1e-6),
+    "circles overhead, farther aslant": (circled(60), 1e-6),
+    "circles overhead, at the side": (circled(90), 1e-6),
+    "held straight sideways": (shaken_sideways(), 5.0),
+}
+"""By what an arm does its rotations, and how far its angles may leave them, degrees."""
+
+
+@pytest.mark.parametrize("way", SMOOTH_WAYS)
+def test_angles_of_an_arm_do_not_jump_and_put_it_where_it_is(way: str) -> None:
+    Rs, off_deg = SMOOTH_WAYS[way]
+    found = angles_of(*({"left_upper_arm": R} for R in Rs))["left_shoulder"]
+    assert np.abs(np.diff(found.angles_deg, axis=0)).max() < 30.0
+    of_all = np.tile(np.eye(3), (len(Rs), len(BODY.parts), 1, 1))
+    of_all[:, BODY.index("left_upper_arm")] = Rs
+    given = carried(BODY, found.joint, of_all, FACING)
+    lost = log_rotation(transpose(given) @ made_of(found))
+    assert np.degrees(np.linalg.norm(lost, axis=-1)).max() < off_deg
+
+
+def made_of(found: JointAngles) -> Array:
+    """(N, 3, 3) Rz · Rx · Ry of a joint's angles."""
+    signs = [angle.sign for angle in found.joint.angles]
+    z, x, y = (np.radians(found.angles_deg) * signs).T[..., None]
+    e = np.eye(3)
+    return np.asarray(exp_rotation(z * e[2]) @ exp_rotation(x * e[0]) @ exp_rotation(y * e[1]))
 
 
 def test_frames_that_are_not_known_have_no_angle_and_change_no_other() -> None:
@@ -190,16 +260,12 @@ def test_a_body_that_is_no_person_has_no_clinical_angles() -> None:
     assert joints_of(session_cases.body()) == ()
 
 
-def test_cardan_angles_make_their_rotation_again() -> None:
-    rng = np.random.default_rng(3)
-    R = exp_rotation(rng.normal(size=(200, 3)))
-    z, x, y = np.moveaxis(cardan_zxy(R), -1, 0)
-    e = np.eye(3)
-    again = (
-        exp_rotation(z[:, None] * e[2]) @ exp_rotation(x[:, None] * e[0])
-        @ exp_rotation(y[:, None] * e[1])
-    )  # fmt: skip
-    np.testing.assert_allclose(again, R, atol=1e-12)
+def test_angles_make_their_rotation_again_away_from_the_pole() -> None:
+    for R in exp_rotation(np.random.default_rng(3).normal(size=(50, 3))):
+        found = angles_of({"right_thigh": R})["right_hip"]
+        if abs(found["adduction"][0]) < 70:
+            given = R_ANATOMICAL_PART @ R @ R_ANATOMICAL_PART.T
+            np.testing.assert_allclose(made_of(found)[0], given, atol=1e-12)
 
 
 @needs_mocap
