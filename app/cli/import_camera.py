@@ -8,9 +8,9 @@ from pathlib import Path
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.import_camera import SAME_DEG, with_camera_file
 from keypose.app.export.recognising import camera_facts
+from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.formats.apart import reading_apart
 from keypose.tracker.formats.reading_camera import load_camera
-from keypose.tracker.formats.recording import CAMERA_UP
 from keypose.tracker.storage.files import load_session, save_session
 
 

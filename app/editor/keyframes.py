@@ -24,7 +24,7 @@ from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
 from keypose.app.editor.shown import find, require_keyframe, shown_pose
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
@@ -179,6 +179,7 @@ class KeyAngle(Edit):
         pose = with_angles(
             state.skeleton, keyframe.pose(state.skeleton), self.part,
             wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
+            up_camera=up_of(state.doc),
         )  # fmt: skip
         return posed(state.doc, state.skeleton, pose, self.frame, state.times_s)
 

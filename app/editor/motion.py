@@ -256,11 +256,12 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     part = edit.doc.body.parts[index]
-    angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys))
+    up = up_of(edit.doc)
+    angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys), up)
     return angles
 
 
 def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     """Every part's [x, y, z] in degrees."""
-    values = angles_deg(state.skeleton, pose).round(3).tolist()
+    values = angles_deg(state.skeleton, pose, up_of(state.doc)).round(3).tolist()
     return dict(zip(state.doc.body.names, values, strict=True))

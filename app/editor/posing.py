@@ -170,7 +170,7 @@ class Angles(Edit):
         state.doc.body.index(self.part)
         pose = with_angles(
             state.skeleton, shown_pose(state).pose, self.part, self.x, self.y, self.z,
-            limits_on=state.display.limits and not self.free,
+            limits_on=state.display.limits and not self.free, up_camera=up_of(state.doc),
         )  # fmt: skip
         return with_pose(state, _with_pinned(state, pose, self.part))
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.app.editor.documents import moved_away, require_sound
+from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.reading_camera import CameraFile
-from keypose.tracker.formats.recording import CAMERA_UP
 from keypose.tracker.session.schema import Session
 
 DECIMALS = 6

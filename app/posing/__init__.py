@@ -30,7 +30,6 @@ from keypose.app.posing.labels import axis_labels, part_label, short_label
 from keypose.app.posing.limits import is_twisted
 from keypose.app.posing.mirroring import mirror_pose, swap_left_right, with_other_side
 from keypose.app.posing.placing import (
-    CAMERA_UP,
     Way,
     eye_rotation,
     facing,
@@ -49,6 +48,7 @@ from keypose.app.posing.resizing import (
     with_size,
 )
 from keypose.app.posing.untwisting import untwisted_limb
+from keypose.tracker.body.heading import CAMERA_UP
 
 __all__ = [
     "CAMERA_UP",

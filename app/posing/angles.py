@@ -1,11 +1,15 @@
-"""Rotations as the three angles that fields and sliders show: R = Qz·Qy·Qx, in degrees."""
+"""Rotations as the three angles that fields and sliders show, [x, y, z] in degrees.
+
+Of a part R = Qz·Qy·Qx, of the root Qy·Qz·Qx against what is up (`keypose.tracker.body.heading`): it
+turns first, then tilts and leans, so that somebody who turns round neither tilts nor leans for it.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from keypose.app.posing.limits import (
     FREE,
@@ -23,34 +27,59 @@ from keypose.app.posing.limits import (
     twist_of,
 )
 from keypose.tracker.body.body import Part
+from keypose.tracker.body.heading import CAMERA_UP, from_heading_first, heading_first
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, rotation_from_euler
 
 AXES = ("x", "y", "z")
 GIMBAL = 1e-4
-"""Where cos y is smaller, x and z turn about the same axis and cannot be distinguished."""
+"""Where the cosine of the angle in the middle is smaller, the two others turn about the same axis
+and cannot be distinguished."""
 
 
-def angles_deg(skeleton: Skeleton, pose: Pose) -> Array:
+def angles_deg(skeleton: Skeleton, pose: Pose, up_camera: ArrayLike = CAMERA_UP) -> Array:
     """Every part's [x, y, z] (P, 3) in degrees."""
-    Rs = pose.Rs_parent_part
-    shown = [
-        _of_both(part, Rs[i : i + 1], both[None])
-        for i, (part, both) in enumerate(zip(skeleton.body.parts, triples(Rs), strict=True))
-    ]
+    shown = []
+    for part, R in zip(skeleton.body.parts, pose.Rs_parent_part, strict=True):
+        shown.append(_of_both(part, R[None], _both(part, R[None], up_camera)))
     return np.degrees(np.concatenate(shown)) + 0.0
 
 
-def angle_curve_deg(part: Part, Rs_parent_part: Array, keys: NDArray[np.intp]) -> Array:
+def _both(part: Part, Rs_parent_part: Array, up_camera: ArrayLike) -> Array:
+    """Both triples [x, y, z] (..., 2, 3) of a part's rotations, radians."""
+    if part.parent is not None:
+        return triples(Rs_parent_part)
+    return _shown_of_root(triples(heading_first(Rs_parent_part, up_camera)))
+
+
+def _shown_of_root(angles: Array) -> Array:
+    """[lean, turn, tilt] (..., 3) of the root's [x, y, z] with its heading first."""
+    x, y, z = np.moveaxis(angles, -1, 0)
+    return np.stack([x, z, -y], axis=-1)
+
+
+def _of_shown_root(angles: Array) -> Array:
+    lean, turn, tilt = np.moveaxis(angles, -1, 0)
+    return np.stack([lean, -tilt, turn], axis=-1)
+
+
+def _middle(part: Part) -> int:
+    """Which of [x, y, z] is a quarter turn where the others cannot be distinguished."""
+    return 1 if part.parent is not None else 2
+
+
+def angle_curve_deg(
+    part: Part, Rs_parent_part: Array, keys: NDArray[np.intp], up_camera: ArrayLike = CAMERA_UP
+) -> Array:
     """One part's [x, y, z] (N, 3) in degrees over frames, without jumps.
 
     Of the two triples of each rotation (N, 3, 3) the one that is nearer to the frame before, from
     that keyframe on, of the rows `keys`, whose own triple is the clearest; from the first frame
     where there are none. Angles run on through 180°.
     """
-    both = triples(Rs_parent_part)
-    clear = np.abs(np.cos(both[:, 0, 1])) >= GIMBAL
+    both, middle = _both(part, Rs_parent_part, up_camera), _middle(part)
+    clear = np.abs(np.cos(both[:, 0, middle])) >= GIMBAL
     rows = np.flatnonzero(clear if clear.any() else ~clear)
     if not len(rows):
         return np.empty((0, 3))
@@ -59,11 +88,12 @@ def angle_curve_deg(part: Part, Rs_parent_part: Array, keys: NDArray[np.intp]) -
     start = _clearest(both, np.intersect1d(keys, rows), rows)
     own = _of_both(part, Rs_parent_part[start : start + 1], both[start : start + 1])[0]
     if math.cos(curve[start, 0] - own[0]) < 0:  # the other triple, half a turn away about x
-        curve = curve * [1.0, -1.0, 1.0] + math.pi
+        curve[:, middle] *= -1.0
+        curve += math.pi
     curve += TURN * np.round((own - curve[start]) / TURN)
     for row in np.setdiff1d(np.arange(len(both)), rows):
         near = rows[max(np.searchsorted(rows, row) - 1, 0)]
-        curve[row] = continued(Rs_parent_part[row], curve[near])
+        curve[row] = continued(part, Rs_parent_part[row], curve[near], up_camera)
     return np.degrees(curve) + 0.0
 
 
@@ -92,9 +122,9 @@ def _of_both(part: Part, Rs_parent_part: Array, both: Array) -> Array:
     """Choose of two triples (N, 2, 3) of a part's rotations (N, 3, 3) the one to show (N, 3),
     radians.
 
-    The one that keeps the part's limits, else the one with y within ±90°. The root has no limits;
-    a person who has turned round is described by y, not by lean and tilt, and so is a part that is
-    twisted beyond its limit: no triple within its limits shows that.
+    The one that keeps the part's limits, else the one with y within ±90°. The root has no limits:
+    the triple with less lean and tilt, as of a part that is twisted beyond its limit, which no
+    triple within its limits shows.
     """
     if part.parent is None:
         return _more_upright(both)
@@ -118,12 +148,16 @@ def _aside(both: Array) -> Array:
     return np.asarray(np.abs(both[..., 0]) + np.abs(both[..., 2]))
 
 
-def continued(rotation: Array, before_rad: Array) -> Array:
-    """The angles [x, y, z] of a rotation, radians, that are nearest to those before."""
-    both = triples(rotation)
+def continued(
+    part: Part, rotation: Array, before_rad: Array, up_camera: ArrayLike = CAMERA_UP
+) -> Array:
+    """The angles [x, y, z] of a part's rotation, radians, that are nearest to those before."""
+    both = _both(part, rotation, up_camera)
     both = both - TURN * np.round((both - before_rad) / TURN)
-    if abs(math.cos(both[0][1])) < GIMBAL:
-        return _at_gimbal(both[0], before_rad)
+    if abs(math.cos(both[0][_middle(part)])) < GIMBAL:
+        if part.parent is not None:
+            return _at_gimbal(both[0], before_rad)
+        return _shown_of_root(_at_gimbal(_of_shown_root(both[0]), _of_shown_root(before_rad)))
     near = ((both - before_rad) ** 2).sum(axis=1)
     return np.asarray(both[int(np.argmin(near))])
 
@@ -150,6 +184,7 @@ def with_angles(
     *,
     limits_on: bool = False,
     near_deg: Array | None = None,
+    up_camera: ArrayLike = CAMERA_UP,
 ) -> Pose:
     """The pose with some angles of one part set, in degrees; `limits_on` stops at the limits.
 
@@ -157,9 +192,11 @@ def with_angles(
     """
     i = skeleton.body.index(part)
     if near_deg is None:
-        now = angles_deg(skeleton, pose)[i].tolist()
+        now = angles_deg(skeleton, pose, up_camera)[i].tolist()
     else:
-        now = np.degrees(continued(pose.Rs_parent_part[i], np.radians(near_deg))).tolist()
+        own = skeleton.body.parts[i]
+        R, near = pose.Rs_parent_part[i], np.radians(near_deg)
+        now = np.degrees(continued(own, R, near, up_camera)).tolist()
     wanted = [old if new is None else new for old, new in zip(now, (x, y, z), strict=True)]
     if limits_on:
         limits = skeleton.body.parts[i].limits_deg
@@ -169,6 +206,9 @@ def with_angles(
         ]
     if limits_on:
         wanted = _stopped(skeleton.body.parts[i], now, wanted)
+    if skeleton.body.parts[i].parent is None:
+        R = rotation_of(_of_shown_root(np.array(wanted)))
+        return with_rotation(pose, i, from_heading_first(R, up_camera))
     return with_rotation(pose, i, rotation_of(wanted))
 
 

@@ -16,6 +16,7 @@ from keypose.app.posing.angles import with_rotation
 from keypose.app.posing.pointer_view import PointerView
 from keypose.app.posing.vectors import across, cross, length, unit
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import CameraError
@@ -28,9 +29,6 @@ from keypose.tracker.geometry.rotations import (
     nearest_rotation,
 )
 from keypose.tracker.geometry.view import ViewName
-
-CAMERA_UP = (0.0, -1.0, 0.0)
-"""The picture's own up direction, in the camera frame."""
 
 
 def view_rotations(up_camera: ArrayLike = CAMERA_UP) -> dict[ViewName, Array]:

@@ -130,11 +130,15 @@ def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | N
 def _words(
     context: GestureContext, part: int, axis: Axis | None, R_after: Array, angle: float
 ) -> tuple[str, str, str]:
-    """Return what to show: the angle's value where one angle alone has changed, else the turn."""
+    """Return what to show: the angle's value where one of a part's angles alone has changed, else
+    the turn."""
     words = axis_labels(context.skeleton.body, context.skeleton.body.names[part])
     change = degrees_text(math.degrees(angle), sign=True)
+    own = context.skeleton.body.parts[part]
+    if axis is not None and own.parent is None:
+        return words[axis], f"{change}°", ""
     before = context.angles(part)
-    after = continued(R_after, before)
+    after = continued(own, R_after, before)
     moved = np.abs(after - before) > math.radians(0.05)
     if axis is not None:
         k = "xyz".index(axis)

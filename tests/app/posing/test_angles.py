@@ -29,8 +29,14 @@ from keypose.app.posing.limits import (
     range_of,
 )
 from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.heading import from_heading_first
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
+from keypose.tracker.geometry.rotations import (
+    Array,
+    exp_rotation,
+    log_rotation,
+    rotation_from_euler,
+)
 from keypose.tracker.storage.fingerprints import setup_hash
 from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
 
@@ -161,13 +167,37 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     assert setup_hash(without) == setup_hash(session)
 
 
-def test_a_person_who_has_turned_round_is_reported_by_the_turn_alone() -> None:
-    root = PERSON.parts[0]
-    leaning = [rotation_of(np.array([8.0, turn, -3.0])) for turn in range(-175, 180, 10)]
-    shown = angle_curve_deg(root, np.stack(leaning), NO_KEYS)
-    np.testing.assert_allclose(shown[:, 0], 8.0, atol=1e-9)
-    np.testing.assert_allclose(shown[:, 1], np.arange(-175, 180, 10), atol=1e-9)
-    np.testing.assert_allclose(shown[:, 2], -3.0, atol=1e-9)
+TILTED_UP = np.array([0.2, -0.9, 0.4])
+
+
+def root_at(lean: float, turn: float, tilt: float, up: Array) -> Array:
+    """The root's rotation (3, 3) with these angles in its fields."""
+    i = PERSON.index("waist")
+    pose = with_angles(SKELETON, standing(PERSON), "waist", lean, turn, tilt, up_camera=up)
+    np.testing.assert_allclose(angles_deg(SKELETON, pose, up)[i], [lean, turn, tilt], atol=1e-9)
+    return pose.Rs_parent_part[i]
+
+
+@pytest.mark.parametrize("up", [np.array([0.0, -1.0, 0.0]), TILTED_UP])
+def test_a_turn_of_the_root_turns_the_body_about_what_is_up(up: Array) -> None:
+    turned = root_at(12.0, 40.0, -7.0, up) @ root_at(12.0, 15.0, -7.0, up).T
+    expected = np.radians(-25.0) * up / np.linalg.norm(up)  # a turn about y, which is down
+    np.testing.assert_allclose(log_rotation(turned), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("up", [np.array([0.0, -1.0, 0.0]), TILTED_UP])
+def test_somebody_who_turns_round_and_round_keeps_lean_and_tilt(up: Array) -> None:
+    wanted = np.array([[8.0, turn, -3.0] for turn in range(-170, 740, 10)], dtype=float)
+    Rs = np.stack([root_at(8.0, math.remainder(turn, 360.0), -3.0, up) for _, turn, _ in wanted])
+    shown = angle_curve_deg(PERSON.parts[0], Rs, NO_KEYS, up)
+    np.testing.assert_allclose(shown, wanted, atol=1e-6)
+
+
+def test_somebody_who_goes_head_over_heels_leans_round_and_nothing_else() -> None:
+    wanted = np.array([[lean, 30.0, 4.0] for lean in range(0, 720, 10)], dtype=float)
+    Rs = [from_heading_first(rotation_of(np.array([x, -4.0, 30.0])), TILTED_UP) for x, *_ in wanted]
+    shown = angle_curve_deg(PERSON.parts[0], np.stack(Rs), NO_KEYS, TILTED_UP)
+    np.testing.assert_allclose(shown, wanted, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", PERSON.names)
@@ -177,18 +207,12 @@ def test_one_part_alone_is_reported_as_it_is_among_the_others(name: str) -> None
     np.testing.assert_allclose(alone[0], angles_deg(SKELETON, pose)[i], atol=1e-9)
 
 
-def test_the_curve_of_a_turning_body_has_no_jumps() -> None:
-    # who walks across the view: nearly a quarter turn, where lean and tilt swing far together
-    time = np.linspace(0.0, 3.0, 90)
-    wanted = np.stack([10 - 50 * time, 84 + 3 * np.sin(5 * time), 10 - 48 * time], axis=1)
-    Rs = np.stack([rotation_of(angles) for angles in wanted])
-    shown = angle_curve_deg(PERSON.parts[0], Rs, np.array([0, 60, 89]))
-    np.testing.assert_allclose(shown, wanted, atol=1e-6)
-
-
 def test_the_curve_is_that_of_the_keyframe_most_clearly_upright() -> None:
-    wanted = np.array([[k - 140.0, 84.0, k - 140.0] for k in range(140)])
-    Rs = np.stack([rotation_of(angles) for angles in wanted])
-    assert angle_curve_deg(PERSON.parts[0], Rs[:1], NO_KEYS)[0, 0] == pytest.approx(40)
-    shown = angle_curve_deg(PERSON.parts[0], Rs, np.array([0, 139]))
+    # who lies nearly on one side, where lean and turn swing far together
+    wanted = np.array([[k - 140.0, k - 140.0, 84.0] for k in range(140)])
+    inner = [rotation_of(np.array([lean, -tilt, turn])) for lean, turn, tilt in wanted]
+    Rs = from_heading_first(np.stack(inner), TILTED_UP)
+    root = PERSON.parts[0]
+    assert angle_curve_deg(root, Rs[:1], NO_KEYS, TILTED_UP)[0, 0] == pytest.approx(40)
+    shown = angle_curve_deg(root, Rs, np.array([0, 139]), TILTED_UP)
     np.testing.assert_allclose(shown, wanted, atol=1e-6)
