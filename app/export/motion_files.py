@@ -14,7 +14,6 @@ from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, listed
-from keypose.tracker.formats.conventions import with_floor
 from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.geometry.rotations import Array
@@ -40,9 +39,10 @@ class File:
 def sampled(recording: Recording, order: MotionOrder, own_times: bool) -> Recording:
     """The recording as it is asked for; `own_times` where a varying rate may stay.
 
-    It is filtered before frames are left out, and at the film's rate, whatever rate it gets.
+    It is filtered before frames are left out, and at the film's rate, whatever rate it gets. Its
+    world is that of the whole motion.
     """
-    made = replace(recording, marker_set=order.markers)
+    made = replace(recording.with_ground(), marker_set=order.markers, origin=order.origin)
     if order.filter_hz is not None:
         made = low_passed(made, order.filter_hz)
     if order.fps is not None:
@@ -98,7 +98,7 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    made = sampled(with_floor(recording), order, kind.own_times)
+    made = sampled(recording, order, kind.own_times)
     contents = kind.contents(made, order)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 

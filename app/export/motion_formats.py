@@ -68,12 +68,12 @@ class Format:
 
 def _bvh(recording: Recording, order: MotionOrder) -> Sequence[str]:
     from keypose.tracker.formats.bvh import bvh
-    from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+    from keypose.tracker.formats.conventions import parts_in_world
     from keypose.tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")
     rig = rig_of(whole.skeleton, order.rig, parallel=True)
-    Ts_world_part = parts_in_world(whole, floor_from_camera(whole))
+    Ts_world_part = parts_in_world(whole, whole.T_world_camera)
     return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, order.unit),)
 
 
@@ -105,30 +105,28 @@ def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
     from keypose.tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
-    angles = angles_csv(*motion, recording.joint_angles)
-    return joints_csv(*motion), angles, frames_csv(recording)
+    angles = angles_csv(*motion, recording.joint_angles, recording.up_camera)
+    world = recording.world if recording.tracks.tracked.any() else None
+    return joints_csv(*motion, world), angles, frames_csv(recording)
 
 
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
-        "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
-        "the floor at zero",
+        "bones in motion for animation programs, metres unless --unit says another, degrees",
         _bvh, ("motion.bvh",), "text/plain", "Blender, MotionBuilder, Daz", "bone",
         "blender maya motionbuilder unreal unity animation mocap fbx",
         remark="The file cannot say where in the video it begins",
         gaps=False, rigged=True, unitless=True, timed=False,
     ),
     "glb": Format(
-        "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
-        "y up, the floor at zero",
+        "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres",
         _glb, ("motion.glb",), "model/gltf-binary", "Blender, Unreal, Unity, web", "both",
         "blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman "
         "vrm fbx",
         gaps=False, rigged=True,
     ),
     "usd": Format(
-        "the same rig, motion and camera for film and game studios, metres; y up, the floor at "
-        "zero; needs usd-core",
+        "the same rig, motion and camera for film and game studios, metres; needs usd-core",
         _usd, ("motion.usd",), reader="Omniverse, Houdini, Maya", icon="both",
         search="usdz usdc openusd universal scene description omniverse houdini maya unreal "
         "animation",
@@ -136,26 +134,23 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         library=("usd-core", "pxr"), gaps=False, rigged=True,
     ),
     "trc": Format(
-        "joints as markers for OpenSim, millimetres, metres with --markers halpe26; x ahead, y up, "
-        "z right, on the floor",
+        "joints as markers for OpenSim, millimetres, metres with --markers halpe26",
         "marker_files.trc", ("motion.trc",), "text/plain", "OpenSim", "trail",
         "opensim markers biomechanics", marked=True,
     ),
     "mot": Format(
-        "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal; x ahead, y "
-        "up, z right, on the floor",
+        "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal",
         "opensim.mot.mot", ("motion.mot",), "text/plain", "OpenSim joint angles", "rot",
         title="Export joint angles as MOT", gaps=False,
     ),
     "c3d": Format(
-        "joints as markers for motion laboratories, millimetres; x ahead, y up, z right, on the "
-        "floor",
+        "joints as markers for motion laboratories, millimetres",
         "marker_files.c3d", ("motion.c3d",), reader="motion laboratories", icon="ghost",
         search="vicon qualisys biomechanics lab markers", library=("ezc3d", "ezc3d"), marked=True,
     ),
     "csv": Format(
-        "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, a "
-        "person's by clinical names too, and how far to trust every frame",
+        "joints in metres in the camera frame (x right, y down, z forward) and in the world, "
+        "angles in degrees, a person's by clinical names too, and how far to trust every frame",
         _csv, ("joints.csv", "angles.csv", "frames.csv"),
         reader="joints, angles, verdicts", icon="copy",
         search="table excel spreadsheet angles positions data", title="Export CSV tables",
@@ -168,20 +163,19 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     ),
     "amass": Format(
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
-        "z up, on the floor",
+        "z up",
         "smpl.amass", ("motion_poses.npz",), reader="SMPL, motion research", icon="ghost",
         search="smpl smplh smplx research npz poses", title="Export AMASS, SMPL poses",
         gaps=False, timed=False,
     ),
     "camera": Format(
-        "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
+        "the film's camera alone, for rotomation, as JSON, metres",
         "camera_files.camera_json", ("motion_camera.json",), "application/json",
         "rotomation, JSON", "camcorder", "rotomation matchmove json lens",
         title="Export the camera as JSON", label="Camera", own_times=True,
     ),
     "chan": Format(
-        "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
-        "zero",
+        "the film's camera for Nuke, metres and degrees, rotation order ZXY",
         "camera_files.chan", ("motion_camera.chan",), "text/plain", "the camera for Nuke",
         "camcorder", "camera nuke rotomation matchmove compositing",
         title="Export the camera for Nuke", own_times=True,

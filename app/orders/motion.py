@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeAlias
 from keypose.app.orders.order import option
 from keypose.app.orders.values import Choice, FrameRange, Number, Rate, Switch
 from keypose.tracker.formats.rigs import OWN, RIGS
-from keypose.tracker.formats.units import FILE_UNITS, FileUnit
+from keypose.tracker.formats.units import FILE_UNITS, ORIGINS, FileUnit, Origin
 
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 
@@ -17,6 +17,8 @@ _RIGS: Final = {OWN: "Own names", **{n: w.split(",")[0] for n, w in RIGS.items()
 _RIG_NOTES: Final = {"mixamo": "three.js drops the colons of its names"}
 _UNITS: Final = {"m": "Metres", "cm": "Centimetres", "in": "Inches"}
 _UNIT_NOTES: Final = {"m": "Blender", "cm": "MotionBuilder, Maya, Daz"}
+_ORIGINS: Final = {"body": "Below the body, x ahead", "camera": "Below the camera"}
+_ORIGIN_NOTES: Final = {"camera": "the same for every session of a film"}
 _MARKERS: Final = {"keypose": "The body’s joints", "halpe26": "HALPE 26, Pose2Sim"}
 
 
@@ -25,7 +27,8 @@ class MotionOrder:
     """What may be asked for besides a format of motion.
 
     rig: whose bones a format has that has bones.  unit: of lengths where a format names none.
-    markers: which markers files of markers have.  frames: of the film, all when None.
+    markers: which markers files of markers have.  origin: whose ground the world of files is.
+    frames: of the film, all when None.
     fps: frames a second, those of the film when None; where these vary, formats that are read at a
     constant rate get their mean.  from_zero: whether times and frames begin at 0 instead of where
     they are in the film.  filter_hz: cut-off of the low-pass filter, none when None.
@@ -48,6 +51,12 @@ class MotionOrder:
         "of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
         "names of Pose2Sim",
         "keypose", label="Markers", only="marked", persons=True,
+    )  # fmt: skip
+    origin: Origin = option(
+        Choice(None, tuple(ORIGINS), _ORIGINS, _ORIGIN_NOTES),
+        "of the world that all formats have in common, y up, the floor at zero: "
+        + "; ".join(f"{name}: {words}" for name, words in ORIGINS.items()),
+        "body", label="Origin",
     )  # fmt: skip
     frames: tuple[int, int] | None = option(
         FrameRange(), "first and last frame of the video; default: all", label="Frames"

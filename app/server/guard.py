@@ -52,6 +52,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/folder|/file\.jpg", {"at"}),
     )
 )
+_MOST_WORDS = max(len(words) for _, words in _QUERIES)
 _WITHOUT_KEY = re.compile(r"/|/static/.+|/thumb/.+|/view/[a-z]+")
 """What the browser itself asks for, which adds no key: the page, its files, small pictures, and the
 views, which send where the body is and accept nothing."""
@@ -303,7 +304,8 @@ def _query(scope: Scope) -> dict[str, str]:
     if len(text) > _LONGEST_QUERY:
         raise unknown
     try:
-        pairs = parse_qsl(text.decode("ascii"), True, True, max_num_fields=8, errors="strict")
+        words = text.decode("ascii")
+        pairs = parse_qsl(words, True, True, max_num_fields=_MOST_WORDS, errors="strict")
     except ValueError:  # UnicodeDecodeError is one
         raise unknown from None
     names = [name for name, _ in pairs]

@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.keeping import Absent, kept_folder
 from keypose.app.render.palette import SIDE_COLOURS, part_sides
-from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
@@ -43,7 +43,7 @@ class Written:
 
     @cached_property
     def T_world_camera(self) -> Array:
-        return floor_from_camera(self.recording)
+        return self.recording.T_world_camera
 
     @cached_property
     def ps_world_bone(self) -> Array:

@@ -61,6 +61,7 @@ export const EXPORTS = {
     {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU motion capture"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "usd"], "persons": true, "usual": "keypose"},
     {"name": "unit", "label": "Unit", "kind": "choice", "options": [{"id": "m", "label": "Metres", "note": "Blender"}, {"id": "cm", "label": "Centimetres", "note": "MotionBuilder, Maya, Daz"}, {"id": "in", "label": "Inches"}], "only": ["bvh"], "usual": "m"},
     {"name": "markers", "label": "Markers", "kind": "choice", "options": [{"id": "keypose", "label": "The body’s joints"}, {"id": "halpe26", "label": "HALPE 26, Pose2Sim"}], "only": ["trc", "c3d"], "persons": true, "usual": "keypose"},
+    {"name": "origin", "label": "Origin", "kind": "choice", "options": [{"id": "body", "label": "Below the body, x ahead"}, {"id": "camera", "label": "Below the camera", "note": "the same for every session of a film"}], "usual": "body"},
     {"name": "frames", "label": "Frames", "kind": "range"},
     {"name": "fps", "label": "Rate", "kind": "number", "least": 0.1, "most": 1000, "unit": "frames/s", "empty": "As the video"},
     {"name": "from_zero", "label": "Times", "kind": "switch", "labels": ["As in the video", "From 0"], "note": "From 0 for game engines and web players"},

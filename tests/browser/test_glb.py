@@ -15,7 +15,6 @@ from playwright.sync_api import Browser, Page
 
 from keypose.app.render.palette import SIDE_COLOURS, part_sides
 from keypose.tracker.body.pose import part_transforms
-from keypose.tracker.formats.conventions import floor_from_camera
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import apply_transform, rotation_between
@@ -106,7 +105,7 @@ def test_between_two_frames_the_hand_is_where_it_should_be(
     stage: Page, made: Recording, seconds: float
 ) -> None:
     stage.evaluate("(t) => seek(t)", seconds)
-    T, T_world_camera = at(made, seconds), floor_from_camera(made)
+    T, T_world_camera = at(made, seconds), made.T_world_camera
     for part in ("left_hand", "right_hand", "left_foot", "head"):
         p_camera = T[made.skeleton.body.index(part), :3, 3]
         place, seen = stage.evaluate("(name) => place(name)", part)

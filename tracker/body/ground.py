@@ -1,9 +1,10 @@
-"""The floor, and the ground frame of movement science: x ahead, y up, z to the right.
+"""The floor, and the worlds that stand on it: y up, the floor at zero.
 
-The floor is at the height that is known, or else where a moving body stands lowest. x is where the
-person faces over the motion, on average, as the laboratory axes of the International Society of
-Biomechanics point along the progression (Wu et al. 2002); the origin lies on the floor under the
-root's first place.
+The floor is at the height that is known, or else where a moving body stands lowest. In the body's
+own ground x is where it faces over the motion, on average, as the laboratory axes of the
+International Society of Biomechanics point along the progression (Wu et al. 2002), z is to its
+right, and the origin lies under the root's first place. In the camera's, the origin lies below the
+camera, which looks along −z as nearly as the floor allows, and x is to the right of its picture.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import Array, frozen
+from keypose.tracker.geometry.rotations import Array, frozen, transform
 
 LOW_PERCENT = 10.0
 """Of the moments, in which the lowest point of a body may lie under a guessed floor: poses that are
@@ -68,6 +69,11 @@ class Ground:
         """Points (..., 3) of the camera frame on the ground."""
         return np.asarray(ps_camera @ self.R_ground_camera.T + self.p_ground_camera)
 
+    @property
+    def T_ground_camera(self) -> Array:
+        """(4, 4)."""
+        return transform(self.R_ground_camera, self.p_ground_camera)
+
 
 def ground_of(
     skeleton: Skeleton, motion: Trajectory, up_camera: ArrayLike, floor_m: float | None
@@ -85,6 +91,30 @@ def ground_of(
     floor = floor_height(floor_m, lowest_heights(skeleton, Ts, up))
     x, _, z = R @ Ts[0, 0, :3, 3]
     return Ground(frozen(R), frozen([-x, -floor, -z]))
+
+
+_FORWARD, _PICTURE_UP = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+_STEEP = 0.02
+"""Of a direction, the level share below which it says nothing of where that points."""
+
+
+def ground_of_camera(up_camera: ArrayLike, floor_m: float) -> Ground:
+    """The ground below the camera.  floor_m: metres along up from the camera's centre."""
+    up = np.asarray(up_camera, dtype=np.float64)
+    up = up / np.linalg.norm(up)
+    back = -_level(up)
+    R = np.stack([np.cross(up, back), up, back])
+    return Ground(frozen(R), frozen([0.0, -floor_m, 0.0]))
+
+
+def _level(up: Array) -> Array:
+    """(3,) where the camera looks, made level; straight down, what is above in its picture."""
+    for direction in (_FORWARD, _PICTURE_UP):
+        level = direction - (direction @ up) * up
+        length = float(np.linalg.norm(level))
+        if length > _STEEP:
+            break
+    return np.asarray(level / length)
 
 
 def _ahead(Rs_camera_root: Array, up: Array) -> Array:

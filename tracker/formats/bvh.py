@@ -1,6 +1,6 @@
 """The motion as BVH (Biovision hierarchy), which animation programs read.
 
-World of the file: that of the floor (`keypose.tracker.formats.conventions`), y up. Bones are
+World of the file: that of all files (`keypose.tracker.body.ground`), y up. Bones are
 those of a rig (`keypose.tracker.formats.rigs`), at rest parallel to the world, as BVH has no other:
 where all rotations are zero the body stands in the rig's rest pose and faces +z. Bones of landmarks
 are left out.

@@ -1,7 +1,7 @@
 """The film's camera for rotomation: as JSON with all that is known of it, and as Nuke's .chan.
 
-Both give where it stands in the world of the GLB (`keypose.tracker.formats.conventions`): metres,
-y up, the floor at zero, the origin below the camera.
+Both give where it stands in the world of all files (`keypose.tracker.body.ground`): metres, y up,
+the floor at zero.
 
 JSON:
 
@@ -38,7 +38,7 @@ from typing import Any
 import numpy as np
 
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.conventions import FLIP, fixed_decimals, floor_from_camera
+from keypose.tracker.formats.conventions import FLIP, fixed_decimals
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -57,7 +57,7 @@ def camera_json(recording: Recording) -> str:
         **camera.model_dump(include={"width", "height", "projection", "fx", "fy", "cx", "cy"}),
         "distortion_k1_k2_p1_p2_k3": list(camera.distortion),
         "focal_35mm": round(camera.focal_mm, 4),
-        "T_world_camera": (floor_from_camera(recording).round(DECIMALS) + 0.0).tolist(),
+        "T_world_camera": (recording.T_world_camera.round(DECIMALS) + 0.0).tolist(),
         "floor_m": 0.0,
         "first_frame": recording.frames[0],
         "last_frame": recording.frames[-1],
@@ -81,7 +81,7 @@ def chan(recording: Recording) -> str:
     """The text of the .chan file. FormatError for a telephoto lens, which it cannot describe."""
     if recording.camera.telephoto_distance_m is not None:
         raise FormatError("A .chan file needs a field of view, and a telephoto lens has none.")
-    T = floor_from_camera(recording)
+    T = recording.T_world_camera
     angles_deg = np.degrees(_zxy(T[:3, :3] * FLIP))
     seen_deg = fields_of_view_deg(recording.camera)[1]
     numbers = "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))

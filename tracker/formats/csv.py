@@ -1,12 +1,16 @@
 """The motion as three tables of comma-separated values, one row per frame.
 
 joints: `frame`, `time_s`, then `<joint>_x_m`, `<joint>_y_m`, `<joint>_z_m` for every joint and
-landmark: metres in the camera frame, x right, y down, z away from the camera.
+landmark: metres in the camera frame, x right, y down, z away from the camera. Then the same as
+`<joint>_world_x_m` in the world of all files, y up, the floor at zero.
 
 angles: `frame`, `time_s`, then `<part>_rz_deg`, `<part>_ry_deg`, `<part>_rx_deg` for every part:
-degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Angles
-lie within ±180, that of y within ±90. For a person then `<joint>_<angle>_deg` by the clinical names
-and signs of `keypose.tracker.body.joint_angles`, such as `left_knee_flexion_deg`.
+degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Then
+`<root>_heading_deg`, `<root>_roll_deg` and `<root>_pitch_deg` against what is up, as in
+`keypose.tracker.body.heading`. For a person then `<joint>_<angle>_deg` by the clinical names and
+signs of `keypose.tracker.body.joint_angles`, such as `left_knee_flexion_deg`. Angles run on from
+frame to frame, past half a turn where the motion does: of all triples that are one rotation, the
+one nearest to the frame before is given.
 
 frames: what is known of every frame, and how far to trust it.
 
@@ -42,24 +46,44 @@ import io
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from keypose.tracker.body.ground import Ground
+from keypose.tracker.body.heading import CAMERA_UP, heading_first
 from keypose.tracker.body.joint_angles import JointAngles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import column_names, fixed_decimals
 from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.rotation_curves import known_smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
-from keypose.tracker.geometry.rotations import Array, euler_from_rotation
+from keypose.tracker.geometry.rotations import Array
+
+IN_WORLD = "_world"
+"""Follows a joint's name where its position is that in the world of all files."""
 
 DECIMALS = 6
 """A micrometre, a microdegree, a microsecond."""
 
 
-def joints_csv(skeleton: Skeleton, trajectory: Trajectory, times_s: Sequence[float] | Array) -> str:
-    """The table of joint positions; `times_s` (N,) are the times of the trajectory's frames."""
-    columns = [f"{name}_{axis}_m" for name in column_names(skeleton) for axis in "xyz"]
-    return _table(trajectory, times_s, columns, trajectory.joints(skeleton))
+def joints_csv(
+    skeleton: Skeleton,
+    trajectory: Trajectory,
+    times_s: Sequence[float] | Array,
+    world: Ground | None = None,
+) -> str:
+    """The table of joint positions; `times_s` (N,) are the times of the trajectory's frames.
+
+    world: None where it is not known; its columns are left out then.
+    """
+    names, ps_camera = column_names(skeleton), trajectory.joints(skeleton)
+    columns = [f"{name}_{axis}_m" for name in names for axis in "xyz"]
+    if world is None:
+        return _table(trajectory, times_s, columns, ps_camera)
+    columns += [f"{name}{IN_WORLD}_{axis}_m" for name in names for axis in "xyz"]
+    both = np.concatenate([ps_camera, world.points(ps_camera)], axis=1)
+    return _table(trajectory, times_s, columns, both)
 
 
 def angles_csv(
@@ -67,13 +91,18 @@ def angles_csv(
     trajectory: Trajectory,
     times_s: Sequence[float] | Array,
     clinical: Sequence[JointAngles] = (),
+    up_camera: ArrayLike = CAMERA_UP,
 ) -> str:
     """The table of joint angles; `times_s` (N,) are the times of the trajectory's frames."""
     columns = [f"{name}_r{axis}_deg" for name in skeleton.body.names for axis in "zyx"]
+    columns += [f"{skeleton.body.names[0]}_{name}_deg" for name in ("heading", "roll", "pitch")]
     columns += [
         f"{one.joint.name}_{angle.name}_deg" for one in clinical for angle in one.joint.angles
     ]
-    angles = np.rad2deg(euler_from_rotation(trajectory.Rs_parent_part)).reshape(len(trajectory), -1)
+    Rs = trajectory.Rs_parent_part
+    level = known_smooth_euler(heading_first(Rs[:, :1], up_camera))[:, 0] * [1.0, -1.0, 1.0]
+    zyx = known_smooth_euler(Rs).reshape(len(Rs), -1)
+    angles = np.rad2deg(np.hstack([zyx, level]))
     return _table(
         trajectory, times_s, columns, np.hstack([angles, *(one.angles_deg for one in clinical)])
     )

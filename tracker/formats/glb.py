@@ -1,7 +1,7 @@
 """Write the motion as GLB, binary glTF 2.0: one rig with its skin, one animation, one camera.
 
-The world is the floor's (`keypose.tracker.formats.conventions`): metres, y up, the floor at zero,
-the origin below the camera. The bones (`keypose.tracker.formats.rigs`) are nodes below the node
+The world is that of all files (`keypose.tracker.body.ground`): metres, y up, the floor at zero. The
+bones (`keypose.tracker.formats.rigs`) are nodes below the node
 "Armature", in their rest pose; the body's solids are one mesh, each vertex on one bone. One
 animation turns every bone and moves the body. Its times count from the video's first frame; between
 two of them programs turn each bone about one axis, the shorter way. The animation's `extras` say
@@ -29,7 +29,6 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import (
     FLIP,
     ROUGHNESS,
-    floor_from_camera,
     linear,
     parts_in_world,
 )
@@ -108,7 +107,7 @@ def glb(
     """
     recording, numbers = recording.whole("GLB"), Numbers()
     rig = rig_of(recording.skeleton, rig_name)
-    T_world_camera = floor_from_camera(recording)
+    T_world_camera = recording.T_world_camera
     used = {name: colour for name, colour in colours.items() if name in sides}
     bones = _bone_nodes(rig)
     armature, body, camera = len(bones), len(bones) + 1, len(bones) + 2

@@ -1,15 +1,15 @@
 """Write the motion as markers: TRC tables, and C3D by ezc3d.
 
-Points are those of the recording's markers (`keypose.tracker.formats.marker_sets`), on the ground
-as in TRC and MOT: x ahead, y up, z right. Millimetres, as POINT:UNITS says. Points are single
+Points are those of the recording's markers (`keypose.tracker.formats.marker_sets`), in the world of
+all files (`keypose.tracker.body.ground`). Millimetres, as POINT:UNITS says. Points are single
 precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
 residual −1, "invalid" in C3D. The events are heel strikes and toe offs of a person who walks
 (`keypose.tracker.space.gait`). There are no analog channels. Frames are evenly spaced, as
 C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
 motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
 
-Markers are those of the recording (`keypose.tracker.formats.marker_sets`), on the ground as in MOT
-and C3D: x ahead, y up, z right. `Units` are those of the program whose markers they are. Columns
+Markers are those of the recording (`keypose.tracker.formats.marker_sets`), in the same world.
+`Units` are those of the program whose markers they are. Columns
 are parted by tabs, and no tab ends a row: readers take it for one more column. Frames that are not
 tracked have `nan`, as OpenSim writes it, which refuses a row that ends with empty places. `Time`
 counts in seconds from the video's first frame and `Frame#` from 0; the rates in the header are the

@@ -4,7 +4,7 @@ keypose:  every joint and landmark of the body, under its own name.
 halpe26:  the markers of HALPE_26 by the names of Pose2Sim (Pagnon et al. 2021) and its marker file
           for full-body models after Rajagopal et al. (2016), eyes and ears left out as there.
 
-They lie on the ground, x ahead, y up and z right, as `keypose.tracker.body.ground` says.
+They lie in the world of all files (`keypose.tracker.body.ground`).
 """
 
 from __future__ import annotations
@@ -133,17 +133,17 @@ def markers_of(body: Body, marker_set: MarkerSetName) -> tuple[Marker, ...]:
 
 
 def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
-    """The markers' names and where they are on the ground (N, M, 3), metres, of the set that the
+    """The markers' names and where they are in the world (N, M, 3), metres, of the set that the
     recording is to be written with."""
     if recording.marker_set == "keypose":
         names = column_names(recording.skeleton)
-        return names, recording.ground.points(recording.ps_camera_joint)
+        return names, recording.world.points(recording.ps_camera_joint)
     body = recording.skeleton.body
     markers = markers_of(body, recording.marker_set)
     points = tuple(((body.index(one.part), one.p_part),) for one in markers)
     places = BodyPoints(recording.skeleton, points)
     ps_camera = places.at(recording.trajectory.transforms(recording.skeleton))
-    return tuple(one.name for one in markers), recording.ground.points(ps_camera)
+    return tuple(one.name for one in markers), recording.world.points(ps_camera)
 
 
 def _own_markers(body: Body) -> tuple[Marker, ...]:

@@ -38,6 +38,8 @@ unless it has a rate of its own. Segments are given by the video's frames.
     projection             ()              perspective or telephoto
     telephoto_distance_m   ()              NaN for a perspective camera
     up_camera              (3,)            what is up, a unit vector in the camera frame
+    T_world_camera         (4, 4)          from the camera frame to the world of all files, y up,
+                                           the floor at zero; NaN where no frame is tracked
 """
 
 from __future__ import annotations
@@ -49,7 +51,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.formats.conventions import column_names
 from keypose.tracker.formats.recording import Recording
-from keypose.tracker.formats.rotation_curves import smooth_euler
+from keypose.tracker.formats.rotation_curves import known_smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -66,8 +68,13 @@ def npz(recording: Recording) -> bytes:
             **_findings(recording),
             **_camera(recording.camera),
             "up_camera": recording.up_camera,
+            "T_world_camera": _world(recording),
         }
     )
+
+
+def _world(recording: Recording) -> Array:
+    return recording.T_world_camera if recording.tracks.tracked.any() else np.full((4, 4), np.nan)
 
 
 def _poses(recording: Recording) -> Arrays:
@@ -85,7 +92,7 @@ def _poses(recording: Recording) -> Arrays:
         "Rs_parent_part": tracks.Rs_parent_part,
         "ps_camera_root": tracks.ps_camera_root,
         "ps_camera_joint": recording.ps_camera_joint,
-        "angles_zyx_rad": _angles(tracks.Rs_parent_part, tracks.tracked),
+        "angles_zyx_rad": known_smooth_euler(tracks.Rs_parent_part),
     }
 
 
@@ -115,13 +122,6 @@ def _camera(camera: Camera) -> Arrays:
         "projection": _text(camera.projection),
         "telephoto_distance_m": np.array(np.nan if distance is None else distance),
     }
-
-
-def _angles(Rs_parent_part: Array, tracked: NDArray[np.bool_]) -> Array:
-    """Smooth over the tracked frames, also across a gap."""
-    angles = np.full(Rs_parent_part.shape[:-1], np.nan)
-    angles[tracked] = smooth_euler(Rs_parent_part[tracked])
-    return angles
 
 
 def _whole(values: Any) -> NDArray[np.int64]:

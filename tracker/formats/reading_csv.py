@@ -4,8 +4,9 @@ The first line names the columns: a time (`time_s`, `time` or `t`, seconds), a `
 likes, and `<joint>_x`, `<joint>_y`, `<joint>_z` for every joint, with the unit behind when it is
 known, as in `left_hand_x_m`. Without a time a row is a frame of the video, numbered by `fnum` or
 `frame` where there is one. A table with `frame`, `time_s` and units is our own: it lies in the
-camera frame. Any other is taken to be y up. An empty place is a joint that was not seen.
-Columns are parted by commas, semicolons or tabs; numbers may have a decimal comma.
+camera frame, and what it repeats in the world of files is left out. Any other is taken to be y up.
+An empty place is a joint that was not seen. Columns are parted by commas, semicolons or tabs;
+numbers may have a decimal comma.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import re
 import numpy as np
 
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.csv import IN_WORLD
 from keypose.tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, require_size
 from keypose.tracker.formats.text import decoded
 
@@ -38,6 +40,11 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     frame = next((i for i, word in enumerate(letters) if word in _FRAMES), None)
     clock = frame if time is None else time
     columns, unit = _columns(file, heads)
+    ours = unit == "m" and heads[:2] == ["frame", "time_s"]
+    if ours:
+        columns = {
+            k: v for k, v in columns.items() if k.removesuffix(IN_WORLD) not in {*columns} - {k}
+        }
     require_size(file, len(rows) - 1, len(columns))
     table = np.full((len(rows) - 1, len(heads)), np.nan)
     wanted = [i for axes in (*columns.values(), [] if clock is None else [clock]) for i in axes]
@@ -50,7 +57,6 @@ def read_csv(file: str, content: bytes) -> JointMotion:
         for i in wanted:
             table[row, i] = number(file, cells[i])
     positions = table[:, list(columns.values())]
-    ours = unit == "m" and heads[:2] == ["frame", "time_s"]
     world: World = "camera" if ours else "y up"
     times = np.arange(len(table), dtype=np.float64) if clock is None else table[:, clock]
     times = times * (1.0 if time is None else _TIMES[letters[time]])

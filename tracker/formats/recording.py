@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.ground import Ground, ground_of
-from keypose.tracker.body.joint_angles import JointAngles, joint_angles, joints_of
+from keypose.tracker.body.ground import Ground, ground_of, ground_of_camera
+from keypose.tracker.body.heading import CAMERA_UP
+from keypose.tracker.body.joint_angles import JointAngles, joint_angles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.units import Origin
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.session.annotations import Note
@@ -31,9 +33,6 @@ if TYPE_CHECKING:
 MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
 MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)
 """What markers files of markers have, as `keypose.tracker.formats.marker_sets` says."""
-
-CAMERA_UP = (0.0, -1.0, 0.0)
-"""Up where no other direction is known: the camera's own."""
 
 TIME_S = 1e-3
 """Times that are off by no more are evenly spaced: containers round them to that."""
@@ -76,6 +75,8 @@ class Recording:
                body stands.
     pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
+    origin:    whose ground is the world of files.
+    kept_ground: the body's ground, where these frames are part of a motion that it is of.
     """
 
     skeleton: Skeleton
@@ -94,6 +95,8 @@ class Recording:
     timecode: Timecode | None = None
     pins: tuple[Pin, ...] = ()
     marker_set: MarkerSetName = "keypose"
+    origin: Origin = "body"
+    kept_ground: Ground | None = None
 
     @classmethod
     def of(
@@ -194,18 +197,45 @@ class Recording:
 
     @cached_property
     def ground(self) -> Ground:
-        """Return what is ahead, up and the floor. FormatError where no frame is tracked."""
+        """The body's own ground. FormatError where no frame is tracked."""
+        if self.kept_ground is not None:
+            return self.kept_ground
         if not self.tracks.tracked.any():
             raise FormatError("No frame is tracked.")
         return ground_of(self.skeleton, self.trajectory, self.up_camera, self.floor_m)
 
     @cached_property
+    def world(self) -> Ground:
+        """The world of all files: the body's ground or the camera's, as `origin` says, and the
+        camera's where no frame is tracked. FormatError where the floor is not known either."""
+        placed = self.kept_ground is not None or bool(self.tracks.tracked.any())
+        if placed and self.origin == "body":
+            return self.ground
+        floor_m = self.floor_m
+        if floor_m is None:
+            floor_m = -float(self.ground.p_ground_camera[1])
+        return ground_of_camera(self.up_camera, floor_m)
+
+    @property
+    def T_world_camera(self) -> Array:
+        """(4, 4) from the camera frame (x right, y down, z forward) to the world of all files."""
+        return self.world.T_ground_camera
+
+    def with_ground(self) -> Recording:
+        """The recording with its ground given, so that parts of it and filtered ones lie in the
+        same world; itself where no frame is tracked."""
+        return replace(self, kept_ground=self.ground) if self.tracks.tracked.any() else self
+
+    @cached_property
     def joint_angles(self) -> tuple[JointAngles, ...]:
-        """The angles of a person's joints by their clinical names; none of another body."""
-        if not joints_of(self.skeleton.body) or not self.tracks.tracked.any():
-            return ()
-        R_ground_camera = self.ground.R_ground_camera
-        return joint_angles(self.skeleton.body, self.tracks.Rs_parent_part, R_ground_camera)
+        """The angles of a person's joints by their clinical names, the pelvis' on the body's own
+        ground; none of another body."""
+        return self.joint_angles_in(self.ground) if self.tracks.tracked.any() else ()
+
+    def joint_angles_in(self, world: Ground) -> tuple[JointAngles, ...]:
+        """The angles of a person's joints with the pelvis' in a world; none of another body."""
+        Rs = self.tracks.Rs_parent_part
+        return joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:

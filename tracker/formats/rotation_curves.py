@@ -42,6 +42,15 @@ def smooth_euler(rotations: Array) -> Array:
     return angles
 
 
+def known_smooth_euler(rotations: Array) -> Array:
+    """[z, y, x] (N, ..., 3), radians, smooth over the frames that are known, also across a gap; NaN
+    of the others."""
+    angles = np.full(rotations.shape[:-1], np.nan)
+    known = np.isfinite(rotations).reshape(len(rotations), -1).all(axis=1)
+    angles[known] = smooth_euler(rotations[known])
+    return angles
+
+
 def _nearest(before: Array, now: Array) -> Array:
     """The triple (..., 3) equivalent to `now` that is nearest to `before`."""
     z, y, x = np.moveaxis(now, -1, 0)

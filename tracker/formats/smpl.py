@@ -14,8 +14,7 @@ and its own rest joints, is licensed apart and not needed.
     rest_joints      (22, 3)   ours besides: where the body's joints are in the rest pose, metres,
                                the pelvis at the origin, y up, x to the body's left
 
-World: z up on the floor, the camera above the origin and looking along +y as nearly as the floor
-allows. Tree and rest pose: `keypose.tracker.formats.smpl`.
+World: that of all files (`keypose.tracker.body.ground`), turned so that z is up: its −z is y here.
 
 No model is needed to write it. With `rest_joints`, forward kinematics gives our joints to rounding.
 With a licensed model instead, limbs have its lengths, and point beside ours by as much as its own
@@ -32,7 +31,7 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, listed
-from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs.on_body import PERSON
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
@@ -103,7 +102,7 @@ def amass(recording: Recording) -> bytes:
     FormatError where the body is no person's, where frames are not tracked, or without two times.
     """
     rig, whole = smpl_of(recording.skeleton), recording.whole("AMASS")
-    T_world_camera = transform(Z_UP, np.zeros(3)) @ floor_from_camera(whole)
+    T_world_camera = transform(Z_UP, np.zeros(3)) @ whole.T_world_camera
     Rs_parent_bone, trans = rig.motion(parts_in_world(whole, T_world_camera))
     poses = np.zeros((len(whole), SMPL_H_JOINTS, 3))
     poses[:, : len(JOINTS)] = log_rotation(Rs_parent_bone[:, : len(JOINTS)])

@@ -1,4 +1,4 @@
-"""Units of length for files that cannot name theirs."""
+"""Units of length for files that cannot name theirs, and whose ground the world of files is."""
 
 from __future__ import annotations
 
@@ -12,5 +12,15 @@ FILE_UNITS: Final[dict[FileUnit, str]] = {
     "in": "inches",
 }
 """What each is for."""
+
+Origin: TypeAlias = Literal["body", "camera"]
+
+ORIGINS: Final[dict[Origin, str]] = {
+    "body": "on the floor below its first pose, x where it faces on average, as movement science "
+    "has it",
+    "camera": "on the floor below the camera, which looks along −z: the same for every session of "
+    "a film",
+}
+"""Where the origin of each is; y is up, and the floor is at zero, in both."""
 
 PER_METRE: Final[dict[FileUnit, float]] = {"m": 1.0, "cm": 100.0, "in": 1 / 0.0254}

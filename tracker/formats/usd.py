@@ -2,7 +2,7 @@
 
 That is an extra: who imports this module has it installed.
 
-A stage in metres, y up, in the world of the floor (`keypose.tracker.formats.conventions`). A time
+A stage in metres, y up, in the world of all files (`keypose.tracker.body.ground`). A time
 code is a frame of the video, or the number of its image file, and `timeCodesPerSecond` its rate;
 between two of them programs turn each bone about one axis, the shorter way. The default prim,
 called as the body, holds
@@ -34,7 +34,6 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 from keypose.tracker.formats.conventions import (
     FLIP,
     ROUGHNESS,
-    floor_from_camera,
     linear,
     parts_in_world,
     single_words,
@@ -71,7 +70,7 @@ def usd(
     sides: which of the colours (sRGB, 0 to 255) each part has.
     """
     whole = recording.whole("USD")
-    rig, T_world_camera = rig_of(whole.skeleton, rig_name), floor_from_camera(whole)
+    rig, T_world_camera = rig_of(whole.skeleton, rig_name), whole.T_world_camera
     stage = Usd.Stage.CreateInMemory(".usda")
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)

@@ -106,10 +106,9 @@ def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # t
     """Of the frames from the first tracked one to the last, with evidence where both ends are."""
     skeleton = Skeleton.of(made.body)
     first, last = np.flatnonzero(rows)[[0, -1]]
-    assert motion.first_frame == 0
-    keep = rows[first : last + 1]
-    Rs = np.where(keep[:, None, None, None], motion.Rs_parent_part[first : last + 1], np.nan)
-    ps = np.where(keep[:, None], motion.ps_camera_root[first : last + 1], np.nan)
+    keep, own = rows[first : last + 1], slice(*np.array([first, last + 1]) - motion.first_frame)
+    Rs = np.where(keep[:, None, None, None], motion.Rs_parent_part[own], np.nan)
+    ps = np.where(keep[:, None], motion.ps_camera_root[own], np.nan)
     steps = keep[1:] & keep[:-1]
     rng = np.random.default_rng(1)
     observability = rng.uniform(size=(len(steps), skeleton.part_count))

@@ -12,7 +12,7 @@ import pytest
 
 from keypose.app.export.motion_files import motion_files
 from keypose.app.orders.motion import MotionOrder
-from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
@@ -58,7 +58,7 @@ def test_every_bone_is_where_the_rig_has_it_whatever_the_unit(
 ) -> None:
     made = recorded("person")
     rig = rig_of(made.skeleton, rig_name)
-    Ts_world_part = parts_in_world(made, floor_from_camera(made))
+    Ts_world_part = parts_in_world(made, made.T_world_camera)
     moving = [i for i, part in enumerate(rig.parts) if part >= 0]
     p_bone = (Ts_world_part[:, rig.parts[moving]] @ rig.Ts_part_bone[moving])[..., :3, 3]
     _, root = read(written(made, rig_name, unit), tmp_path)
@@ -144,6 +144,6 @@ def test_it_is_read_in_again_whatever_the_unit(unit: FileUnit, tmp_path: Path) -
     path.write_bytes(written(made, "mixamo", unit))
     motion = load_motion(path)
     hips = motion.names.index("mixamorig:Hips")
-    own = parts_in_world(made, floor_from_camera(made))[:, 0, :3, 3]
+    own = parts_in_world(made, made.T_world_camera)[:, 0, :3, 3]
     scale = 0.01 * PER_METRE[unit]  # read as centimetres, and scaled to the body by who imports
     np.testing.assert_allclose(motion.ps_world_joint[:, hips] / scale, own, atol=1e-4)

@@ -19,7 +19,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import end_site
 from keypose.tracker.formats.csv import angles_csv, column_names, joints_csv
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.tracker import session_cases as cases
 from tests.tracker.formats.recordings import bvh_of
 
@@ -185,6 +185,20 @@ def test_the_table_of_angles_turns_back_into_the_rotations() -> None:
             z, y, x = (math.radians(row[f"{name}_r{axis}_deg"]) for axis in "zyx")
             R = _turn(2, z) @ _turn(1, y) @ _turn(0, x)
             np.testing.assert_allclose(R, trajectory.Rs_parent_part[frame, i], atol=1e-7)
+
+
+def test_angles_of_the_table_run_on_where_the_body_turns_round() -> None:
+    turns = np.radians(np.arange(0.0, 720.0, 15.0))
+    Rs = np.tile(np.eye(3), (len(turns), 4, 1, 1))
+    leaning = exp_rotation(np.array([0.1, 0.0, 0.05]))
+    Rs[:, 0] = exp_rotation(turns[:, None] * [0.0, 1.0, 0.0]) @ leaning
+    Rs[:, 1] = exp_rotation(turns[:, None] * [1.0, 0.0, 0.0])
+    motion = Trajectory(0, Rs, np.zeros((len(turns), 3)))
+    table = rows(angles_csv(cases.SKELETON, motion, np.arange(len(turns)) / 30))
+    for name in ("trunk_heading_deg", f"{cases.SKELETON.body.names[1]}_rx_deg"):
+        np.testing.assert_allclose(np.diff([row[name] for row in table]), 15.0, atol=1e-4)
+    for name in ("trunk_roll_deg", "trunk_pitch_deg"):
+        assert np.ptp([row[name] for row in table]) < 1e-4
 
 
 def test_a_table_has_one_header_and_no_minus_zero() -> None:

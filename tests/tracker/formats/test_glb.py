@@ -14,7 +14,6 @@ import trimesh
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.shapes import Box, Cylinder
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.conventions import floor_from_camera
 from keypose.tracker.formats.glb import glb
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
@@ -37,7 +36,7 @@ def written(made: Recording, rig: str = OWN) -> bytes:
 
 def joints_in_world(made: Recording) -> Any:
     """Joints and landmarks (N, J, 3) on the floor, by our own forward kinematics."""
-    return apply_transform(floor_from_camera(made), made.trajectory.joints(made.skeleton))
+    return apply_transform(made.T_world_camera, made.trajectory.joints(made.skeleton))
 
 
 @pytest.mark.parametrize("name", recordings.NAMES)
@@ -54,7 +53,7 @@ def test_every_joint_is_where_it_is_in_every_frame(name: str) -> None:
 def test_solids_move_as_the_body_s_with_the_bones_of_every_rig(rig: str) -> None:
     made = recordings.recording("twirl")
     content = written(made, rig)
-    player, T_world_camera = Player.of(content), floor_from_camera(made)
+    player, T_world_camera = Player.of(content), made.T_world_camera
     skinned = player.skinned(player.times_s)
     bones = rig_of(made.skeleton, rig)
     Ts = made.trajectory.transforms(made.skeleton)
@@ -73,7 +72,7 @@ def test_between_two_frames_every_part_turns_about_one_axis() -> None:
     middle = player.times_s[i : i + 2].mean(keepdims=True)
     Rs = rotation_between(motion.Rs_parent_part[i], motion.Rs_parent_part[i + 1], [0.5])
     p_root = motion.ps_camera_root[i : i + 2].mean(axis=0)
-    T = floor_from_camera(made) @ part_transforms(made.skeleton, Rs[0], p_root)
+    T = made.T_world_camera @ part_transforms(made.skeleton, Rs[0], p_root)
     places = player.places(middle)
     for name, p in zip(made.skeleton.body.names, T[:, :3, 3], strict=True):
         np.testing.assert_allclose(places[name][0], p, atol=1e-5)
@@ -105,7 +104,7 @@ def test_before_it_plays_the_body_stands_on_the_floor_in_its_rest_pose(rig: str)
 
 def test_the_floor_is_at_zero_and_up_is_y() -> None:
     tilted = np.array([0.05, -1.0, -0.3]) / np.linalg.norm([0.05, -1.0, -0.3])
-    made = replace(recordings.recording("person"), up_camera=tilted)
+    made = replace(recordings.recording("person"), up_camera=tilted, origin="camera")
     player = Player.of(written(made))
     lowest = [
         points[..., 1].min(axis=1) for points in player.skinned(player.times_s).values()
@@ -123,8 +122,9 @@ def test_a_floor_that_was_set_is_kept() -> None:
 
 
 def test_a_camera_that_looks_straight_down_has_the_top_of_its_picture_ahead() -> None:
-    made = replace(recordings.recording("person"), up_camera=np.array([0.0, 0.0, -1.0]))
-    R = floor_from_camera(made)[:3, :3]
+    up = np.array([0.0, 0.0, -1.0])
+    made = replace(recordings.recording("person"), up_camera=up, origin="camera")
+    R = made.T_world_camera[:3, :3]
     np.testing.assert_allclose(R @ [0, 0, 1], [0, -1, 0], atol=1e-12)
     np.testing.assert_allclose(R @ [0, -1, 0], [0, 0, -1], atol=1e-12)
 
@@ -193,9 +193,8 @@ def test_the_camera_sees_as_the_video_did() -> None:
     assert seen.extras["fx"] == 700
     assert seen.extras["distortion_k1_k2_p1_p2_k3"][0] == 0.1
     (node,) = [n for n in player.gltf.nodes if n.camera is not None]
-    assert node.rotation == [0, 0, 0, 1]
-    places = player.places(player.times_s)
-    seen_from = [places[name] - places["camera"] for name in made.skeleton.body.names]
+    places, T = player.places(player.times_s), player.transforms(None)[node.name][0]
+    seen_from = [(places[name] - T[:3, 3]) @ T[:3, :3] for name in made.skeleton.body.names]
     p_camera = made.trajectory.transforms(made.skeleton)[:, :, :3, 3]
     np.testing.assert_allclose(np.stack(seen_from, axis=1), p_camera * [1, -1, -1], atol=1e-5)
 

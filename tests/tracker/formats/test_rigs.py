@@ -10,7 +10,7 @@ from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
@@ -50,7 +50,7 @@ def posed(rig: Rig, Rs: np.ndarray, ps: np.ndarray) -> np.ndarray:  # type: igno
 
 
 def in_world(made: Recording) -> np.ndarray:  # type: ignore[type-arg]
-    return parts_in_world(made, floor_from_camera(made))
+    return parts_in_world(made, made.T_world_camera)
 
 
 @pytest.mark.parametrize("clavicles", [False, True])
@@ -79,7 +79,7 @@ def test_bones_are_where_the_body_has_its_joints(rig_name: str, clavicles: bool)
 @pytest.mark.parametrize("name", recordings.NAMES)
 def test_a_body_s_own_rig_has_a_bone_for_every_joint_and_landmark(name: str) -> None:
     made = recordings.recording(name)
-    rig, T_world = rig_of(made.skeleton), floor_from_camera(made)
+    rig, T_world = rig_of(made.skeleton), made.T_world_camera
     T = posed(rig, *rig.motion(parts_in_world(made, T_world)))
     joints = made.trajectory.joints(made.skeleton) @ T_world[:3, :3].T + T_world[:3, 3]
     np.testing.assert_allclose(T[:, :, :3, 3], joints, atol=1e-9)

@@ -16,7 +16,7 @@ from keypose.tracker.body.body import Body, Part
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.conventions import floor_from_camera, parts_in_world
+from keypose.tracker.formats.conventions import parts_in_world
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rigs import OWN, RIGS
 from keypose.tracker.formats.rigs.rig import rig_of
@@ -58,7 +58,7 @@ def test_every_bone_is_where_the_rig_has_it(rig_name: str, tmp_path: Path) -> No
     rig = rig_of(made.skeleton, rig_name)
     stage = opened(made, tmp_path, rig_name)  # queries live as long as it does
     query = skeleton_of(stage)
-    Ts_world_part = parts_in_world(made, floor_from_camera(made))
+    Ts_world_part = parts_in_world(made, made.T_world_camera)
     moving = [i for i, part in enumerate(rig.parts) if part >= 0]
     for frame in FRAMES:
         Ts = Ts_world_part[frame, rig.parts[moving]] @ rig.Ts_part_bone[moving]
@@ -70,7 +70,7 @@ def test_every_bone_is_where_the_rig_has_it(rig_name: str, tmp_path: Path) -> No
 @pytest.mark.parametrize("name", ["box", "balance", "twirl"])
 def test_bodies_of_all_samples_move_as_they_do_here(name: str, tmp_path: Path) -> None:
     made = recorded(name)
-    T_world_camera = floor_from_camera(made)
+    T_world_camera = made.T_world_camera
     stage = opened(made, tmp_path)
     query = skeleton_of(stage)
     joints = made.ps_camera_joint @ T_world_camera[:3, :3].T + T_world_camera[:3, 3]
@@ -83,7 +83,7 @@ def test_the_skin_goes_with_the_bones(tmp_path: Path) -> None:
     made = recorded("person")
     stage = opened(made, tmp_path, "ue5")
     mesh = UsdGeom.Mesh(stage.GetDefaultPrim().GetChild("Skin"))
-    Ts_world_part = parts_in_world(made, floor_from_camera(made))
+    Ts_world_part = parts_in_world(made, made.T_world_camera)
     UsdSkel.BakeSkinning(UsdSkel.Root(stage.GetDefaultPrim()), Gf.Interval(17, 17))
     baked = np.array(mesh.GetPointsAttr().Get(17))
     for part, T in zip(made.skeleton.body.parts, Ts_world_part[17], strict=True):
