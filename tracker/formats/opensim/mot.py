@@ -12,8 +12,9 @@ Where they differ:
     pelvis_tx, _ty, _tz         of the pelvis' origin between the spines of the hip bones, which
                                 the models have before and above the hips
 
-The ground is `keypose.tracker.body.ground`. Toes stay straight. The axes of elbow and knee,
-oblique and gliding in the models, are taken for straight ones.
+The ground is the world of all files (`keypose.tracker.body.ground`). Toes stay straight. The axes
+of elbow and knee, oblique and gliding in the models, are taken for straight ones; hips, shoulders,
+ankles and wrists do what these hinges cannot (`keypose.tracker.formats.opensim.hinges`).
 
 What the columns mean is in `keypose.tracker.formats.opensim.mot`. Frames must be tracked
 from the first to the last, for OpenSim reads no gaps.
@@ -22,13 +23,15 @@ from the first to the last, for OpenSim reads no gaps.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from keypose.tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried
+from keypose.tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried, joints_of
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import fixed_decimals
+from keypose.tracker.formats.opensim.hinges import with_hinges
 from keypose.tracker.formats.opensim.model import OpenSimModel, mid_hips, scaled
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
@@ -80,7 +83,8 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
     model: only the coordinates that it has, and its pelvis. FormatError where the body is no
     person's, or nothing is tracked.
     """
-    angles = {found.joint.name: found for found in recording.joint_angles}
+    recording = _with_hinges(recording)
+    angles = {found.joint.name: found for found in recording.joint_angles_in(recording.world)}
     if len(angles) < len(JOINTS):
         raise FormatError(
             "OpenSim's joint angles are those of a whole person, and this body is no person's."
@@ -99,6 +103,16 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
     return found if model is None else _of_model(found, model.coordinates)
 
 
+def _with_hinges(recording: Recording) -> Recording:
+    """The motion by the joints that the models have; itself where the body is no person's."""
+    tracks = recording.tracks
+    if not joints_of(recording.skeleton.body):
+        return recording
+    Rs, known = tracks.Rs_parent_part.copy(), tracks.tracked
+    Rs[known] = with_hinges(recording.skeleton.body, Rs[known])
+    return replace(recording.with_ground(), tracks=replace(tracks, Rs_parent_part=Rs))
+
+
 def trunk_flexion(model: OpenSimModel) -> str | None:
     """The model's own name of how far the trunk is bent against the pelvis; None if it is rigid."""
     name = "L5_S1_Flex_Ext"
@@ -113,7 +127,7 @@ def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, A
 
 
 def _pelvis_m(recording: Recording, model: OpenSimModel | None) -> Array:
-    """(N, 3) The origin of the model's pelvis on the ground; its hips are where ours are."""
+    """(N, 3) The origin of the model's pelvis in the world; its hips are where ours are."""
     body = recording.skeleton.body
     hips = np.array([body.parts[body.index(f"{side}_thigh")].joint_m for side in _SIDES.values()])
     if model is None:
@@ -123,7 +137,7 @@ def _pelvis_m(recording: Recording, model: OpenSimModel | None) -> Array:
         theirs = mid_hips(model, scaled(model, body, ()).factors)
     p_root = hips.mean(axis=0) - R_ANATOMICAL_PART.T @ theirs
     T = recording.trajectory.transforms(recording.skeleton)[:, 0]
-    return recording.ground.points(T[:, :3, :3] @ p_root + T[:, :3, 3])
+    return recording.world.points(T[:, :3, :3] @ p_root + T[:, :3, 3])
 
 
 def _ankle(recording: Recording, side: str) -> tuple[Array, Array]:
@@ -165,7 +179,7 @@ def _table(name: str, times_s: Array, columns: Mapping[str, Array]) -> str:
         f"nColumns={len(columns) + 1}",
         "inDegrees=yes",
         "",
-        "Angles are degrees, lengths metres, times seconds; x is ahead, y up, z right.",
+        "Angles are degrees, lengths metres, times seconds; y is up, the floor at zero.",
         "endheader",
         "\t".join(("time", *columns)),
     ]
