@@ -50,6 +50,7 @@ _HEAD = """\
  * @property {string} also  What it is found by.
  * @property {string} alone
  * @property {string} remark
+ * @property {string} then  What a person still does with its files, a sentence.
  * @property {string} needs  A package that has to be installed.
  * @property {boolean} gaps
  * @property {boolean} ownTimes
@@ -96,6 +97,7 @@ def _format(name: str) -> dict[str, Any]:
         "also": f"export motion {kind.search}".strip(),
         "alone": kind.title or f"Export {label}",
         "remark": kind.remark,
+        "then": kind.then,
         "needs": "" if kind.library is None else kind.library[0],
         "gaps": kind.gaps,
         "ownTimes": kind.own_times,

@@ -90,6 +90,7 @@ def sampling_words(
         sentences.append(
             f"{listed(untimed)} {verb} at frame {first} of the film, which the file cannot say."
         )
+    sentences += [f"{FORMATS[name].then}." for name in formats if FORMATS[name].then]
     return " ".join(sentences) or None
 
 

@@ -31,7 +31,8 @@ class Format:
     names: of its files, "motion" and what follows the session's name where the page saves one of
     them; of several it makes one zip.  media_type: of the one file.
     reader, icon, search, remark: in the page who reads it, its sign, words it is found by, and what
-    a person should know.  title: what its action is called in lists; label: its short name.
+    a person should know; then: what is left to do with its files, a sentence.
+    title: what its action is called in lists; label: its short name.
     library: the package and the module that it needs, which an extra of its name installs.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
     read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
@@ -50,6 +51,7 @@ class Format:
     title: str = ""
     label: str = ""
     remark: str = ""
+    then: str = ""
     library: tuple[str, str] | None = None
     own_times: bool = False
     gaps: bool = True
@@ -83,6 +85,12 @@ def _glb(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
     return (glb(recording, *_colours(recording), order.rig),)
 
 
+def _fbx(recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
+    from keypose.tracker.formats.fbx_script import fbx_script
+
+    return (*_glb(recording, order), fbx_script(recording))
+
+
 def _usd(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
     try:
         from keypose.tracker.formats.usd import usd
@@ -114,7 +122,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "bones in motion for animation programs, metres unless --unit says another, degrees",
         _bvh, ("motion.bvh",), "text/plain", "Blender, MotionBuilder, Daz", "bone",
-        "blender maya motionbuilder unreal unity animation mocap fbx",
+        "blender maya motionbuilder unreal unity animation mocap",
         remark="The file cannot say where in the video it begins",
         gaps=False, rigged=True, unitless=True, timed=False,
     ),
@@ -122,7 +130,15 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres",
         _glb, ("motion.glb",), "model/gltf-binary", "Blender, Unreal, Unity, web", "both",
         "blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman "
-        "vrm fbx",
+        "vrm",
+        gaps=False, rigged=True,
+    ),
+    "fbx": Format(
+        "the GLB, and a script with which Blender makes FBX of it",
+        _fbx, ("motion.glb", "motion_to_fbx.py"), reader="through Blender", icon="both",
+        search="fbx blender maya motionbuilder unreal unity 3ds max rig retarget",
+        title="Export FBX through Blender",
+        then="For motion.fbx run: blender --background --python motion_to_fbx.py",
         gaps=False, rigged=True,
     ),
     "usd": Format(

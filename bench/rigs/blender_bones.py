@@ -1,9 +1,8 @@
-"""BVH and USD in Blender, and FBX as Blender makes it of the GLB by the recipe of the README."""
+"""BVH and USD in Blender, and FBX as Blender makes it of the GLB by the script beside it."""
 
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from bench.keeping import ROOT
 from bench.rigs.blender import TO_Y_UP, python_with_bpy
 from bench.rigs.material import FRAMES, RIGS, SECONDS, Written
 from bench.table import Expected, Report, Table
@@ -42,27 +40,16 @@ def blender_bones(report: Report) -> None:
 def _found(python: Path, kind: str, made: Written) -> dict[str, Any]:
     """What Blender says of the file."""
     with tempfile.TemporaryDirectory() as folder:
-        file, recipe = Path(folder) / f"motion.{kind}", ""
-        if kind == "fbx":
-            made.glb(Path(folder)).rename(file.with_suffix(".glb"))
-            recipe = fbx_recipe()
-        else:
-            sampling = MotionOrder(rig=made.rig_name)
-            (content,) = motion_files(kind, made.recording, sampling).values()  # type: ignore[arg-type]
-            file.write_bytes(content)
+        for name, content in motion_files(
+            kind, made.recording, MotionOrder(rig=made.rig_name)
+        ).items():
+            (Path(folder) / name).write_bytes(content)
         frames = [str(frame + FIRST[kind]) for frame in FRAMES]
         said = subprocess.run(
-            [python, SCRIPT, file, recipe, *frames],
+            [python, SCRIPT, Path(folder) / f"motion.{kind}", *frames],
             cwd=folder, capture_output=True, text=True, timeout=SECONDS,
         )  # fmt: skip
         return dict(json.loads(said.stdout.rpartition("RESULT ")[2]))
-
-
-def fbx_recipe() -> str:
-    """The Python that the README tells Blender."""
-    text = (ROOT / "app" / "README.md").read_text("utf-8")
-    (recipe,) = re.findall(r'--python-expr "([^"]+)"', text)
-    return str(recipe)
 
 
 def _row(table: Table, kind: str, made: Written, found: dict[str, Any]) -> None:

@@ -1,13 +1,14 @@
-"""Run by an interpreter that has bpy: FILE RECIPE FRAME …; prints RESULT and JSON.
+"""Run by an interpreter that has bpy: FILE FRAME …; prints RESULT and JSON.
 
 It opens a BVH, USD or FBX file as a person does who changes nothing in the dialog, and says where
-bones begin, in Blender's world, z up, metres. RECIPE, if not empty, is Python that is run first, in
-the present folder. It imports nothing of this project.
+bones begin, in Blender's world, z up, metres. A script beside the file is run first: it makes FBX.
+It imports nothing of this project.
 """
 
 from __future__ import annotations
 
 import json
+import runpy
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,9 @@ import bpy  # type: ignore[import-not-found]
 
 
 def main() -> None:
-    file, recipe, *frames = sys.argv[1:]
-    if recipe:
-        exec(recipe, {})
+    file, *frames = sys.argv[1:]
+    for script in Path(file).parent.glob("*.py"):
+        runpy.run_path(str(script))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     opened = {
         ".bvh": bpy.ops.import_anim.bvh,

@@ -50,7 +50,7 @@ export const FILTER_HZ = 6;
 export function saveMotion(format) {
   const query = new URLSearchParams({ format });
   if (ui.filterMotion) query.set('filter_hz', String(FILTER_HZ));
-  return saveFrom(`/motion?${query}`, `${server.file.name}.${format}`);
+  return saveFrom(`/motion?${query}`, `${server.file.name}.${format}`, FORMATS[format]?.then);
 }
 
 /** Save the report: verdicts, charts and pictures in one page that needs no other. */
@@ -70,14 +70,14 @@ function pictureAddress(view) {
   return `/picture.png?${new URLSearchParams({ frames: String(frame()), ...painted(), ...seenFrom(view, viewNamed('free')?.state, 'orbit') })}`;
 }
 
-/** Save what the server answers, or say why nothing was saved. */
-export async function saveFrom(address, name) {
+/** Save what the server answers, with what is left to do with it, or say why nothing was saved. */
+export async function saveFrom(address, name, then = '') {
   try {
     const response = await fetchOk(address);
     const saved = await saveAs(response, name);
     const leftOut = decodeURIComponent(response.headers.get('x-keypose-left-out') ?? '');
     if (leftOut) toast({ kind: 'check', words: `Saved as ${saved}.`, detail: `Left out: ${leftOut}` });
-    else toast({ kind: 'good', words: `Saved as ${saved}.` });
+    else toast({ kind: 'good', words: `Saved as ${saved}.`, ...(then ? { detail: then } : {}) });
   } catch (error) {
     toast({ kind: 'check', words: 'Nothing was saved.', detail: sentence(error.message) });
   }
@@ -245,7 +245,7 @@ export async function beginExport() {
   if (!exporting || ui.exportJob) return;
   if (exporting.what === 'motion') {
     setUi('exporting', null);
-    await saveFrom(motionAddress(exporting), `${server.file.name}.zip`);
+    await saveFrom(motionAddress(exporting), `${server.file.name}.zip`, FORMATS[exporting.format]?.then);
     return;
   }
   const order = exportOrder(exporting);

@@ -77,7 +77,7 @@ function fields(exporting) {
 
 function formats(format) {
   const off = Object.keys(FORMATS).map(notInstalled).filter(Boolean);
-  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : (FORMATS[format]?.remark ?? '');
+  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : (FORMATS[format]?.remark || FORMATS[format]?.then || '');
   const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.entries(FORMATS).map(([id, { label, reader }]) => ({
     id, label, note: reader, off: notInstalled(id),
   }))];

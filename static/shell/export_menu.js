@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
 import { words } from '../store/clip.js';
-import { FORMATS } from '../store/orders.js';
+import { EXPORTS, FORMATS } from '../store/orders.js';
 import { frame } from '../actions/playhead.js';
 import { askWhatIsMissing, hasMotion, notInstalled, viewShown } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
@@ -14,6 +14,9 @@ import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';
 import { count, joined, range } from '../controls/words.js';
 import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
+
+/** What a form asks for besides the format: the first of its options, "rig, unit, markers, origin". */
+const OPTIONS = EXPORTS.motion.slice(0, 4).map(({ label }) => label.toLowerCase()).join(', ');
 
 /** The labels of the formats of which this holds. */
 const labels = (holds) => joined(Object.values(FORMATS).filter(holds).map(({ label }) => label));
@@ -52,9 +55,9 @@ function items() {
     menuItem('exportMatte', undefined, { right: 'PNG, WebM, MOV' }),
     line,
     heading(`Motion${frames}`),
+    menuItem('exportMotion', undefined, { right: OPTIONS }),
     ...Object.entries(FORMATS).map(([format, { reader }]) => menuItem(motionAction(format), undefined, { right: reader, ...lacking(format) })),
     menuItem('saveAllMotion'),
-    menuItem('exportMotion', undefined, { right: 'rig, frames, rate' }),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
     variableRateNote(),
     warning(),

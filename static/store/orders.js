@@ -27,6 +27,7 @@
  * @property {string} also  What it is found by.
  * @property {string} alone
  * @property {string} remark
+ * @property {string} then  What a person still does with its files, a sentence.
  * @property {string} needs  A package that has to be installed.
  * @property {boolean} gaps
  * @property {boolean} ownTimes
@@ -58,7 +59,7 @@ export const EXPORTS = {
     {"name": "alpha_only", "label": "Picture", "kind": "switch", "labels": ["With alpha", "Alpha alone, grey"]},
   ],
   motion: [
-    {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU motion capture"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "usd"], "persons": true, "usual": "keypose"},
+    {"name": "rig", "label": "Rig", "kind": "choice", "options": [{"id": "keypose", "label": "Own names"}, {"id": "mixamo", "label": "Mixamo", "note": "three.js drops the colons of its names"}, {"id": "ue5", "label": "Unreal Engine 5"}, {"id": "metahuman", "label": "MetaHuman"}, {"id": "vrm", "label": "VRM humanoid"}, {"id": "cmu", "label": "CMU motion capture"}, {"id": "smpl", "label": "SMPL"}], "only": ["bvh", "glb", "fbx", "usd"], "persons": true, "usual": "keypose"},
     {"name": "unit", "label": "Unit", "kind": "choice", "options": [{"id": "m", "label": "Metres", "note": "Blender"}, {"id": "cm", "label": "Centimetres", "note": "MotionBuilder, Maya, Daz"}, {"id": "in", "label": "Inches"}], "only": ["bvh"], "usual": "m"},
     {"name": "markers", "label": "Markers", "kind": "choice", "options": [{"id": "keypose", "label": "The body’s joints"}, {"id": "halpe26", "label": "HALPE 26, Pose2Sim"}], "only": ["trc", "c3d"], "persons": true, "usual": "keypose"},
     {"name": "origin", "label": "Origin", "kind": "choice", "options": [{"id": "body", "label": "Below the body, x ahead"}, {"id": "camera", "label": "Below the camera", "note": "the same for every session of a film"}], "usual": "body"},
@@ -91,21 +92,22 @@ export const IMPORTS = {
   camera: [],
 };
 
-/** @typedef {'bvh' | 'glb' | 'usd' | 'trc' | 'mot' | 'c3d' | 'csv' | 'npz' | 'amass' | 'camera' | 'chan'} FormatName */
+/** @typedef {'bvh' | 'glb' | 'fbx' | 'usd' | 'trc' | 'mot' | 'c3d' | 'csv' | 'npz' | 'amass' | 'camera' | 'chan'} FormatName */
 
 /** @type {Record<FormatName, Format>} */
 export const FORMATS = {
-  bvh: {"label": "BVH", "icon": "bone", "reader": "Blender, MotionBuilder, Daz", "also": "export motion blender maya motionbuilder unreal unity animation mocap fbx", "alone": "Export BVH", "remark": "The file cannot say where in the video it begins", "needs": "", "gaps": false, "ownTimes": false},
-  glb: {"label": "GLB", "icon": "both", "reader": "Blender, Unreal, Unity, web", "also": "export motion blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman vrm fbx", "alone": "Export GLB", "remark": "", "needs": "", "gaps": false, "ownTimes": false},
-  usd: {"label": "USD", "icon": "both", "reader": "Omniverse, Houdini, Maya", "also": "export motion usdz usdc openusd universal scene description omniverse houdini maya unreal animation", "alone": "Export USD", "remark": "In Blender, set the frame rate to the video’s", "needs": "usd-core", "gaps": false, "ownTimes": false},
-  trc: {"label": "TRC", "icon": "trail", "reader": "OpenSim", "also": "export motion opensim markers biomechanics", "alone": "Export TRC", "remark": "", "needs": "", "gaps": true, "ownTimes": false},
-  mot: {"label": "MOT", "icon": "rot", "reader": "OpenSim joint angles", "also": "export motion", "alone": "Export joint angles as MOT", "remark": "", "needs": "", "gaps": false, "ownTimes": false},
-  c3d: {"label": "C3D", "icon": "ghost", "reader": "motion laboratories", "also": "export motion vicon qualisys biomechanics lab markers", "alone": "Export C3D", "remark": "", "needs": "ezc3d", "gaps": true, "ownTimes": false},
-  csv: {"label": "CSV", "icon": "copy", "reader": "joints, angles, verdicts", "also": "export motion table excel spreadsheet angles positions data", "alone": "Export CSV tables", "remark": "", "needs": "", "gaps": true, "ownTimes": true},
-  npz: {"label": "NPZ", "icon": "quad", "reader": "NumPy", "also": "export motion numpy python arrays data", "alone": "Export NPZ", "remark": "", "needs": "", "gaps": true, "ownTimes": true},
-  amass: {"label": "AMASS", "icon": "ghost", "reader": "SMPL, motion research", "also": "export motion smpl smplh smplx research npz poses", "alone": "Export AMASS, SMPL poses", "remark": "", "needs": "", "gaps": false, "ownTimes": false},
-  camera: {"label": "Camera", "icon": "camcorder", "reader": "rotomation, JSON", "also": "export motion rotomation matchmove json lens", "alone": "Export the camera as JSON", "remark": "", "needs": "", "gaps": true, "ownTimes": true},
-  chan: {"label": "CHAN", "icon": "camcorder", "reader": "the camera for Nuke", "also": "export motion camera nuke rotomation matchmove compositing", "alone": "Export the camera for Nuke", "remark": "", "needs": "", "gaps": true, "ownTimes": true},
+  bvh: {"label": "BVH", "icon": "bone", "reader": "Blender, MotionBuilder, Daz", "also": "export motion blender maya motionbuilder unreal unity animation mocap", "alone": "Export BVH", "remark": "The file cannot say where in the video it begins", "then": "", "needs": "", "gaps": false, "ownTimes": false},
+  glb: {"label": "GLB", "icon": "both", "reader": "Blender, Unreal, Unity, web", "also": "export motion blender gltf unreal unity three web 3d animation rig armature skeleton mixamo metahuman vrm", "alone": "Export GLB", "remark": "", "then": "", "needs": "", "gaps": false, "ownTimes": false},
+  fbx: {"label": "FBX", "icon": "both", "reader": "through Blender", "also": "export motion fbx blender maya motionbuilder unreal unity 3ds max rig retarget", "alone": "Export FBX through Blender", "remark": "", "then": "For motion.fbx run: blender --background --python motion_to_fbx.py", "needs": "", "gaps": false, "ownTimes": false},
+  usd: {"label": "USD", "icon": "both", "reader": "Omniverse, Houdini, Maya", "also": "export motion usdz usdc openusd universal scene description omniverse houdini maya unreal animation", "alone": "Export USD", "remark": "In Blender, set the frame rate to the video’s", "then": "", "needs": "usd-core", "gaps": false, "ownTimes": false},
+  trc: {"label": "TRC", "icon": "trail", "reader": "OpenSim", "also": "export motion opensim markers biomechanics", "alone": "Export TRC", "remark": "", "then": "", "needs": "", "gaps": true, "ownTimes": false},
+  mot: {"label": "MOT", "icon": "rot", "reader": "OpenSim joint angles", "also": "export motion", "alone": "Export joint angles as MOT", "remark": "", "then": "", "needs": "", "gaps": false, "ownTimes": false},
+  c3d: {"label": "C3D", "icon": "ghost", "reader": "motion laboratories", "also": "export motion vicon qualisys biomechanics lab markers", "alone": "Export C3D", "remark": "", "then": "", "needs": "ezc3d", "gaps": true, "ownTimes": false},
+  csv: {"label": "CSV", "icon": "copy", "reader": "joints, angles, verdicts", "also": "export motion table excel spreadsheet angles positions data", "alone": "Export CSV tables", "remark": "", "then": "", "needs": "", "gaps": true, "ownTimes": true},
+  npz: {"label": "NPZ", "icon": "quad", "reader": "NumPy", "also": "export motion numpy python arrays data", "alone": "Export NPZ", "remark": "", "then": "", "needs": "", "gaps": true, "ownTimes": true},
+  amass: {"label": "AMASS", "icon": "ghost", "reader": "SMPL, motion research", "also": "export motion smpl smplh smplx research npz poses", "alone": "Export AMASS, SMPL poses", "remark": "", "then": "", "needs": "", "gaps": false, "ownTimes": false},
+  camera: {"label": "Camera", "icon": "camcorder", "reader": "rotomation, JSON", "also": "export motion rotomation matchmove json lens", "alone": "Export the camera as JSON", "remark": "", "then": "", "needs": "", "gaps": true, "ownTimes": true},
+  chan: {"label": "CHAN", "icon": "camcorder", "reader": "the camera for Nuke", "also": "export motion camera nuke rotomation matchmove compositing", "alone": "Export the camera for Nuke", "remark": "", "then": "", "needs": "", "gaps": true, "ownTimes": true},
 };
 
 /** Endings of what can be imported. @type {string[]} */

@@ -61,9 +61,10 @@ test('a matte needs a person in a video, and a pose to start from', () => {
 
 test('motion is asked for with what was chosen of it and what its format heeds', () => {
   const asked = (changed, format) => Object.fromEntries(new URLSearchParams(motionAddress(chosen('motion', changed, format)).split('?')[1]));
-  assert.deepEqual(asked({ filter_hz: '6', fps: '30', from_zero: 'true' }, 'csv'), { format: 'csv', frames: '0-40', fps: '30', from_zero: 'true', filter_hz: '6' });
-  assert.deepEqual(asked({ rig: 'ue5', unit: 'cm' }, 'glb'), { format: 'glb', rig: 'ue5', frames: '0-40' });
+  assert.deepEqual(asked({ filter_hz: '6', fps: '30', from_zero: 'true' }, 'csv'), { format: 'csv', origin: 'body', frames: '0-40', fps: '30', from_zero: 'true', filter_hz: '6' });
+  assert.deepEqual(asked({ rig: 'ue5', unit: 'cm' }, 'glb'), { format: 'glb', rig: 'ue5', origin: 'body', frames: '0-40' });
   assert.equal(asked({ unit: 'cm' }, 'bvh').unit, 'cm');
+  assert.equal(asked({ origin: 'camera' }, 'chan').origin, 'camera');
 });
 
 test('what is not installed says what mends it', () => {

@@ -45,7 +45,7 @@ test('what people type leads to what they mean', () => {
     'plant foot': 'action:pin', 'left forearm': 'part:left_forearm', forearm: 'part:left_forearm', 'l forearm': 'part:left_forearm', focal: 'setting:camera:Lens',
     'camera tab': 'tab:camera', mask: 'setting:camera:Ignore masks', hurdle: 'file:a', 'chest hidden': 'note:12', 'add key': 'action:addKeyframe', lense: 'setting:camera:Lens',
     keyfrmae: 'action:addKeyframe', 'export table': 'action:saveCsv', excel: 'action:saveCsv', 'quality': 'setting:track:Method', preset: 'setting:body:Body',
-    speed: 'action:playFaster', gif: 'action:exportFilm', fbx: 'action:saveGlb', 'flip leg': 'action:turnInDepth', retarget: 'action:exportMotion',
+    speed: 'action:playFaster', gif: 'action:exportFilm', fbx: 'action:saveFbx', 'flip leg': 'action:turnInDepth', retarget: 'action:exportMotion',
     'another person': 'action:drawBox', elbow: 'part:left_forearm', 'right elbow': 'part:right_forearm',
   };
   for (const [query, id] of Object.entries(meant)) {

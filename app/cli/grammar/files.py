@@ -64,8 +64,7 @@ def _export_details() -> str:
     return (
         f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
         f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
-        "the time of every frame and the others use the mean rate. For FBX, Blender converts glb: "
-        "the command is in app/README.md."
+        "the time of every frame and the others use the mean rate."
     )
 
 

@@ -312,7 +312,7 @@ def test_a_terminal_gets_a_bar_for_the_whole_and_one_for_each_session(
         (["empty"], "There is no session in the folder"),
         ([".", "--workers", "0"], "not a whole number from 1"),
         ([".", "--only", "good"], "invalid choice"),
-        ([".", "--export", "bvh,fbx"], "There is no format 'fbx'"),
+        ([".", "--export", "bvh,dae"], "There is no format 'dae'"),
         ([".", "--out", "a/session.json/x"], "cannot be written to"),
         ([".", "--workers", "2", "--scheduler", "127.0.0.1:1"], "has its own workers"),
         ([".", "--scheduler", "nonsense"], "cannot be reached"),

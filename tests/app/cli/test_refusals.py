@@ -122,7 +122,7 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
         (["shot", "session.json", "--frame", "99", "--out", "a.png"], "There is no frame 99"),
         (["shot", "session.json", "--frame", "2", "--out", "a.png"], "not been tracked yet"),
         (["export", "session.json", "--format", "csv", "--out", "o"], "not been tracked yet"),
-        (["export", "session.json", "--format", "fbx", "--out", "o"], "There is no format"),
+        (["export", "session.json", "--format", "dae", "--out", "o"], "There is no format"),
         (["evaluate", "session.json", "--reference", "none.npz"], "no reference file"),
         (["evaluate", "session.json", "--reference", "."], "is a folder"),
         (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import zipfile
@@ -143,8 +144,21 @@ def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     assert sorted(exported(path, EVERY)) == [
         *("angles.csv", "frames.csv", "joints.csv"),
         *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc", "motion.usd"),
-        *("motion_camera.chan", "motion_camera.json"),
+        *("motion_camera.chan", "motion_camera.json", "motion_to_fbx.py"),
     ]
+
+
+def test_fbx_is_the_glb_and_a_script_for_blender_at_the_rate_of_the_film(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    files = exported(path, "fbx", "--fps", "29.97")
+    assert "blender --background --python motion_to_fbx.py" in capsys.readouterr().err
+    assert files["motion.glb"] == exported(path, "glb", "--fps", "29.97")["motion.glb"]
+    script = ast.parse(files["motion_to_fbx.py"])
+    numbers = [node.value for node in ast.walk(script) if isinstance(node, ast.Constant)]
+    fps, base = (next(n for n in numbers if type(n) is kind) for kind in (int, float))
+    assert fps / base == pytest.approx(29.97)
 
 
 UNEVEN_MS = [0, 30, 70, 90, 200, 233, 240, 300, 420]
@@ -362,7 +376,7 @@ def test_an_archive_is_a_reference_with_no_error_against_its_own_motion(
     assert errors["mean"] == 0.0
 
 
-@pytest.mark.parametrize("formats", ["fbx", "bvh,fbx", "", "bvh,", "bvh glb"])
+@pytest.mark.parametrize("formats", ["dae", "bvh,dae", "", "bvh,", "bvh glb"])
 def test_a_format_that_is_none_is_refused(
     formats: str, path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -403,7 +417,7 @@ def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
     ("formats", "rig", "words"),
     [
         ("glb", "mixamo", "The rig mixamo is for a person"),
-        ("csv,npz", "vrm", "Rig is for bvh, glb and usd alone."),
+        ("csv,npz", "vrm", "Rig is for bvh, glb, fbx and usd alone."),
         ("glb", "biped", "invalid choice: 'biped'"),
     ],
 )

@@ -202,7 +202,7 @@ def test_without_a_folder_of_their_own_files_go_beside_the_session(tmp_path: Pat
     assert places(export) == [tmp_path / "a" / "motion.bvh"]
 
 
-@pytest.mark.parametrize("text", ["", "fbx", "bvh,,glb", "bvh;glb"])
+@pytest.mark.parametrize("text", ["", "dae", "bvh,,glb", "bvh;glb"])
 def test_a_format_that_is_none_is_refused(text: str) -> None:
     with pytest.raises(FormatError, match="choose from bvh, glb"):
         formats_of(text)
