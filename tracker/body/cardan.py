@@ -26,7 +26,7 @@ POLE_DEG: Final = 20.0
 MISPLACED: Final = np.radians(1.0)
 """How far a part may lie beside its place, a standard deviation."""
 
-STEP: Final = np.radians(10.0)
+STEP: Final = np.radians(7.0)
 """How far z goes from frame to frame, a standard deviation."""
 
 GRID: Final = 60

@@ -14,8 +14,8 @@ this order as well.
 
 **Over time** angles run on without jumps, beyond half a turn where the motion does. Where an upper
 arm points straight sideways flexion and rotation are not determined one by one: within 20° of there
-they are smoothed, and leave the pose by a degree, where it passes fast by up to five
-(`keypose.tracker.body.cardan`).
+they are smoothed, and leave the pose by a degree, where it passes fast by up to seven
+(`keypose.tracker.body.cardan`); beside there they may still turn faster than the arm.
 
 **Signs.** Left limbs are mirrored, so that both sides have the same signs; `JOINTS` names what is
 positive. Pelvis, trunk and neck count bending and obliquity to the right, turns to the left.

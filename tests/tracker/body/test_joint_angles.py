@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -19,8 +20,10 @@ from keypose.tracker.body.joint_angles import (
 from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
-from tests.rendering.mocap import jumping_jacks, needs_mocap, walk
+from tests.rendering.mocap import jumping_jacks, needs_mocap, pirouette, walk
+from tests.rendering.motions import throw
 from tests.tracker import session_cases
 
 BODY = preset("adult_female")
@@ -239,6 +242,31 @@ def test_angles_of_an_arm_do_not_jump_and_put_it_where_it_is(way: str) -> None:
     given = carried(BODY, found.joint, of_all, FACING)
     lost = log_rotation(transpose(given) @ made_of(found))
     assert np.degrees(np.linalg.norm(lost, axis=-1)).max() < off_deg
+
+
+@pytest.mark.parametrize(
+    ("motion", "most_deg"),
+    [
+        (throw, 30.0),
+        pytest.param(pirouette, 30.0, marks=needs_mocap),
+        pytest.param(jumping_jacks, 45.0, marks=needs_mocap),
+    ],
+)
+def test_angles_of_rendered_motions_do_not_jump(
+    motion: Callable[[Skeleton], Trajectory], most_deg: float
+) -> None:
+    Rs = motion(Skeleton.of(BODY)).Rs_parent_part
+    for found in joint_angles(BODY, Rs, FACING):
+        assert np.abs(np.diff(found.angles_deg, axis=0)).max() < most_deg, found.joint.name
+
+
+@needs_mocap
+def test_a_pirouette_turns_the_pelvis_on_beyond_one_turn() -> None:
+    Rs = pirouette(Skeleton.of(BODY)).Rs_parent_part
+    pelvis = next(one for one in joint_angles(BODY, Rs, FACING) if one.joint.name == "pelvis")
+    assert np.ptp(pelvis["rotation"]) > 700
+    for name in ("anterior_tilt", "obliquity"):
+        assert np.ptp(pelvis[name]) < 45
 
 
 def made_of(found: JointAngles) -> Array:
