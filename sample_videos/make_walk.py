@@ -23,7 +23,7 @@ from keypose.app.cli.main import main as keypose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.space.contacts import up_from_places
+from keypose.tracker.space.level import up_from_places
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.files import load_session, save_session, session_json
 from keypose.tracker.storage.results import load_results

@@ -20,7 +20,7 @@ from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.space.contacts import up_from_places
+from keypose.tracker.space.level import up_from_places
 
 LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Sequence
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field, FiniteFloat, field_validator
@@ -19,6 +19,9 @@ from keypose.tracker.session.settings import FrameIndex, Plain, Position
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Seconds: TypeAlias = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
 
+Softness: TypeAlias = bool | Literal["depth"]
+"""How far the motion in space may leave a keyframe: not at all, somewhat, or in depth alone."""
+
 AT_REST: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -31,11 +34,12 @@ class Keyframe(Plain):
     rotations_wxyz: dict[Name, Quaternion] = Field(
         description="Each part's rotation in its parent's frame; parts left out are at rest."
     )
-    soft: bool = Field(
+    soft: Softness = Field(
         default=False,
         exclude_if=operator.not_,
         description="The motion need only come near it: mostly its depth gives way to pins and "
-        "smoothness. Left out where it is met exactly.",
+        "smoothness. depth: in the picture it is met exactly. Left out where it is met exactly in "
+        "space.",
     )
     followed: bool = Field(
         default=False,

@@ -54,6 +54,15 @@ class Pin(Plain):
         named = tuple(part.landmarks[name] for name in self.landmarks)
         return named if len(named) == 1 else (*named, (0.0, 0.0, 0.0))
 
+    def above_floor_m(self, body: Body, point: Point) -> float:
+        """Return how high one of its points is above the floor that it stands on: of a whole foot,
+        which stands flat, the joint is as far above its sole as at rest.
+        """
+        if len(self.landmarks) < 2:
+            return 0.0
+        sole = max(y for _, y, _ in self.points(body))
+        return sole - point[1]
+
     def overlaps(self, other: Pin) -> bool:
         """Return whether both hold the same part at one frame."""
         within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame

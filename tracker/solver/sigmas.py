@@ -169,15 +169,27 @@ FEW_SHARE: Final = 0.015
 
 SEEN_SHARE: Final = 0.003
 """Of where a tracked motion was seen."""
-PIN_M, FLOOR_M = 0.001, 0.008
-"""Of a pinned point about its place, and of that place about the floor."""
+SEEN_ENDS_WIDER: Final = 4.0
+"""How many times wider that is of heels, toes and hands."""
+PIN_M, FLOOR_M = 0.001, 0.0005
+"""Of a pinned point about its place, and of that place about the floor. A floor is flat to some
+millimetres; a place has one such row for all its frames, whose noise is no frame's own."""
 KEY_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
 """Of a soft keyframe: turns, where it is seen, and its depth, a share of that."""
+EXACT_SEEN_SHARE: Final = 0.0003
+"""Of where a keyframe is seen that is soft in depth alone."""
 UNDECIDED_PER_M: Final = 0.03
 """1/σ of a place about where it began, as long as nothing else decides."""
 LEVEL_M, LEAN_RAD = 0.03, np.radians(5.0)
 """Of how far a standing foot is off the common level (soles, grass, an uneven floor), and of how
 far the camera leans beyond what is known of it."""
+ROLL_RAD, TILT_RAD = np.radians(3.0), np.radians(20.0)
+"""Of how far a camera is held off the level, and of how far it looks down or up."""
+UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD = np.radians(1.5), np.radians(4.0)
+"""Of how far the usual line from feet to shoulders is off the vertical, across the view and along
+it: four cameras of a man on a beam."""
+USUAL_FORWARD_RAD, FORWARD_LEAN_RAD = np.radians(3.0), np.radians(4.0)
+"""How far a person leans forward, and the standard deviation of that."""
 JERK_M_S3: Final = {
     "waist": 225.0,
     "chest": 350.0,

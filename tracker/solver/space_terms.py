@@ -53,18 +53,27 @@ class AtOnePlace:
 
 @dataclass(frozen=True, eq=False)
 class OnFloor:
-    """A shared place on the floor: (up · c − h)/σ, h the last of the shared unknowns."""
+    """A shared place so far above the floor: (up · c − h − above)/σ, h the last of the shared
+    unknowns."""
 
     at: int
     up_camera: Array
+    above_m: float
     sigma_m: float
 
     def cost(self, posed: Posed, shared: Array) -> float:
-        return 0.5 * float(self._row @ shared[self._unknown(shared)]) ** 2
+        return 0.5 * float(self._off(shared)[0]) ** 2
 
     def rows(self, posed: Posed, shared: Array) -> SharedRows:
-        unknown, row = self._unknown(shared), self._row[None]
-        return SharedRows.alone(posed.skeleton.dof_count, row @ shared[unknown], unknown, row)
+        unknown = self._unknown(shared)
+        return SharedRows.alone(
+            posed.skeleton.dof_count, self._off(shared), unknown, self._row[None]
+        )
+
+    def _off(self, shared: Array) -> Array:
+        """(1,)"""
+        off = self._row @ shared[self._unknown(shared)] - self.above_m / self.sigma_m
+        return np.array([off])
 
     @property
     def _row(self) -> Array:

@@ -1,4 +1,4 @@
-"""Find where feet stand still in the world, as pins to propose, and what is up by them.
+"""Find where feet stand still in the world, as pins to propose.
 
 The picture shows how fast a point moves across the view; along it the motion is known badly, counts
 little and is smoothed for longer. Slow feet high in the air (a raised foot held still, the top of a
@@ -18,28 +18,6 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
-from keypose.tracker.solver.sigmas import LEAN_RAD, LEVEL_M
-
-STEPS = 3
-"""The problem is linear but for the unit length."""
-
-
-def up_from_places(p_camera: Array, up_camera: Array) -> Array:
-    """Unit vector (3,) up, by places (N, 3) that lie on one level floor, metres, camera frame.
-
-    up_camera: unit vector (3,), what is known of up. It decides what the places do not show: those
-    along one line show the slope along it alone.
-    """
-    from_middle = p_camera - p_camera.mean(axis=0)
-    up = np.asarray(up_camera, dtype=np.float64)
-    for _ in range(STEPS):
-        tilts = np.linalg.svd(up[None])[2][1:]  # (2, 3) directions across up
-        rows = np.concatenate([from_middle @ tilts.T / LEVEL_M, tilts.T / LEAN_RAD])
-        off = np.concatenate([from_middle @ up / LEVEL_M, (up - up_camera) / LEAN_RAD])
-        up = up - np.linalg.lstsq(rows, off, rcond=None)[0] @ tilts
-        up = up / np.linalg.norm(up)
-    return up
-
 
 START_M_S, STAY_M_S = 0.30, 0.55
 """A stance begins below the first speed and lasts until the second is passed."""

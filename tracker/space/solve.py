@@ -6,11 +6,13 @@ smoothness of bodies do. Unknown are all poses of the stretch, the places of its
 of the floor:
 
     E = Σ ρ(|π(T p) − uv| / 0.003 H) + Σ ρ(√w (inc − m)) + Σ (excess / 3°)² + Σ (Δinc)² / bend²
-        + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
+        + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h − a_i) / 0.5 mm)²
+        + Σ |Δ³x fps³ / σ|² + keyframes,
 
-with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
-exactly, but for those that are said to be soft; of limbs keyed alone the last joints are exactly
-where they were seen, those between nearly.
+with uv, m those of the tracked motion, H the body's height in the picture, a_i how far a pinned
+point is above the floor. Keyframes are met exactly, but for those that are said to be soft: nearly,
+or in the picture alone; of limbs keyed alone the last joints are exactly where they were seen,
+those between nearly.
 """
 
 from __future__ import annotations
@@ -53,6 +55,7 @@ from keypose.tracker.solver.sigmas import (
     BETWEEN_SEEN_M,
     DOUBT_FLOOR,
     END_M,
+    EXACT_SEEN_SHARE,
     FLOOR_M,
     JERK_M_S3,
     KEY_DEPTH_SHARE,
@@ -61,6 +64,7 @@ from keypose.tracker.solver.sigmas import (
     LIMIT_RAD,
     OTHER_JERK_M_S3,
     PIN_M,
+    SEEN_ENDS_WIDER,
     SEEN_SHARE,
     STEP,
     UNDECIDED_PER_M,
@@ -77,6 +81,7 @@ from keypose.tracker.tracking.parts.limb_keyframes import (
 from keypose.tracker.tracking.segment import NEAREST_M
 
 FOOT: Final = "foot"
+END_PARTS: Final = (FOOT, "hand")
 FAST_M_S, LEAST_SHARE, NEAR_S = 2.0, 0.2, 0.1
 """A foot has its jerk at this speed and above, a slower one as much less as it is slower, but no
 less than this share: what stands does not jerk, whatever the tracker's noise. Of the speeds within
@@ -130,14 +135,19 @@ HARD = 1e9
 class PinnedPoint:
     """A point of the body that stays at one place from one frame to another, both included.
 
-    floor: whether that place is on the floor.
+    above_floor_m: how high that place is above the floor; None where it may be anywhere.
     """
 
     part: int
     p_part: tuple[float, float, float]
     first_frame: int
     last_frame: int
-    floor: bool = False
+    above_floor_m: float | None = None
+
+    @property
+    def floor(self) -> bool:
+        """Return whether its place is known by the floor."""
+        return self.above_floor_m is not None
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +156,8 @@ class SpaceProblem:
 
     camera: of the video, without distortion.  motion: as tracked, N frames.
     observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
-    keyframes: frames whose pose is met exactly; soft: those met nearly.  keyed_parts: limbs that
-        are exact at other frames.
+    keyframes: frames whose pose is met exactly; soft: those met nearly; seen: those of these that
+        are met exactly in the picture.  keyed_parts: limbs that are exact at other frames.
     smooth: whether jerk counts.  up_camera: unit vector.  floor_m: the floor's height along it,
         where it is known.
     """
@@ -159,6 +169,7 @@ class SpaceProblem:
     keyframes: Collection[int]
     frames_per_second: float
     soft: Collection[int] = ()
+    seen: Collection[int] = ()
     keyed_parts: Sequence[KeyedParts] = ()
     pins: Sequence[PinnedPoint] = ()
     smooth: bool = True
@@ -255,9 +266,9 @@ def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:
 def _shared(problem: SpaceProblem, places: Array) -> Array:
     """Places and the floor's height, to begin with."""
     heights = [
-        place @ problem.up_camera
+        place @ problem.up_camera - pin.above_floor_m
         for place, pin in zip(places, problem.pins, strict=True)
-        if pin.floor
+        if pin.above_floor_m is not None
     ]
     height = problem.floor_m
     if height is None:
@@ -281,8 +292,19 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
     scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
-    every = np.repeat(scale[:, None], uv.shape[1], axis=1)
+    every = scale[:, None] / _wider(points)
     return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
+
+
+def _wider(points: BodyPoints) -> Array:
+    """(K,) how many times less surely each point was seen: that of a person's heel, toe or hand
+    follows from how the limb before it was tracked.
+    """
+    names = points.skeleton.body.names
+    if not is_persons(points.skeleton.body):
+        return np.ones(len(points.points))
+    ends = [_bare(names[part]) in END_PARTS and any(p) for ((part, p),) in points.points]
+    return np.where(ends, SEEN_ENDS_WIDER, 1.0)
 
 
 def _points_seen(skeleton: Skeleton) -> BodyPoints:
@@ -309,7 +331,9 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(motion.transforms(skeleton)))
     scale = np.zeros(uv.shape[:2])
-    scale[soft] = 1 / (KEY_SEEN_SHARE * _height_px(problem, skeleton)[soft, None])
+    exact = np.isin(soft, np.array(sorted(problem.seen), dtype=np.int64) - first)
+    share = np.where(exact, EXACT_SEEN_SHARE, KEY_SEEN_SHARE)
+    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft])[:, None]
     directions = np.zeros((len(motion), 1, 3))
     directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
     return (
@@ -373,8 +397,8 @@ def _pinned(
     terms: list[SharedTerm] = []
     for i, (pin, point, rows) in enumerate(zip(problem.pins, points, frames, strict=True)):
         terms.append(AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL))
-        if pin.floor:
-            terms.append(OnFloor(3 * i, problem.up_camera, FLOOR_M))
+        if pin.above_floor_m is not None:
+            terms.append(OnFloor(3 * i, problem.up_camera, pin.above_floor_m, FLOOR_M))
     scale = np.full(len(shared), UNDECIDED_PER_M)
     if problem.floor_m is not None:
         scale[-1] = 1e3 / FLOOR_M

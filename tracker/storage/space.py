@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import joined
+from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
@@ -16,6 +17,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
 from keypose.tracker.space.result import SpaceResult
+from keypose.tracker.space.soles import Soles, measured_soles
 from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
@@ -33,6 +35,7 @@ def solved(
     first, last = stretch.span
     keyframes = keyframes_within(session, first, last)
     exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
+    held = _held(session, stretch.pins)
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.camera.without_distortion(),
@@ -43,14 +46,15 @@ def solved(
         keyframes=[keyframe.frame for keyframe in keyframes],
         frames_per_second=_frames_per_second(keyframes),
         soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
+        seen=[keyframe.frame for keyframe in keyframes if keyframe.soft == "depth"],
         keyed_parts=[k for k in keyed_parts(session, skeleton) if first < k.frame < last],
-        pins=[point for _, point in _pinned_points(session, stretch.pins)],
+        pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
         up_camera=up_of(session),
         floor_m=session.floor_m,
     )
     found = solve_space(problem, cancelled)
-    pins = tuple(_pin_results(session, stretch.pins, found, exact))
+    pins = tuple(_pin_results(stretch.pins, held, found, exact))
     up = None if session.up_camera is None else up_of(session)
     still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
@@ -72,39 +76,99 @@ def solved(
     return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
 
 
+def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:
+    """Measure how the pinned soles lie on the session's floor; None without any."""
+    if session.floor_m is None:
+        return None
+    skeleton, up = Skeleton.of(session.body), up_of(session)
+    found = []
+    for stretch in stretches:
+        motion = stretch.motion
+        span = motion.first_frame, motion.last_frame
+        pins = [
+            pin for pin in session.pins if span[0] <= pin.first_frame <= pin.last_frame <= span[1]
+        ]
+        measured = measured_soles(skeleton, motion, pins, up, session.floor_m)
+        found += [measured] if measured else []
+    if not found:
+        return None
+    worst = max(found, key=lambda soles: abs(soles.off_m))
+    in_air = tuple(run for soles in found for run in soles.in_air)
+    return replace(worst, in_air=in_air)
+
+
 def up_of(session: Session) -> Array:
     """The unit vector up in the camera frame."""
     up = np.array(session.up_camera or UP, dtype=np.float64)
     return np.asarray(up / np.linalg.norm(up))
 
 
+def frames_per_second(session: Session, motion: Trajectory) -> float:
+    """Return the frame rate of a motion between keyframes; where that varies the mean."""
+    return _frames_per_second(keyframes_within(session, motion.first_frame, motion.last_frame))
+
+
 def _frames_per_second(keyframes: Sequence[Keyframe]) -> float:
-    """Return the frame rate; of a film whose rate varies the mean."""
     one, other = keyframes[0], keyframes[-1]
     return (other.frame - one.frame) / (other.time_s - one.time_s)
 
 
-def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin, PinnedPoint]]:
-    """List pinned points; on the floor only where up is known: a wrong floor would move feet."""
-    upright = session.up_camera is not None
-    for pin in pins:
-        part = session.body.index(pin.part)
-        for point in pin.points(session.body):
-            yield pin, PinnedPoint(part, point, *pin.span, pin.floor and upright)
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """A point that pins hold, and which of them do."""
+
+    pins: tuple[Pin, ...]
+    point: PinnedPoint
+
+
+def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
+    """The points that pins hold; on the floor only where up is known: a wrong floor moves feet.
+
+    What two pins that follow one another have in common is one point, as of a foot that goes on
+    standing on its toe alone.
+    """
+    body, upright = session.body, session.up_camera is not None
+    found: list[_Held] = []
+    for pin in sorted(pins, key=lambda pin: pin.first_frame):
+        part = body.index(pin.part)
+        for place in pin.points(body):
+            above = pin.above_floor_m(body, place) if pin.floor and upright else None
+            point = PinnedPoint(part, place, *pin.span, above)
+            before = next((held for held in found if _goes_on(held, pin, point)), None)
+            if before is None:
+                found.append(_Held((pin,), point))
+                continue
+            joined = replace(before.point, last_frame=pin.last_frame)
+            found[found.index(before)] = _Held((*before.pins, pin), joined)
+    return found
+
+
+def _goes_on(before: _Held, pin: Pin, point: PinnedPoint) -> bool:
+    """Return whether a pin of other points of the same part holds this one right after another."""
+    known = before.point
+    return (
+        (known.part, known.p_part, known.above_floor_m)
+        == (point.part, point.p_part, point.above_floor_m)
+        and known.last_frame + 1 == point.first_frame
+        and before.pins[-1].landmarks != pin.landmarks
+    )
 
 
 def _pin_results(
-    session: Session, pins: Sequence[Pin], found: SpaceSolution, exact: Sequence[int]
+    pins: Sequence[Pin], held: Sequence[_Held], found: SpaceSolution, exact: Sequence[int]
 ) -> Iterator[PinResult]:
     """Report of every pin the point that strays most. exact: frames of keyframes that are met
     exactly.
     """
-    off = [
-        (pin, distance)
-        for (pin, _), distance in zip(_pinned_points(session, pins), found.off_m, strict=True)
-    ]
     for pin in pins:
-        worst = max((d for owner, d in off if owner is pin), key=np.max)
+        worst = max(
+            (
+                distance[pin.first_frame - each.point.first_frame :][: _count(pin)]
+                for each, distance in zip(held, found.off_m, strict=True)
+                if any(owner is pin for owner in each.pins)
+            ),
+            key=np.max,
+        )
         frame = pin.first_frame + int(np.argmax(worst))
         against = _contradicted(pin, worst, exact)
         yield PinResult(
@@ -118,6 +182,10 @@ def _pin_results(
             keyframe=next(iter(against), None),
             others=tuple(sorted(against[1:])),
         )
+
+
+def _count(pin: Pin) -> int:
+    return pin.last_frame - pin.first_frame + 1
 
 
 def _contradicted(pin: Pin, off_m: Array, exact: Sequence[int]) -> list[int]:

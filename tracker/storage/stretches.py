@@ -110,6 +110,7 @@ def _clipped(pins: Sequence[Pin], span: Span) -> Iterator[Pin]:
 def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Span) -> str:
     keyframes = keyframes_within(session, *span)
     soft = [keyframe.frame for keyframe in keyframes if keyframe.soft]
+    in_depth = [keyframe.frame for keyframe in keyframes if keyframe.soft == "depth"]
     content = [
         STRETCH_KEY_VERSION,
         [(one.key, one.quality) for one in run],
@@ -117,6 +118,8 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],
         [part.limits_deg for part in session.body.parts],  # no segment's key has them
         *_twists(session.body),
+        *([{"soft in depth": in_depth}] if in_depth else []),
+        *([{"soles on the floor": 2}] if any(pin.floor for pin in pins) else []),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

@@ -51,7 +51,8 @@ def pinned_foot(
     shown: Scene, first: int, last: int, name: str = "left_foot", floor: bool = False
 ) -> list[PinnedPoint]:
     part, points = foot_points(shown, name)
-    return [PinnedPoint(part, (x, y, z), first, last, floor) for x, y, z in points]
+    above = 0.0 if floor else None
+    return [PinnedPoint(part, (x, y, z), first, last, above) for x, y, z in points]
 
 
 def places(shown: Scene, motion: Trajectory, name: str = "left_foot") -> Floats:

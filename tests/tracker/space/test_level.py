@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.space.contacts import up_from_places
+from keypose.tracker.space.level import up_from_places
 
 CAMERA_UP = np.array([0.0, -1.0, 0.0])
 

@@ -1,0 +1,101 @@
+"""Measure how the soles of a body lie on its floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.solver.posed import BodyPoints
+
+AIR_M: Final = 0.03
+"""A body whose lowest sole is higher above the floor is in the air."""
+HEEL_M, TOE_M = 0.06, 0.04
+"""How far the heel of a foot that turns on its toe moves at least, and the toe at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Soles:
+    """How soles lie on the floor.
+
+    off_m: the greatest height of a pinned sole above or below the floor, signed; part, frame: whose
+    and where.  in_air: first and last of the runs of frames in which nothing touches the floor.
+    """
+
+    off_m: float
+    part: str
+    frame: int
+    in_air: tuple[tuple[int, int], ...]
+
+
+def measured_soles(
+    skeleton: Skeleton, motion: Trajectory, pins: Sequence[Pin], up_camera: Array, floor_m: float
+) -> Soles | None:
+    """Measure the pins on the floor; None without any. pins: within the motion."""
+    worst: tuple[float, Pin, int] | None = None
+    for pin in pins:
+        if not pin.floor:
+            continue
+        off = foot_heights(skeleton, motion, pin, up_camera) - floor_m
+        row, _ = np.unravel_index(int(np.abs(off).argmax()), off.shape)
+        most = float(off.flat[int(np.abs(off).argmax())])
+        if worst is None or abs(most) > abs(worst[0]):
+            worst = most, pin, pin.first_frame + int(row)
+    if worst is None:
+        return None
+    off_m, pin, frame = worst
+    in_air = tuple(_in_air(skeleton, motion, up_camera, floor_m))
+    return Soles(off_m, pin.part, frame, in_air)
+
+
+def foot_heights(skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array) -> Array:
+    """(n, K) metres along up of the ends of its sole that a pin holds, over its frames."""
+    part = skeleton.body.parts[skeleton.body.index(pin.part)]
+    ends = pin.landmarks or sole_of(part)
+    return np.asarray(_ends(skeleton, motion, pin, ends) @ up_camera)
+
+
+def turns_on_toe(skeleton: Skeleton, motion: Trajectory, pin: Pin) -> Pin:
+    """The pin, of the toe alone where the foot turns on that."""
+    if len(pin.landmarks) < 2:
+        return pin
+    heel, toe = (_strays(_ends(skeleton, motion, pin, (name,))[:, 0]) for name in pin.landmarks)
+    on_toe = heel > HEEL_M and toe < TOE_M
+    return pin.model_copy(update={"landmarks": pin.landmarks[1:]}) if on_toe else pin
+
+
+def _ends(skeleton: Skeleton, motion: Trajectory, pin: Pin, ends: Sequence[str]) -> Array:
+    """(n, K, 3) where landmarks of a pin's part are over its frames."""
+    part = skeleton.body.index(pin.part)
+    places = [skeleton.body.parts[part].landmarks[name] for name in ends]
+    points = BodyPoints(skeleton, tuple(((part, place),) for place in places))
+    first = motion.first_frame
+    rows = slice(pin.first_frame - first, pin.last_frame + 1 - first)
+    return points.at(motion.transforms(skeleton)[rows])
+
+
+def _strays(p: Array) -> float:
+    """How far a point (n, 3) strays from its middle place."""
+    return float(np.linalg.norm(p - np.median(p, axis=0), axis=-1).max())
+
+
+def _in_air(
+    skeleton: Skeleton, motion: Trajectory, up_camera: Array, floor_m: float
+) -> Iterator[tuple[int, int]]:
+    feet = [(i, part.landmarks[name]) for i, part in enumerate(skeleton.body.parts)
+            for name in sole_of(part)]  # fmt: skip
+    points = BodyPoints(skeleton, tuple((foot,) for foot in feet))
+    lowest = (points.at(motion.transforms(skeleton)) @ up_camera).min(axis=1)
+    yield from _runs(lowest > floor_m + AIR_M, motion.first_frame)
+
+
+def _runs(there: NDArray[np.bool_], first_frame: int) -> Iterator[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    yield from ((first_frame + int(a), first_frame + int(b) - 1) for a, b in edges.reshape(-1, 2))
