@@ -91,7 +91,7 @@ def drafted(
     network = open_detector(find_model(session.settings.network_used))
     found = draft_clip(
         picture, frames, at, box, session.camera, session.body, network,
-        again=network.plain, proportions=proportions, report=report,
+        again=network.plain, proportions=proportions, up_camera=session.up_camera, report=report,
         film=session.video.pictures, kept=Detections(),
     )  # fmt: skip
     return found, network.fingerprint

@@ -10,7 +10,7 @@ from typing import Annotated, Final, Literal, Self, TypeAlias
 from pydantic import Field, FiniteFloat, model_validator
 
 from keypose.tracker.body.body import Body, Name
-from keypose.tracker.session.settings import FrameIndex, Pixel, Plain
+from keypose.tracker.session.settings import FrameIndex, Pixel, Plain, Position, is_unknown
 
 Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "person"]
 """Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from
@@ -51,6 +51,11 @@ class Drafted(Plain):
 
     first_frame: FrameIndex
     last_frame: FrameIndex
+    up_camera: Position | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="What was known to be up then; left out where nobody knew.",
+    )
     missing: tuple[FrameRun, ...] = Field(default=(), description="Frames where nobody was found.")
     places: tuple[DraftPlace, ...] = ()
 

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import has_clavicles, height, with_clavicles, without_clavicles
@@ -21,10 +22,11 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft.balance import balanced
 from keypose.tracker.fitting.draft.depth_signs import consistent_sides, pointing, turned
 from keypose.tracker.fitting.draft.first_poses import first_pose, with_proportions
 from keypose.tracker.fitting.draft.judged import JudgedDrafts, Piece, judged
-from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends
+from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends, unit
 from keypose.tracker.fitting.draft.proposals import Proposal
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
@@ -78,6 +80,7 @@ def draft_clip(
     *,
     again: Detector | None = None,
     proportions: bool = True,
+    up_camera: ArrayLike | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
     film: str = "",
     kept: Kept | None = None,
@@ -89,6 +92,7 @@ def draft_clip(
     again: what looks for other people on the way, the network where it is left out.
     report: called again and again; what it raises ends the work within a frame.
     proportions: whether the body's limbs may be scaled to the person's.
+    up_camera: (3,) what is up; None where nobody knows.
     KeypointError in one sentence for a box that is none, or without a person in it.
     """
 
@@ -104,8 +108,9 @@ def draft_clip(
 
     changes = person_changes(frame, keypoints, at, again or network, looked_again)
     return draft_from_keypoints(
-        keypoints, camera, body, changes=changes, proportions=proportions, report=report
-    )
+        keypoints, camera, body, changes=changes, proportions=proportions, up_camera=up_camera,
+        report=report,
+    )  # fmt: skip
 
 
 def draft_from_keypoints(
@@ -115,22 +120,27 @@ def draft_from_keypoints(
     *,
     changes: Collection[int] = (),
     proportions: bool = True,
+    up_camera: ArrayLike | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
 ) -> ClipDraft:
     """Drafts from keypoints with depth; KeypointError where they show nobody well enough.
 
     changes: frames from which on they may be another person's than before.
+    up_camera: (3,) what is up, where it is known: in the mean the person is in balance then.
 
     Clavicles stay at rest: a few centimetres of a shoulder are within what keypoints are off by.
     """
     if has_clavicles(body):
         plain = without_clavicles(body)
         draft = draft_from_keypoints(
-            keypoints, camera, plain, changes=changes, proportions=proportions, report=report
-        )
+            keypoints, camera, plain, changes=changes, proportions=proportions,
+            up_camera=up_camera, report=report,
+        )  # fmt: skip
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
     observed, ideal = Observed.of(keypoints, camera, changes), camera.without_distortion()
     Joints.of(Skeleton.of(body))
+    if up_camera is not None:
+        observed = balanced(observed, ideal, unit(np.asarray(up_camera, dtype=np.float64)))
     runs = observed.runs()
     if not runs:
         raise _nowhere()

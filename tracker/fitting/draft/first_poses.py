@@ -134,7 +134,7 @@ def first_pose(joints: Joints, camera: Camera, uv: Array, sure: Array, p_hips: A
     """
     bones = _with_lengths_of(joints, p_hips)
     known = sure > 0
-    R = _onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
+    R = onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
     p = bones @ R.T
     p = p + placed(camera, p, uv, sure)
     return _posed(joints, p)
@@ -163,7 +163,7 @@ def _trunk(joints: Joints, p: Array) -> Array:
     return float(np.linalg.norm(ours)) * unit(theirs)
 
 
-def _onto_ray(camera: Camera, uv: Array) -> Array:
+def onto_ray(camera: Camera, uv: Array) -> Array:
     """The rotation that turns the camera's axis onto the ray through a pixel, x kept level."""
     if camera.telephoto_distance_m is not None:
         return np.eye(3)

@@ -1,0 +1,71 @@
+"""Find what is up by upright lines in the pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import numpy as np
+
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.app.words.standing import camera_words
+from keypose.tracker.session import Session
+from keypose.tracker.video import Video
+from keypose.tracker.video.info import MissingFrame
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import FindUp as Asked
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+    from keypose.tracker.video.upright_lines import UprightLines
+
+LABEL: Final = "find the up direction"
+LOOKED_AT: Final = 3
+"""Pictures in which upright lines are looked for."""
+
+
+def upright_lines(session: Session, video: Video, frame: int | None = None) -> UprightLines | None:
+    """Find upright lines in one frame, or in some of the whole film; None where few agree."""
+    from keypose.tracker.video.upright_lines import up_from_lines  # loads what only this needs
+
+    spread = np.linspace(0, session.video.frame_count - 1, LOOKED_AT).astype(int).tolist()
+    pictures = []
+    for number in spread if frame is None else [frame]:
+        try:
+            pictures.append(video.frame(number))
+        except MissingFrame:
+            continue
+    return up_from_lines(pictures, session.camera) if pictures else None
+
+
+@dataclass(frozen=True)
+class FindUp(Fit):
+    """frame: the present one, the only one that is looked at before a camera that moves."""
+
+    frame: int = 0
+
+    title = "Looking for upright lines"
+    why_cancelled = "Cancelled because the camera changed."
+    not_of_surfaces = "A film is needed to find upright lines in it."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, _: Asked) -> Self:
+        return cls(*sent(opened, edit.doc, keyframes=()), edit.frame)
+
+    def work(self, session: Session, context: Context) -> UprightLines | None:
+        video = context.cache.video(session, self.video_path)
+        return upright_lines(session, video, None if session.has_static_camera else self.frame)
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.camera, doc.up_camera
+
+    def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
+        if found is None:
+            return state, "Too few upright lines agree. Draw the horizon, or two verticals."
+        x, y, z = (round(float(v), 6) for v in found.up_camera)
+        fields = {"up_camera": (x, y, z), "up_from_feet": False}
+        edit = state.editing
+        after = edit.with_step(edit.doc.model_copy(update=fields), LABEL)
+        return replace(state, edit=after), f"{camera_words((x, y, z))}, by upright lines."

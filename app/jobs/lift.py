@@ -1,0 +1,80 @@
+"""Find drafts anew from their keypoints, for what is up by now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
+
+from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.drafted import is_lifted_otherwise, to_lift, with_lifted
+from keypose.app.jobs.draft import DraftReporter
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.app.words.standing import lifted_words
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.sidecars import keypoints_of_session
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import Lift
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+    from keypose.tracker.fitting.draft import DraftProgress
+
+Lifted: TypeAlias = Mapping[int, Pose]
+"""Poses by frame."""
+
+
+@dataclass(frozen=True)
+class LiftDrafts(Fit):
+    """frames: whose poses nobody has set."""
+
+    frames: frozenset[int] = field(default=frozenset())
+
+    kind = "draft"
+    title = "Drafting anew"
+    tracks_after = True
+    why_cancelled = "Cancelled because the body, the camera or a keyframe changed."
+    not_of_surfaces = "Drafts are made from a video, not from surfaces."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, _: Lift) -> Self:
+        if not is_lifted_otherwise(edit.doc):
+            raise ActionRefused("The drafts are as the up direction has them.")
+        return cls(*sent(opened, edit.doc, keyframes=()), to_lift(edit.doc))
+
+    def work(self, session: Session, context: Context) -> Lifted:
+        from keypose.tracker.fitting.draft import draft_from_keypoints  # loads what only this needs
+
+        keypoints = keypoints_of_session(session, Path(self.folder))
+        if keypoints is None:
+            raise KeypointError("The keypoints of the drafts are gone: draft the film again.")
+        places = session.drafted.places if session.drafted else ()
+
+        def report(progress: DraftProgress) -> None:
+            share = progress.done / max(progress.expected, 1)
+            context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
+
+        found = draft_from_keypoints(
+            keypoints.corrected(session.keypoint_corrections),
+            session.camera,
+            session.body,
+            changes=[place.frame for place in places if place.reason == "person"],
+            proportions=False,
+            up_camera=session.up_camera,
+            report=DraftReporter(report, context.cancelled),
+        )
+        return {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.body, doc.camera, doc.up_camera, doc.keyframes, doc.drafts
+
+    def apply(self, found: Lifted, state: AppState) -> tuple[AppState, str]:
+        edit = state.editing
+        after = with_lifted(edit, found)
+        keyed = sum(keyframe.frame in found for keyframe in edit.doc.keyframes)
+        return replace(state, edit=after), lifted_words(len(found) - keyed, keyed)

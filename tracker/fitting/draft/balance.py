@@ -1,0 +1,78 @@
+"""Turn landmarks in space so that the person stands over their feet, where up is known.
+
+A network that sees one person in a picture takes the camera for more level than it is: bodies come
+out leaning toward a camera that looks down, or away from it, by some degrees throughout a film. A
+person who stands, walks or bends is in balance in the mean, which says by how much.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from keypose.tracker.fitting.draft.first_poses import onto_ray
+from keypose.tracker.fitting.draft.observed import SIDES, Observed, place_of, unit
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.keypoints.keypoints import JOINTS
+
+LOWEST_M: Final = 0.4
+"""Whoever has their middle nearer to the floor does not stand."""
+STANDING: Final = 0.5
+"""Share of the frames in which a person has to stand."""
+SOLE_M: Final = 0.05
+"""How much higher than the other a foot carries a third as much."""
+MOST_RAD: Final = np.radians(20.0)
+MASSES: Final = {"shoulder": 0.406, "elbow": 0.1, "hip": 0.284, "knee": 0.15, "ankle": 0.06}
+"""Of a body as shares at its joints: trunk and head between shoulders and hips, then arms, thighs
+and shins (Winter, Biomechanics and Motor Control of Human Movement)."""
+
+
+def balanced(observed: Observed, camera: Camera, up_camera: Array) -> Observed:
+    """Turn p_hips about the level axis across the view, all frames alike. camera: ideal."""
+    lean_rad, axes = _leans(observed, camera, up_camera)
+    known = lean_rad[np.isfinite(lean_rad)]
+    if len(known) == 0 or len(known) < STANDING * observed.usable.sum():
+        return observed
+    by = -float(np.clip(np.median(known), -MOST_RAD, MOST_RAD))
+    R = exp_rotation(by * axes)
+    return replace(observed, p_hips=np.einsum("nij,nkj->nki", R, observed.p_hips))
+
+
+def _leans(observed: Observed, camera: Camera, up_camera: Array) -> tuple[Array, Array]:
+    """(N,) radians by which the middle of the body is behind its feet, seen from the camera, NaN
+    where nobody stands; (N, 3) the level axis across the view, in the axes of the landmarks."""
+    leans, axes = np.full(len(observed), np.nan), np.zeros((len(observed), 3))
+    hips = [place_of(side, "hip") for side in SIDES]
+    for n in np.flatnonzero(observed.usable):
+        p, uv = observed.p_hips[n, : len(JOINTS)], observed.uv[n, hips]
+        if not (np.isfinite(p).all() and observed.known[n, hips].all()):
+            continue
+        up = onto_ray(camera, uv.mean(axis=0)).T @ up_camera
+        axis = unit(np.cross(up, (0.0, 0.0, 1.0)))
+        axes[n] = axis
+        middle, feet = _middle(p), _support(p, up)
+        high = float((middle - feet) @ up)
+        if high > LOWEST_M:
+            leans[n] = np.arctan2((middle - feet) @ np.cross(axis, up), high)
+    return leans, axes
+
+
+def _middle(p: Array) -> Array:
+    """(3,) the centre of mass of a person with joints p (12, 3)."""
+    parts = [mass * p[_both(joint)].mean(axis=0) for joint, mass in MASSES.items()]
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def _support(p: Array, up: Array) -> Array:
+    """(3,) between the ankles, nearer to the lower one."""
+    ankles = p[_both("ankle")]
+    high = ankles @ up
+    weight = np.exp(-(high - high.min()) / SOLE_M)
+    return np.asarray(weight @ ankles / weight.sum())
+
+
+def _both(joint: str) -> list[int]:
+    return [place_of(side, joint) for side in SIDES]

@@ -1,0 +1,123 @@
+"""Find what is up by the upright lines of a picture: walls, doors, poles, trees.
+
+Lines that are upright in the world meet, in the picture, where the vertical points to. Each segment
+votes for the directions that its plane through the camera contains; the one with most length behind
+it is refined over all that agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+
+LEAST_SHARE: Final = 0.04
+"""A segment is at least so long, a share of the picture's height."""
+STEEP_DEG: Final = 35.0
+"""Farther from the picture's own vertical a line is hardly an upright one."""
+END_PX, MOST_OFF_RAD, LEAST_OFF_RAD = 2.0, 0.03, 0.004
+"""How far the end of a segment is off, and what its direction is off by, at most and at least."""
+AGREES: Final = 2.0
+"""So many of these a segment may be off."""
+MOST_TILT_RAD, MOST_ROLL_RAD = np.radians(50.0), np.radians(20.0)
+"""How far from level a camera is looked for."""
+APART: Final = 0.02
+"""Sine of the angle between the planes of two segments that say where they meet."""
+TRIES, ROUNDS = 1500, 5
+LEAST_AGREEING, LEAST_LINES = 0.4, 6
+"""The share of all length that has to agree, and the number of segments."""
+
+
+@dataclass(frozen=True, eq=False)
+class UprightLines:
+    """up_camera: unit vector (3,).  share: of the length of all steep lines that agrees."""
+
+    up_camera: Array
+    share: float
+
+
+def up_from_lines(pictures: Sequence[NDArray[np.uint8]], camera: Camera) -> UprightLines | None:
+    """What is up in a camera that stands still, by some of its pictures, (H, W, 3) or grey; None
+    where few lines agree. camera: with its distortion."""
+    ends = np.concatenate([_steep_segments(picture) for picture in pictures])
+    if len(ends) < LEAST_LINES:
+        return None
+    normals = _planes(ends, camera)
+    length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=-1)
+    sigma = np.clip(END_PX / length, LEAST_OFF_RAD, MOST_OFF_RAD)
+    up = _most_voted(normals, length, sigma)
+    if up is None:
+        return None
+    for _ in range(ROUNDS):
+        weight = _agreement(normals, up, sigma) / sigma**2
+        up = _upward(np.linalg.eigh((normals * weight[:, None]).T @ normals)[1][:, 0])
+    agreeing = _agreement(normals, up, sigma) > 0
+    share = float(length[agreeing].sum() / length.sum())
+    if share < LEAST_AGREEING or agreeing.sum() < LEAST_LINES or not _is_usual(up):
+        return None
+    return UprightLines(up, share)
+
+
+def up_from_segments(ends: Array, camera: Camera) -> Array | None:
+    """Unit vector (3,) up, by two upright lines (2, 2 ends, 2) in pixels of the film; None where
+    they do not say: they are one line, or do not go up."""
+    normals = _planes(np.asarray(ends, dtype=np.float64), camera)
+    up: Array = np.cross(normals[0], normals[1])
+    if not np.isfinite(up).all() or np.linalg.norm(up) < APART:
+        return None
+    up = _upward(up / np.linalg.norm(up))
+    leans_rad = float(np.arccos(min(1.0, -up[1])))
+    return np.asarray(up) if leans_rad < MOST_TILT_RAD + MOST_ROLL_RAD else None
+
+
+def _steep_segments(picture: NDArray[np.uint8]) -> Array:
+    """(K, 2, 2) both ends, pixels."""
+    grey = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+    found = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(grey)[0]
+    if found is None:
+        return np.zeros((0, 2, 2))
+    ends = np.asarray(found, dtype=np.float64).reshape(-1, 2, 2)
+    across, along = np.abs(ends[:, 1] - ends[:, 0]).T
+    is_steep = np.degrees(np.arctan2(across, along)) < STEEP_DEG
+    is_long = np.hypot(across, along) > LEAST_SHARE * grey.shape[0]
+    return np.asarray(ends[is_steep & is_long])
+
+
+def _planes(ends: Array, camera: Camera) -> Array:
+    """(K, 3) unit normals of the planes through the camera's centre and each segment."""
+    rays = camera.back_project(ends, 1.0)
+    normals = np.cross(rays[:, 0], rays[:, 1])
+    return np.asarray(normals / np.linalg.norm(normals, axis=-1, keepdims=True))
+
+
+def _most_voted(normals: Array, length: Array, sigma: Array) -> Array | None:
+    """The direction in which two segments meet and with which most length agrees."""
+    rng = np.random.default_rng(0)
+    pairs = rng.choice(len(normals), (TRIES, 2), p=length / length.sum())
+    meeting = np.cross(normals[pairs[:, 0]], normals[pairs[:, 1]])
+    size = np.linalg.norm(meeting, axis=-1)
+    candidates = [_upward(v / s) for v, s in zip(meeting, size, strict=True) if s > APART]
+    usual = [up for up in candidates if _is_usual(up)]
+    votes = [float(length @ _agreement(normals, up, sigma)) for up in usual]
+    return usual[int(np.argmax(votes))] if usual else None
+
+
+def _agreement(normals: Array, up: Array, sigma: Array) -> Array:
+    """(K,) 1 for a segment through the direction, falling to 0 for one that is off."""
+    off = np.abs(normals @ up) / sigma
+    return np.asarray(np.maximum(0.0, 1.0 - (off / AGREES) ** 2))
+
+
+def _upward(direction: Array) -> Array:
+    return np.asarray(-direction if direction[1] > 0 else direction)
+
+
+def _is_usual(up: Array) -> bool:
+    return bool(abs(np.arcsin(up[2])) < MOST_TILT_RAD and abs(np.arcsin(up[0])) < MOST_ROLL_RAD)
