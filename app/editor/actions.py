@@ -64,6 +64,25 @@ class Draft(Message):
     last: FrameIndex | None = None
 
 
+class Lift(Message):
+    """Drafts that nobody has posed found anew from their keypoints, for what is up by now."""
+
+    do: Literal["lift"] = "lift"
+
+
+class FindUp(Message):
+    """What is up found by upright lines in the pictures."""
+
+    do: Literal["find_up"] = "find_up"
+
+
+class Stand(Message):
+    """The tracked motion with its feet on the floor: contacts pinned, keyframes soft in depth, up
+    and floor found."""
+
+    do: Literal["stand"] = "stand"
+
+
 class TrackAhead(Message):
     """The body followed on from the last keyframe, or back from the first."""
 
@@ -233,7 +252,18 @@ class InsertPose(Message):
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
 Reducing: TypeAlias = Reduce | ApplyReduction | DiscardReduction
-Fitting: TypeAlias = FitHere | FitSizes | Draft | TrackAhead | LookBefore | CloseFit | Previewing
+Fitting: TypeAlias = (
+    FitHere
+    | FitSizes
+    | Draft
+    | Lift
+    | FindUp
+    | Stand
+    | TrackAhead
+    | LookBefore
+    | CloseFit
+    | Previewing
+)
 Shelving: TypeAlias = RenameSession | DuplicateSession | DeleteSession | RestoreSession
 PoseKeeping: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose
 Running: TypeAlias = Track | Fitting | Reducing | Cancel | SaveAgain | Close | Open | Shelving

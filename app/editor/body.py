@@ -11,10 +11,10 @@ from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import (
     ActionRefused,
-    as_soft_as,
     at_new_focal,
     keyframe_of,
     require_all_before_camera,
+    softened,
     with_keyframes,
     with_poses,
 )
@@ -316,7 +316,7 @@ def with_sizes_fitted(
         same = np.array_equal(own.Rs_parent_part, pose.Rs_parent_part)
         if same and np.array_equal(own.p_camera_root, pose.p_camera_root):
             return known
-        return as_soft_as(known, keyframe_of(skeleton, pose, known.frame, state.times_s))
+        return softened(keyframe_of(skeleton, pose, known.frame, state.times_s), known.soft)
 
     source = "fitted" if nearer != 1.0 else state.doc.lens_source
     doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).model_copy(

@@ -12,12 +12,13 @@ from pydantic import Field, FiniteFloat
 from keypose.app.editor.documents import ActionRefused, moved_away, valid, with_times
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
-from keypose.app.posing import up_from_vertical
+from keypose.app.posing import CAMERA_UP, up_from_vertical
 from keypose.app.posing.gesture import Spot
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.references import FramesPerSecond
 from keypose.tracker.session.schema import LensSource, Session
+from keypose.tracker.video.upright_lines import up_from_segments
 
 STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
 BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)
@@ -110,23 +111,50 @@ class Distortion(Edit):
 
 
 class Vertical(Edit):
-    """A line drawn on the picture along something upright, in pixels."""
+    """A line drawn on the picture along something upright, in pixels: it shows the roll. other: a
+    second one, which shows the tilt as well."""
 
     do: Literal["vertical"] = "vertical"
     verb = "change the up direction"
     a: Spot
     b: Spot
+    other: tuple[Spot, Spot] | None = None
 
     def apply(self, state: EditorState) -> Session:
         if math.dist(self.a, self.b) < SHORTEST_PX:
             raise ActionRefused("Draw a longer line along something upright.")
+        if self.other is not None:
+            return _with_up(state, self._up_of_both(state, self.other))
         up = up_from_vertical(state.doc.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
             )
-        x, y, z = (float(v) for v in up)
-        return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+        return _with_up(state, up)
+
+    def _up_of_both(self, state: EditorState, other: tuple[Spot, Spot]) -> Array:
+        if _crosses((self.a, self.b), other):
+            raise ActionRefused(
+                "These lines cross in the picture: they are not both upright. Draw them along two "
+                "walls, doors or poles."
+            )
+        up = up_from_segments(np.array([(self.a, self.b), other]), state.doc.camera)
+        if up is None:
+            raise ActionRefused(
+                "These lines do not say what is up. Draw them along two upright things that are "
+                "farther apart."
+            )
+        return up
+
+
+class LevelCamera(Edit):
+    """The camera is held level: up is the picture's own."""
+
+    do: Literal["level_camera"] = "level_camera"
+    verb = "set the camera level"
+
+    def apply(self, state: EditorState) -> Session:
+        return _with_up(state, np.array(CAMERA_UP))
 
 
 class ResetUp(Edit):
@@ -139,7 +167,24 @@ class ResetUp(Edit):
         return state.doc.model_copy(update={"up_camera": None, "up_from_feet": False})
 
 
-MESSAGES = (ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, ResetUp)
+MESSAGES = (
+    ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, LevelCamera, ResetUp,
+)  # fmt: skip
+
+
+def _with_up(state: EditorState, up_camera: Array) -> Session:
+    x, y, z = (float(v) for v in up_camera)
+    return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+
+
+def _crosses(one: tuple[Spot, Spot], other: tuple[Spot, Spot]) -> bool:
+    """Return whether two lines cross between their ends."""
+
+    def side(line: tuple[Spot, Spot], p: Spot) -> float:
+        (ax, ay), (bx, by) = line
+        return (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)
+
+    return all(side(a, b[0]) * side(a, b[1]) < 0 for a, b in ((one, other), (other, one)))
 
 
 def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None = None) -> Session:

@@ -15,7 +15,13 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from keypose.app.editor.documents import ActionRefused, keyframe_of, posed, require_before_camera
+from keypose.app.editor.documents import (
+    ActionRefused,
+    keyframe_of,
+    posed,
+    require_before_camera,
+    softened,
+)
 from keypose.app.editor.keyframes import require_free, with_keyframes_placed
 from keypose.app.editor.message import Edit, Look, PoseName
 from keypose.app.editor.shown import find, shown_pose
@@ -25,7 +31,7 @@ from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
-from keypose.tracker.session.keyframe import Keyframe, Quaternion
+from keypose.tracker.session.keyframe import Keyframe, Quaternion, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex, Position
 
@@ -45,7 +51,7 @@ class CopiedKey(BaseModel):
     after: FrameIndex = 0
     root_m: Position
     rotations_wxyz: Turns
-    soft: bool = False
+    soft: Softness = False
 
     @field_validator("rotations_wxyz")
     @classmethod
@@ -159,7 +165,7 @@ class PastePose(Edit):
         for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
             require_before_camera(state.skeleton, pose)
             keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
-            placed.append(keyframe.model_copy(update={"soft": True}) if key.soft else keyframe)
+            placed.append(softened(keyframe, key.soft))
         return with_keyframes_placed(state.doc, stay, placed)
 
     def label(self, state: EditorState) -> str:
@@ -225,7 +231,7 @@ def _pose(skeleton: Skeleton, key: CopiedKey, present: Pose) -> Pose:
     return Pose(Rs, np.array(key.root_m))
 
 
-def _key(skeleton: Skeleton, pose: Pose, after: int, soft: bool) -> CopiedKey:
+def _key(skeleton: Skeleton, pose: Pose, after: int, soft: Softness) -> CopiedKey:
     whole = Keyframe.of(skeleton, pose, 0, 0.0)
     return CopiedKey(
         after=after, root_m=whole.root_m, rotations_wxyz=whole.rotations_wxyz, soft=soft

@@ -11,7 +11,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage import changes
 
@@ -68,13 +68,18 @@ def without(poses: Iterable[Posed], frame: int) -> tuple[Posed, ...]:
     return tuple(pose for pose in poses if pose.frame != frame)
 
 
-def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Session:
+def posed(
+    doc: Session,
+    skeleton: Skeleton,
+    pose: Pose,
+    frame: int,
+    times_s: Array,
+    soft: Softness = False,
+) -> Session:
     """Set this pose at a frame: in its keyframe, or else as a draft."""
     require_before_camera(skeleton, pose)
-    keyframe = keyframe_of(skeleton, pose, frame, times_s)
-    known = next((known for known in doc.keyframes if known.frame == frame), None)
-    if known is not None:
-        keyframe = as_soft_as(known, keyframe)
+    keyframe = softened(keyframe_of(skeleton, pose, frame, times_s), soft)
+    if any(known.frame == frame for known in doc.keyframes):
         doc = with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
         return with_drafts(doc, without(doc.drafts, frame))  # it would be shown instead
     return with_drafts(doc, (*without(doc.drafts, frame), keyframe))
@@ -85,10 +90,9 @@ def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> K
     return Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
 
 
-def as_soft_as(before: Keyframe | None, keyframe: Keyframe) -> Keyframe:
-    """A keyframe posed anew stays as soft as it was."""
-    soft = before is not None and before.soft
-    return keyframe.model_copy(update={"soft": soft}) if soft else keyframe
+def softened(keyframe: Keyframe, soft: Softness) -> Keyframe:
+    """Set how far the motion in space may leave a keyframe."""
+    return keyframe.model_copy(update={"soft": soft}) if soft != keyframe.soft else keyframe
 
 
 def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:

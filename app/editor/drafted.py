@@ -7,7 +7,13 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from keypose.app.editor.ahead import without_followed
-from keypose.app.editor.documents import ActionRefused, keyframe_of, require_sound, with_drafts
+from keypose.app.editor.documents import (
+    ActionRefused,
+    keyframe_of,
+    require_sound,
+    with_drafts,
+    with_keyframes,
+)
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
 from keypose.tracker.body.modify import without_clavicles
@@ -20,13 +26,14 @@ from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import annotations as record
 from keypose.tracker.session.annotations import LEARN_FRAMES
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.session.schema import MOST, Session
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal
 
-LABEL = "draft"
+LABEL, LIFTED = "draft", "draft anew"
 """What undo calls it."""
 KEYPOINT_SOURCE = "BlazePose"
 
@@ -89,6 +96,36 @@ def drafted_session(
     return with_drafts(doc.model_copy(update=update), drafts)
 
 
+def is_lifted_otherwise(doc: Session) -> bool:
+    """Return whether drafts were found for another up than the session has by now."""
+    found = doc.drafted
+    return found is not None and doc.up_camera is not None and found.up_camera != doc.up_camera
+
+
+def to_lift(doc: Session) -> frozenset[int]:
+    """Frames of drafts, and of keyframes made of them, that nobody has posed."""
+    drafts = (draft.frame for draft in doc.drafts if draft.drafted)
+    return frozenset((*drafts, *(k.frame for k in doc.keyframes if k.soft is True)))
+
+
+def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
+    """Take over drafts found for another up, as one step: what nobody has posed."""
+    doc = state.doc
+    assert doc.drafted is not None
+
+    def lifted(posed: Keyframe) -> Keyframe:
+        pose = poses.get(posed.frame)
+        if pose is None or not (posed.drafted or posed.soft is True):
+            return posed
+        fresh = keyframe_of(state.skeleton, pose, posed.frame, state.times_s)
+        return fresh.model_copy(update={"drafted": posed.drafted, "soft": posed.soft})
+
+    found = doc.drafted.model_copy(update={"up_camera": doc.up_camera})
+    doc = with_keyframes(doc, [lifted(keyframe) for keyframe in doc.keyframes])
+    doc = with_drafts(doc, [lifted(draft) for draft in doc.drafts])
+    return state.with_step(doc.model_copy(update={"drafted": found}), LIFTED)
+
+
 def missing_frames(drafted: record.Drafted) -> list[int]:
     """The frames where nobody was found, ascending."""
     runs = drafted.missing
@@ -108,6 +145,7 @@ def _record(
     return record.Drafted(
         first_frame=first,
         last_frame=last,
+        up_camera=doc.up_camera,
         missing=tuple(frame_runs(missing)),
         places=tuple(sorted(places, key=lambda place: place.frame)),
     )

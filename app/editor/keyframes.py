@@ -10,11 +10,11 @@ from pydantic import model_validator
 
 from keypose.app.editor.documents import (
     ActionRefused,
-    as_soft_as,
     keyframe_of,
     posed,
     require_before_camera,
     require_in_video,
+    softened,
     with_drafts,
     with_keyframes,
     with_part_keyframes,
@@ -23,13 +23,13 @@ from keypose.app.editor.documents import (
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
-from keypose.app.editor.shown import find, require_keyframe, shown_pose
+from keypose.app.editor.shown import Source, draft_at, find, require_keyframe, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
 from keypose.tracker.errors import listed
-from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 
@@ -55,9 +55,19 @@ def with_key_added(state: EditorState, frame: int) -> Session:
         return state.doc
     require_before_camera(state.skeleton, stands.pose)
     keyframe = keyframe_of(state.skeleton, stands.pose, frame, state.times_s)
-    keyframe = as_soft_as(find(state.doc.keyframes, frame), keyframe)
+    keyframe = softened(keyframe, _softness(state, frame, stands.source))
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.drafts, frame))
+
+
+def _softness(state: EditorState, frame: int, source: Source) -> Softness:
+    """Return how soft the pose shown at a frame is as a keyframe: one found in the film, which
+    nobody posed, or one as tracked, where the motion is smoothed in space anyway.
+    """
+    draft = draft_at(state, frame)
+    if draft is not None:
+        return draft.is_found or draft.soft
+    return "depth" if source == "tracked" and state.doc.settings.smooth else False
 
 
 class DeleteKey(Edit):
@@ -173,15 +183,16 @@ class KeyAngle(Edit):
     deg: Degrees
 
     def apply(self, state: EditorState) -> Session:
-        keyframe = require_keyframe(state, self.frame)
+        soft = require_keyframe(state, self.frame).soft
+        pose = shown_pose(state, self.frame).pose
         wanted = {self.axis: self.deg}
         shown_deg = angle_curve(state, state.doc.body.index(self.part))[self.frame]
         pose = with_angles(
-            state.skeleton, keyframe.pose(state.skeleton), self.part,
+            state.skeleton, pose, self.part,
             wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
             up_camera=up_of(state.doc),
         )  # fmt: skip
-        return posed(state.doc, state.skeleton, pose, self.frame, state.times_s)
+        return posed(state.doc, state.skeleton, pose, self.frame, state.times_s, soft)
 
 
 class SoftenKey(Edit):
@@ -238,9 +249,7 @@ def _require_all(state: EditorState, frames: Iterable[int]) -> dict[int, Keyfram
 
 def _with_softness(state: EditorState, frames: set[int], soft: bool) -> Session:
     """Set whether the motion need only come near the keyframes at these frames."""
-    changed = [
-        k.model_copy(update={"soft": soft}) if k.frame in frames else k for k in state.doc.keyframes
-    ]
+    changed = [softened(k, soft) if k.frame in frames else k for k in state.doc.keyframes]
     return with_keyframes(state.doc, changed)
 
 

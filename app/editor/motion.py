@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.shown import counts, find, shown_pose
+from keypose.app.editor.shown import counts, find, shown_pose, stands
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import angle_curve_deg, angles_deg, handles
 from keypose.tracker.body.body import Body
@@ -25,6 +25,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import rotations
 
 
@@ -55,12 +56,18 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     motions = list(_motions(edit, first, last))
     Rs, ps = (np.concatenate(arrays)[frames - first] for arrays in zip(*motions, strict=True))
     row_of = {frame: row for row, frame in enumerate(frames.tolist())}
-    for posed in (*doc.keyframes, *doc.drafts):
+    for posed in _standing(edit, doc):
         row = row_of.get(posed.frame)
-        if row is not None and counts(edit, posed):
+        if row is not None:
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     return KnownMotion(frames, part_transforms(skeleton, Rs, ps))
+
+
+def _standing(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
+    """The keyframes and drafts that the motion is as."""
+    yield from (keyframe for keyframe in doc.keyframes if stands(edit, keyframe))
+    yield from (draft for draft in doc.drafts if counts(edit, draft))
 
 
 def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
@@ -250,7 +257,7 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     Rs = rotations(edit.fitting, edit.frame_count, index)
     name = edit.doc.body.names[index]
     keys = [keyframe.frame for keyframe in edit.doc.keyframes]
-    if poses := (*edit.doc.keyframes, *(d for d in edit.doc.drafts if counts(edit, d))):
+    if poses := tuple(_standing(edit, edit.doc)):
         wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
         Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))

@@ -42,6 +42,7 @@ from keypose.app.posing.gesture import Metres, Surface
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.session.keyframe import Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth, turns_round
@@ -103,7 +104,9 @@ class Drag(Edit, Gesture):
             if isinstance(self.handle, BoxCorner):  # which poses the box as well
                 doc = with_pose(before.with_doc(doc), result.pose)
             return doc, result.readout
-        return with_pose(before, result.pose, partial=self.partial), result.readout
+        in_picture = self.view == "main" and not self.depth
+        doc = with_pose(before, result.pose, partial=self.partial, in_picture=in_picture)
+        return doc, result.readout
 
     def _dragged(self, state: EditorState, before: EditorState) -> Posed:
         looks = state.display
@@ -188,7 +191,8 @@ class Root(Edit):
             old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
         ]
         moved = Pose(pose.Rs_parent_part, np.array(place))
-        return with_pose(state, _with_pinned(state, moved, state.doc.body.names[0]))
+        pose = _with_pinned(state, moved, state.doc.body.names[0])
+        return with_pose(state, pose, in_picture=self.z is None)
 
 
 def _with_pinned(state: EditorState, pose: Pose, part: str) -> Pose:
@@ -239,9 +243,8 @@ class Exchange(Edit):
     def apply(self, state: EditorState) -> Session:
         if not state.doc.body.mirror_pairs:
             raise ActionRefused("This body has no left and right.")
-        return with_pose(
-            state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
-        )
+        swapped = swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
+        return with_pose(state, swapped)
 
 
 LEAST_M = 0.02
@@ -318,10 +321,12 @@ MESSAGES = (
 )  # fmt: skip
 
 
-def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Session:
+def with_pose(
+    state: EditorState, pose: Pose, *, partial: bool = False, in_picture: bool = True
+) -> Session:
     """Set a pose as the keyframe of the present frame, or its part keyframe, where it has one and
     no more than limbs moved; else as a draft. partial: as a part keyframe of the limbs that it
-    moves.
+    moves. in_picture: whether somebody has posed it by the picture, not by its depth.
     """
     if partial:
         return _of_limbs(state, pose)
@@ -330,7 +335,21 @@ def with_pose(state: EditorState, pose: Pose, *, partial: bool = False) -> Sessi
         doc = with_limbs_posed(state, pose)
         if doc is not None:
             return doc
-    return posed(state.doc, state.skeleton, pose, state.frame, state.times_s)
+    soft = _softness(state, state.frame, in_picture)
+    return posed(state.doc, state.skeleton, pose, state.frame, state.times_s, soft)
+
+
+def _softness(state: EditorState, frame: int, in_picture: bool) -> Softness:
+    """Return how soft a pose is that is set at a frame: one found in the film, or softened, and put
+    right in the picture alone stays soft in depth.
+    """
+    keyframe, draft = find(state.doc.keyframes, frame), draft_at(state, frame)
+    known = draft or keyframe
+    if known is None:
+        was = bool(state.tracked(frame) and state.doc.settings.smooth)
+    else:
+        was = bool(known.is_found or known.soft)
+    return "depth" if was and in_picture else False
 
 
 def _of_limbs(before: EditorState, pose: Pose) -> Session:
@@ -354,5 +373,6 @@ def pose_to_fit(state: EditorState) -> Pose:
 
 def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
     """Set this pose at a frame, as one step."""
-    doc = posed(state.doc, state.skeleton, pose, frame, state.times_s)
+    soft = _softness(state, frame, in_picture=True)
+    doc = posed(state.doc, state.skeleton, pose, frame, state.times_s, soft)
     return state.with_step(doc, "fit the pose", frame)

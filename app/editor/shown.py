@@ -64,7 +64,13 @@ def posed_at(state: EditorState, frame: int) -> ShownPose | None:
     draft, keyframe = draft_at(state, frame), find(state.doc.keyframes, frame)
     if draft is not None:
         return ShownPose(draft.pose(state.skeleton), "draft")
-    return None if keyframe is None else ShownPose(keyframe.pose(state.skeleton), "keyframe")
+    return None if keyframe is None else ShownPose(_keypose(state, keyframe), "keyframe")
+
+
+def _keypose(state: EditorState, keyframe: Keyframe) -> Pose:
+    """The pose at a keyframe: a soft one is shown as the motion passes it."""
+    passed = None if stands(state, keyframe) else state.tracked(keyframe.frame)
+    return keyframe.pose(state.skeleton) if passed is None else passed
 
 
 def draft_at(state: EditorState, frame: int) -> Keyframe | None:
@@ -73,11 +79,18 @@ def draft_at(state: EditorState, frame: int) -> Keyframe | None:
     return None if draft is None or not counts(state, draft) else draft
 
 
-def counts(state: EditorState, posed: Keyframe) -> bool:
-    """Return whether a keyframe or a draft is the pose of its frame: a draft that was found in the
-    film gives way to what is tracked there by now.
+def counts(state: EditorState, draft: Keyframe) -> bool:
+    """Return whether a draft is the pose of its frame: one that was found in the film gives way to
+    what is tracked there by now.
     """
-    return not posed.is_found or state.tracked(posed.frame) is None
+    return not draft.is_found or state.tracked(draft.frame) is None
+
+
+def stands(state: EditorState, keyframe: Keyframe) -> bool:
+    """Return whether the motion is, at a keyframe, as that was posed: past a soft one it goes as it
+    was solved for.
+    """
+    return not keyframe.soft or state.tracked(keyframe.frame) is None
 
 
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:

@@ -23,7 +23,7 @@ class Fit(Job):
 
     session: as JSON, without what it does not need.  folder: of the session's file.
     not_of_surfaces: why there is none of surfaces.  keeps_found: whether what was found until it
-    was cancelled is of use.
+    was cancelled is of use.  tracks_after: whether segments that it made outdated are tracked.
     """
 
     session: bytes
@@ -36,6 +36,7 @@ class Fit(Job):
     why_cancelled: ClassVar[str] = ""
     not_of_surfaces: ClassVar[str] = ""
     keeps_found: ClassVar[bool] = False
+    tracks_after: ClassVar[bool] = False
 
     def run(self, context: Context) -> Any:
         session = Session.model_validate_json(self.session)

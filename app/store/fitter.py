@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from keypose.app.document.open import OpenSession
@@ -10,21 +10,27 @@ from keypose.app.editor import actions as do
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.draft import DraftClip
+from keypose.app.jobs.find_up import FindUp
 from keypose.app.jobs.fit import Fit
 from keypose.app.jobs.fit_pose import FitPose
 from keypose.app.jobs.fit_sizes import FitSizes
 from keypose.app.jobs.job import Ended, Failed
+from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.reduce import ReduceMotion
+from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.store.runner import Runner
 from keypose.app.store.state import StateOwner
 from keypose.tracker.errors import KeyposeError
 
-Asking: TypeAlias = do.FitHere | do.FitSizes | do.Draft | do.TrackAhead | do.Reduce
+Asking: TypeAlias = (
+    do.FitHere | do.FitSizes | do.Draft | do.Lift | do.FindUp | do.Stand | do.TrackAhead | do.Reduce
+)
 """What a person asks to be fitted."""
 
 JOBS: Mapping[type[Asking], Any] = {
     do.FitHere: FitPose, do.FitSizes: FitSizes, do.Draft: DraftClip, do.TrackAhead: FollowAhead,
-    do.Reduce: ReduceMotion,
+    do.Reduce: ReduceMotion, do.Stand: StandOnFloor,
+    do.Lift: LiftDrafts, do.FindUp: FindUp,
 }  # fmt: skip
 
 
@@ -95,6 +101,7 @@ class Fitter:
 
     def _apply(self, job: Fit, found: Any) -> None:
         self._request = self._found = None
+        outdated = self._outdated_by(job)
         try:
             after, words = job.apply(found, self._host.app_state)
             if words:
@@ -104,6 +111,19 @@ class Fitter:
             self._host.note("check", str(error))
         finally:
             self._resume_tracking()
+        if outdated():
+            self._runner.track(*self._current(), "changed")
+
+    def _outdated_by(self, job: Fit) -> Callable[[], bool]:
+        """Return what tells whether a job that asks for it has outdated what was tracked."""
+        _, before = self._current()
+        tracked = {span for span, found in before.fitting.items() if found.finished}
+
+        def tells() -> bool:
+            edit = self._current()[1]
+            return job.tracks_after and not tracked <= set(edit.fitting)
+
+        return tells
 
     def _resume_tracking(self) -> None:
         self._request = self._found = None

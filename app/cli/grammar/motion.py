@@ -141,6 +141,27 @@ def add_track(commands: Subcommands) -> None:
     add_work(command)
 
 
+_STAND_EXAMPLES = """\
+  keypose stand jump.keypose
+  keypose stand jump.keypose --dry-run --json
+"""
+
+
+def add_stand(commands: Subcommands) -> None:
+    details = (
+        "Where feet stand still they become pins on the floor; keyframes stay exact in the picture "
+        "and give way in depth; where nobody has said what is up, upright lines in the picture say "
+        "it, or how the person stands. Then the motion is solved for in space once more. What is "
+        "left is printed: how far soles are off the floor, and frames in the air."
+    )
+    command = add_command(commands, "stand", details, _STAND_EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--dry-run", action="store_true", help="say what would change and write nothing"
+    )
+    add_json(command)
+
+
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""
 

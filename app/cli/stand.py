@@ -1,0 +1,64 @@
+"""`keypose stand`: the tracked motion with its feet on the floor."""
+
+from __future__ import annotations
+
+import argparse
+
+from keypose.app.cli.json_output import print_json
+from keypose.app.document.folder_lock import locked
+from keypose.app.jobs.stand import lines_where_needed
+from keypose.app.words.problems import pin_sentence
+from keypose.app.words.standing import soles_words, standing_words
+from keypose.tracker.session import Session
+from keypose.tracker.space.soles import Soles
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import Results, load_results, save_results
+from keypose.tracker.storage.space import soles_of, solved
+from keypose.tracker.storage.standing import Standing, stand
+
+
+def run(arguments: argparse.Namespace) -> int:
+    path = arguments.session
+    with locked(path, "close it there first"):
+        session = load_session(path)
+        results = load_results(session, path)
+        with open_video_of(session, path) as video:
+            lines = lines_where_needed(session, video)
+        done = stand(session, results.fitting(session), lines)
+        for stretch in results.unsolved(done.session):
+            results = results.with_space(solved(done.session, stretch))
+        if not arguments.dry_run:
+            save_session(save_results(done.session, path, results), path)
+    _print(done, results, arguments)
+    return 0
+
+
+def _print(done: Standing, results: Results, arguments: argparse.Namespace) -> None:
+    soles = soles_of(done.session, results.space(done.session))
+    if arguments.json:
+        print_json(_facts(done, soles, arguments))
+        return
+    print(standing_words(done))
+    if soles is not None:
+        print(soles_words(soles))
+    for stretch in results.space(done.session):
+        for pin in stretch.pins:
+            if pin.keyframe is not None:
+                print(pin_sentence(pin))
+    print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
+
+
+def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -> dict[str, object]:
+    session: Session = done.session
+    return {
+        "event": "finished",
+        "session": None if arguments.dry_run else str(arguments.session),
+        "pins_on_floor": done.on_floor,
+        "pins_taken": done.taken,
+        "softened": list(done.softened),
+        "up_camera": session.up_camera,
+        "up_from": done.up_from,
+        "floor_m": session.floor_m,
+        "soles_off_m": None if soles is None else soles.off_m,
+        "in_air": [] if soles is None else [list(run) for run in soles.in_air],
+    }

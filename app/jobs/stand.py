@@ -1,0 +1,68 @@
+"""Stand the tracked motion on its floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final, Self
+
+from keypose.app.jobs.find_up import upright_lines
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.app.words.standing import standing_words
+from keypose.tracker.session import Session
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import Stand
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+    from keypose.tracker.storage.standing import Standing
+    from keypose.tracker.video.upright_lines import UprightLines
+
+LABEL: Final = "stand on the floor"
+"""What undo calls it."""
+CHANGED: Final = ("keyframes", "pins", "settings", "up_camera", "up_from_feet", "floor_m")
+"""The session's fields that standing sets."""
+
+
+def lines_where_needed(session: Session, video: Video) -> UprightLines | None:
+    """Find upright lines where nobody has said what is up and the camera stands still."""
+    if session.up_camera is not None or not session.has_static_camera:
+        return None
+    return upright_lines(session, video)
+
+
+@dataclass(frozen=True)
+class StandOnFloor(Fit):
+    """fitting: what was tracked, by segment."""
+
+    fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
+
+    title = "Standing on the floor"
+    why_cancelled = "Cancelled because keyframes, pins or the camera changed."
+    fault = "Standing failed with an internal error ({}). Nothing was changed."
+    not_of_surfaces = "A body fitted to surfaces stands where they do."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, _: Stand) -> Self:
+        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        return cls(*sent(opened, edit.doc), finished)
+
+    def work(self, session: Session, context: Context) -> Standing:
+        from keypose.tracker.storage.standing import stand  # loads what only this needs
+
+        lines = lines_where_needed(session, context.cache.video(session, self.video_path))
+        return stand(session, self.fitting, lines, context.cancelled)
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.body, doc.camera, *(getattr(doc, name) for name in CHANGED)
+
+    def apply(self, found: Standing, state: AppState) -> tuple[AppState, str]:
+        edit = state.editing
+        fields = {name: getattr(found.session, name) for name in CHANGED}
+        after = edit.with_step(edit.doc.model_copy(update=fields), LABEL)
+        return replace(state, edit=after), standing_words(found)

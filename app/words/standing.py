@@ -1,0 +1,72 @@
+"""Word what standing on the floor changed, and how the soles lie on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from keypose.app.posing.labels import part_label
+from keypose.app.posing.placing import tilt_and_roll
+from keypose.app.words.problems import frame_range, named_frames
+
+if TYPE_CHECKING:
+    from keypose.tracker.space.soles import Soles
+    from keypose.tracker.storage.standing import Standing
+
+MOST_NAMED: Final = 3
+
+
+def standing_words(done: Standing) -> str:
+    """Such as "12 pins on the floor, 10 of them new; 9 keyframes give way in depth."."""
+    pins = _count(done.on_floor, "pin")
+    new = f", {done.taken} of them new" if done.taken else ""
+    soft = len(done.softened)
+    gives = f"; {_count(soft, 'keyframe')} {'gives' if soft == 1 else 'give'} way in depth"
+    words = [f"{pins} on the floor{new}{gives if soft else ''}."]
+    if done.up_from != "known":
+        words.append(f"{_tilt_words(done)}.")
+    for pin in done.raised[:MOST_NAMED]:
+        named = f"{part_label(pin.part)}, {named_frames(*pin.span)},"
+        words.append(f"{named} stands higher and was left there.")
+    return " ".join(words)
+
+
+def _tilt_words(done: Standing) -> str:
+    assert done.session.up_camera is not None
+    by = {
+        "lines": "by upright lines in the picture",
+        "feet": "by how the person stands, which is good to some degrees: draw the horizon to be "
+        "surer",
+    }[done.up_from]
+    return f"{camera_words(done.session.up_camera)}, {by}"
+
+
+def camera_words(up_camera: Sequence[float]) -> str:
+    """Such as "The camera looks down by 12°"."""
+    tilt, _ = tilt_and_roll(up_camera)
+    deg = round(abs(tilt))
+    return (
+        f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
+        if deg
+        else ("The camera is level")
+    )
+
+
+def lifted_words(drafts: int, keyframes: int) -> str:
+    """Such as "280 drafts and 6 keyframes were found anew"."""
+    keyed = f" and {_count(keyframes, 'keyframe')}" if keyframes else ""
+    return f"{_count(drafts, 'draft')}{keyed} were found anew."
+
+
+def soles_words(soles: Soles) -> str:
+    """Such as "Soles within 1.1 cm of the floor. In the air: 141, 150–156"."""
+    words = f"Soles within {100 * abs(soles.off_m):.1f} cm of the floor."
+    if not soles.in_air:
+        return words
+    runs = ", ".join(frame_range(*run) for run in soles.in_air[:MOST_NAMED])
+    more = len(soles.in_air) - MOST_NAMED
+    return f"{words} In the air: {runs}{f' and {more} more' if more > 0 else ''}."
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"

@@ -1,0 +1,178 @@
+"""Stand a tracked session on its floor: contacts as pins, keyframes that give way, up and floor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.level import leaning_rad, up_from_standing
+from keypose.tracker.space.soles import foot_heights, turns_on_toe
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.space import frames_per_second, solved, up_of
+from keypose.tracker.storage.stretches import keyframes_within, stretches
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video.upright_lines import UprightLines
+
+STEP_M: Final = 0.25
+"""A foot that stands so much higher than most stands on something else than the floor."""
+UPSIDE_DOWN_RAD: Final = np.radians(60.0)
+
+UpSource: TypeAlias = Literal["known", "lines", "feet"]
+"""What up rests on: what the session says, upright lines of the picture, how the person stands."""
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """What a session becomes, and what that changed.
+
+    taken: contacts that were proposed and are pins now.  on_floor: pins on the floor.
+    softened: frames of keyframes that give way in depth now.  raised: feet that stand higher.
+    """
+
+    session: Session
+    taken: int
+    on_floor: int
+    softened: tuple[int, ...]
+    raised: tuple[Pin, ...]
+    up_from: UpSource
+
+
+def stand(
+    session: Session,
+    fitting: Mapping[Span, SegmentResult],
+    lines: UprightLines | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Standing:
+    """Stand the session on its floor; SessionError in one sentence where nobody stands.
+
+    fitting: what was tracked, by segment.  lines: upright ones of the film, for where nobody said
+    what is up.
+    """
+    _require_standable(session)
+    smooth = session.settings.model_copy(update={"smooth": True})
+    session = session.model_copy(update={"settings": smooth})
+    motions = {
+        run.span: joined([segment.trajectory for segment in run.segments])
+        for run in stretches(session, fitting)
+    }
+    if not motions:
+        raise SessionError("Nothing is tracked yet: track the motion first.")
+    session, source = _levelled(session, motions, lines)
+    pins = _contacts(session, motions)
+    if not any(_is_foot(session, pin) for pin in pins):
+        raise SessionError("No foot stands still anywhere: there is no floor to stand on.")
+    taken = len(pins) - len(session.pins)
+    pins, raised = _on_floor(session, pins, motions)
+    softened = tuple(
+        k.frame for span in motions for k in keyframes_within(session, *span) if not k.soft
+    )
+    keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.keyframes)
+    stood = session.model_copy(update={"pins": pins, "keyframes": keyframes, "floor_m": None})
+    stood = stood.model_copy(update={"floor_m": _floor_m(stood, fitting, cancelled)})
+    on_floor = sum(pin.floor for pin in pins)
+    return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
+
+
+def _require_standable(session: Session) -> None:
+    if session.surface is not None:
+        raise SessionError("A body fitted to surfaces stands where they do.")
+    if session.settings.method != "keypose":
+        raise SessionError("The published method has no pins: choose the method keypose.")
+    if not any(sole_of(part) for part in session.body.parts):
+        raise SessionError(f"The body {session.body.name!r} has no feet with heel and toe.")
+
+
+def _levelled(
+    session: Session, motions: Mapping[Span, Trajectory], lines: UprightLines | None
+) -> tuple[Session, UpSource]:
+    """The session with what is up, and what that rests on."""
+    skeleton = Skeleton.of(session.body)
+    longest = max(motions.values(), key=len)
+    if session.up_camera is not None:
+        if leaning_rad(skeleton, longest, up_of(session)) > UPSIDE_DOWN_RAD:
+            raise SessionError(
+                "By what is set as up the body lies, or stands on its head: set the horizon again."
+            )
+        return session, "known"
+    if lines is not None:
+        return _with_up(session, lines.up_camera), "lines"
+    rate = frames_per_second(session, longest)
+    stances = [pin for pin in proposed_pins(skeleton, longest, rate, None) if pin.landmarks[1:]]
+    level = up_from_standing(skeleton, longest, stances)
+    if level is None:
+        raise SessionError(
+            "Nobody stands upright here, and what is up is not known: set the horizon first."
+        )
+    return _with_up(session, level.up_camera).model_copy(update={"up_from_feet": True}), "feet"
+
+
+def _with_up(session: Session, up_camera: Array) -> Session:
+    x, y, z = (round(float(v), 6) for v in up_camera)
+    return session.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+
+
+def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:
+    """The session's pins and those that are proposed beside them; what turns on its toe is held
+    there alone."""
+    skeleton, up = Skeleton.of(session.body), up_of(session)
+    pins = list(session.pins)
+    for motion in motions.values():
+        rate = frames_per_second(session, motion)
+        for pin in proposed_pins(skeleton, motion, rate, up):
+            if not any(pin.overlaps(known) for known in session.pins):
+                pins.append(turns_on_toe(skeleton, motion, pin))
+    return tuple(pins)
+
+
+def _on_floor(
+    session: Session, pins: Sequence[Pin], motions: Mapping[Span, Trajectory]
+) -> tuple[tuple[Pin, ...], tuple[Pin, ...]]:
+    """All pins, feet on the floor but those far above most of them; and these."""
+    skeleton, up = Skeleton.of(session.body), up_of(session)
+    high: dict[int, float] = {}
+    for place, pin in enumerate(pins):
+        motion = next((m for span, m in motions.items() if _within(pin, span)), None)
+        if motion is not None and _is_foot(session, pin):
+            high[place] = float(np.median(foot_heights(skeleton, motion, pin, up)))
+    usual = float(np.median(list(high.values())))
+    raised = {place for place, height in high.items() if height - usual > STEP_M}
+    placed = tuple(
+        pin.model_copy(update={"floor": place not in raised}) if place in high else pin
+        for place, pin in enumerate(pins)
+    )
+    return placed, tuple(pins[place] for place in sorted(raised))
+
+
+def _floor_m(
+    session: Session,
+    fitting: Mapping[Span, SegmentResult],
+    cancelled: Callable[[], bool] | None,
+) -> float:
+    """The floor's height with which all stretches are solved for, metres along up."""
+    tracked = {span: found.as_tracked for span, found in fitting.items()}
+    found = [solved(session, run, cancelled).floor_m for run in stretches(session, tracked)]
+    return round(float(np.median([height for height in found if height is not None])), 4)
+
+
+def _is_foot(session: Session, pin: Pin) -> bool:
+    body = session.body
+    return bool(pin.landmarks and sole_of(body.parts[body.index(pin.part)]))
+
+
+def _within(pin: Pin, span: Span) -> bool:
+    return span[0] <= pin.first_frame and pin.last_frame <= span[1]
+
+
+def _softened(keyframe: Keyframe) -> Keyframe:
+    return keyframe.model_copy(update={"soft": "depth"})
