@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,7 +13,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.space.result import SpaceResult
 
 AIR_M: Final = 0.03
 """A body whose lowest sole is higher above the floor is in the air."""
@@ -33,6 +35,27 @@ class Soles:
     part: str
     frame: int
     in_air: tuple[tuple[int, int], ...]
+
+
+def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:
+    """Measure how the pinned soles lie on the session's floor; None without any."""
+    if session.floor_m is None or session.up_camera is None:
+        return None
+    skeleton, up = Skeleton.of(session.body), np.array(session.up_camera)
+    found = []
+    for stretch in stretches:
+        motion = stretch.motion
+        span = motion.first_frame, motion.last_frame
+        pins = [
+            pin for pin in session.pins if span[0] <= pin.first_frame <= pin.last_frame <= span[1]
+        ]
+        measured = measured_soles(skeleton, motion, pins, up / np.linalg.norm(up), session.floor_m)
+        found += [measured] if measured else []
+    if not found:
+        return None
+    worst = max(found, key=lambda soles: abs(soles.off_m))
+    in_air = tuple(run for soles in found for run in soles.in_air)
+    return replace(worst, in_air=in_air)
 
 
 def measured_soles(
