@@ -173,7 +173,7 @@ FEW_SHARE: Final = 0.015
 SEEN_SHARE: Final = 0.003
 """Of where a tracked motion was seen."""
 SEEN_ENDS_WIDER: Final = 4.0
-"""How many times wider that is of heels, toes and hands."""
+"""How many times wider that is of heel and toe of a foot on the floor."""
 PIN_M, FLOOR_M = 0.001, 0.0005
 """Of a pinned point about its place, and of that place about the floor. A floor is flat to some
 millimetres; a place has one such row for all its frames, whose noise is no frame's own."""
