@@ -332,8 +332,9 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     uv = image_points(problem.camera, points.at(motion.transforms(skeleton)))
     scale = np.zeros(uv.shape[:2])
     exact = np.isin(soft, np.array(sorted(problem.seen), dtype=np.int64) - first)
-    share = np.where(exact, EXACT_SEEN_SHARE, KEY_SEEN_SHARE)
-    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft])[:, None]
+    wider = _wider(problem, points)[soft]
+    share = np.where(exact[:, None] & (wider == 1), EXACT_SEEN_SHARE, KEY_SEEN_SHARE * wider)
+    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft, None])
     directions = np.zeros((len(motion), 1, 3))
     directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
     return (
