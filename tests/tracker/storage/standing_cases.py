@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
@@ -68,7 +69,8 @@ def tracked(session: Session, motion: Trajectory) -> dict[Span, SegmentResult]:
         R, t = motion.Rs_parent_part[first : last + 1], motion.ps_camera_root[first : last + 1]
         steps, parts = last - first, len(session.body.parts)
         seen = np.full((steps, parts), 0.9)
-        diagnostics = Diagnostics(np.full(steps, 3), np.ones((steps, 3)), seen, np.ones_like(seen))
+        values = np.ones((steps, Skeleton.of(session.body).dof_count))
+        diagnostics = Diagnostics(np.full(steps, 3), values, seen, np.ones_like(seen))
         whole = replace(
             cases.segment(0, 4), trajectory=Trajectory(first, R, t), diagnostics=diagnostics
         )
