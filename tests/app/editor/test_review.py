@@ -32,20 +32,19 @@ FOREARM = {"frame": 10, "part": "right_forearm"}
 
 
 def doubting(**peaks: tuple[int, float]) -> EditorState:
-    """The sample with 0–24 and 24–48 tracked: parts in doubt around a frame, by so many pixels."""
+    """The sample tracked: parts in doubt around a frame, by so many pixels."""
     edit = desk()
     parts = edit.skeleton.part_count
-    error = np.full((49, parts), np.nan)
+    error = np.full((73, parts), np.nan)
     for part in ("chest", "head", *peaks):
         error[:, edit.doc.body.index(part)] = RIGHT_PX
     for part, (frame, px) in peaks.items():
         error[frame - 1 : frame + 2, edit.doc.body.index(part)] = px - 1
         error[frame, edit.doc.body.index(part)] = px
-    error[[0, 24, 48]] *= 0
+    error[[0, 24, 48, 72]] *= 0
     poses = {key.frame: key.pose(edit.skeleton) for key in edit.doc.keyframes}
     found = {}
-    for first, last in ((0, 24), (24, 48)):
-        key = segment_keys(edit.doc)[first, last]
+    for (first, last), key in segment_keys(edit.doc).items():
         path = interpolate(poses[first], poses[last], first, last)
         rows = Diagnostics.side_by_side((), 25, parts, edit.skeleton.dof_count)
         rows = replace(rows, expected_error=error[first : last + 1])
@@ -123,9 +122,7 @@ def test_what_is_accepted_stays_away_and_is_one_step_of_undo() -> None:
     assert named(after(accepted, {"do": "undo"})) == named(state)
 
 
-def test_one_look_settles_all_limbs_and_moments_near_it_and_nothing_of_the_same_comes_after_it() -> (
-    None
-):
+def test_one_look_settles_all_limbs_and_moments_near_it_and_the_same_is_not_asked_again() -> None:
     """The worst one stands for them, and an answer to it is one to all."""
     near = {"right_forearm": (10, 14.0), "right_upper_arm": (10, 9.0), "left_foot": (5, 13.0)}
     state = doubting(**near)
@@ -136,7 +133,7 @@ def test_one_look_settles_all_limbs_and_moments_near_it_and_nothing_of_the_same_
 
 def test_there_are_few_places_however_much_is_in_doubt() -> None:
     every = {name: (frame, 20.0 + frame) for frame, name in enumerate(desk().doc.body.names, 3)}
-    assert len(named(doubting(**every))) <= 2
+    assert len(named(doubting(**every))) <= 3
 
 
 def test_it_comes_back_when_the_motion_there_is_another_one() -> None:
