@@ -51,24 +51,22 @@ def proposed(
     parts: tuple[str, ...],
     joints: Array,
 ) -> tuple[Proposal, ...]:
-    """The frames to confirm, ascending: what is in doubt, poses that differ most from one another,
-    and the ends of stretches, unless the body stands still from there to the nearest of the others.
+    """The frames to confirm, ascending: the ends of stretches, between which all is tracked, what
+    is in doubt, and poses that differ most from one another.
 
     frames (N,): those with a draft.
     doubts: by reason, values (N, L) of L limbs, whose parts are `parts`.
     joints (N, J, 3): where joints lie, seen from the hips, as shares of the body's height.
     """
     poses = dict(zip(frames, joints, strict=True))
-    persons = [one for one in stretches if one.begins == "person"]
-    chosen = {one.first: Proposal(one.first, "person") for one in persons}
-    most = len(chosen) + max(2, len(frames) // EVERY)
+    chosen = {one.last: Proposal(one.last, "end") for one in stretches}
+    chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}
+    ends, more = len(chosen), max(2, len(frames) // EVERY)
     for candidate in _frames_over_doubt_limit(frames, doubts, parts):
-        if len(chosen) < len(persons) + (most - len(persons) + 1) // 2:
-            chosen |= {candidate.frame: candidate} if _is_apart(candidate.frame, chosen) else {}
-    while len(chosen) < most and (extreme := _extreme(poses, chosen)) is not None:
+        if len(chosen) < ends + (more + 1) // 2 and _is_apart(candidate.frame, chosen):
+            chosen[candidate.frame] = candidate
+    while len(chosen) < ends + more and (extreme := _extreme(poses, chosen)) is not None:
         chosen[extreme] = Proposal(extreme, "pose")
-    for stretch in stretches:
-        chosen |= _ends(stretch, poses, chosen)
     return tuple(chosen[frame] for frame in sorted(chosen))
 
 
@@ -77,11 +75,9 @@ def _is_apart(frame: int, chosen: Collection[int]) -> bool:
 
 
 def _extreme(poses: Mapping[int, Array], chosen: Collection[int]) -> int | None:
-    """The frame whose pose differs most from the most similar chosen one, to begin with from the
-    median pose; None where none differs."""
+    """The frame whose pose differs most from the most similar chosen one; None where none does."""
     every = np.stack(list(poses.values()))
-    known = [poses[frame] for frame in chosen] or [np.median(every, axis=0)]
-    away = np.min([_apart(every, pose) for pose in known], axis=0)
+    away = np.min([_apart(every, poses[frame]) for frame in chosen], axis=0)
     away[[not _is_apart(frame, chosen) for frame in poses]] = 0.0
     best = int(away.argmax())
     return list(poses)[best] if away[best] > ALIKE else None
@@ -90,30 +86,6 @@ def _extreme(poses: Mapping[int, Array], chosen: Collection[int]) -> int | None:
 def _apart(one: Array, other: Array) -> Array:
     """By how much joints (…, J, 3) of poses differ in the mean."""
     return np.asarray(np.linalg.norm(one - other, axis=-1).mean(axis=-1))
-
-
-def _ends(
-    stretch: FrameRange, poses: Mapping[int, Array], chosen: Collection[int]
-) -> dict[int, Proposal]:
-    """The ends of a stretch from which the body moves until the nearest chosen frame; both, where
-    less than two are chosen."""
-    inside = [frame for frame in chosen if stretch.first <= frame <= stretch.last]
-    ends: tuple[tuple[int, Reason], ...] = (
-        (stretch.last, "end"), (stretch.first, stretch.begins)
-    )  # fmt: skip
-    found: dict[int, Proposal] = {}
-    for end, reason in ends:
-        if len(inside) < 2 or (_is_apart(end, inside) and _moves(end, inside, poses)):
-            found[end] = Proposal(end, reason)
-    return {frame: one for frame, one in found.items() if frame not in chosen}
-
-
-def _moves(end: int, inside: Sequence[int], poses: Mapping[int, Array]) -> bool:
-    """Return whether the body moves between an end and the nearest of some frames."""
-    nearest = min(inside, key=lambda other: abs(other - end))
-    first, last = sorted((end, nearest))
-    between = np.stack([pose for frame, pose in poses.items() if first <= frame <= last])
-    return bool(_apart(between, poses[nearest]).max() > ALIKE)
 
 
 def _frames_over_doubt_limit(
