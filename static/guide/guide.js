@@ -22,6 +22,8 @@ const KEY = 'keypose.guide';
 const CLOSES_BEFORE_NOT_OFFERED = 3;
 /** Of a wide card in its view, clear of the tools and the heading. */
 const LEFT = { x: 72, y: 60 };
+/** Between the card and the picture it stands beside. */
+const GAP_PX = 12;
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
@@ -288,9 +290,20 @@ function place(card) {
 function put(card) {
   const step = currentStep();
   if (step?.beside && !isPutAside) return putLeft(card);
+  if (step?.tool === 'box' && !isPutAside && putBeside(card)) return;
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
   corner = placeInCorner(card, step, corner);
+}
+
+/** Beside the picture, in which the person may be anywhere; returns whether there is room. */
+function putBeside(card) {
+  const { right, bottom } = view('main').el.getBoundingClientRect();
+  if (innerWidth - right < card.offsetWidth + 2 * GAP_PX) return false;
+  card.style.left = `${right + GAP_PX}px`;
+  card.style.top = `${bottom - card.offsetHeight - GAP_PX}px`;
+  corner = null;
+  return true;
 }
 
 /** At the left, clear of what stands beside it at the right. */
