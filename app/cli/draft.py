@@ -21,7 +21,7 @@ from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
 from keypose.app.jobs.draft import DraftReporter, drafted
-from keypose.app.jobs.rerun import with_settings
+from keypose.app.jobs.rerun import with_repeats, with_settings
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
@@ -67,6 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         frames = arguments.frames or (0, session.video.frame_count - 1)
         at = frames[0] if arguments.frame is None else arguments.frame
         require_draftable(session, at, box, frames)
+        session = with_repeats(session, video, *frames)
         try:
             draft, network = _drafted(session, video, at, box, frames, arguments.json)
         except Cancelled:

@@ -15,7 +15,7 @@ from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
 from keypose.app.document.folder_lock import locked
 from keypose.app.document.open import with_paths_from
-from keypose.app.jobs.rerun import save_found, save_tracks_beside
+from keypose.app.jobs.rerun import save_found, save_tracks_beside, with_repeats
 from keypose.app.words.problems import space_sentence
 from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.on_body import is_persons
@@ -37,6 +37,8 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
         session, asked = (
             with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
         )
+        ends = asked.spans[0][0], asked.spans[-1][1]
+        session, asked = (with_repeats(s, video, *ends) for s in (session, asked))
         warm_tracker()
         _say_what_was_found(asked)
         _say_what_is_left_out(asked, arguments)

@@ -23,6 +23,7 @@ from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 
@@ -149,6 +150,19 @@ class EditorState:
         if own and self.kept is not None:
             return displaced(self.kept, *given)
         return interpolate(*given)
+
+    def with_repeats(self, repeats: Repeats | None) -> EditorState:
+        """The same with the repeated frames of the film, which are no edit; itself where they are
+        known, or None."""
+        if repeats is None or repeats == self.doc.video.repeats:
+            return self
+
+        def knowing(doc: Session) -> Session:
+            known = doc.video.model_copy(update={"repeats": repeats})
+            return doc.model_copy(update={"video": known})
+
+        stroke = self.stroke and replace(self.stroke, before=knowing(self.stroke.before))
+        return replace(self, doc=knowing(self.doc), stroke=stroke)
 
     @property
     def proposals(self) -> tuple[Pin, ...]:

@@ -22,6 +22,7 @@
  * @property {number[] | null} times  Only where the rate varies.
  * @property {{ focal_mm: number, device: string } | null} lens  As the file gives it.
  * @property {Taken | null} taken
+ * @property {number} repeated  Frames that are copies of the one before.
  */
 
 /**

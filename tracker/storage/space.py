@@ -16,6 +16,7 @@ from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.repeated import evened, filled
 from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.space.soles import Soles, measured_soles
 from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
@@ -36,10 +37,11 @@ def solved(
     keyframes = keyframes_within(session, first, last)
     exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
     held = _held(session, stretch.pins)
+    repeats = session.video.repeats
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.camera.without_distortion(),
-        motion=joined([segment.trajectory for segment in stretch.segments]),
+        motion=filled(joined([s.trajectory for s in stretch.segments]), repeats, exact),
         observability=np.concatenate(
             [segment.diagnostics.observability for segment in stretch.segments]
         ),
@@ -56,7 +58,8 @@ def solved(
     found = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, held, found, exact))
     up = None if session.up_camera is None else up_of(session)
-    still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
+    even = evened(found.motion, repeats)
+    still = proposed_pins(skeleton, even, problem.frames_per_second, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
     body = session.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
@@ -72,6 +75,7 @@ def solved(
         soft=problem.soft,
         up_camera=up,
         floor_m=found.floor_m if session.floor_m is None else session.floor_m,
+        evened=even,
     )
     return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
 
