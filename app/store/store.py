@@ -314,7 +314,7 @@ class Store:
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
-                self._runner.track(self.opened, self._app_state.edit, action.what)
+                self._runner.track(self.opened, self._app_state.edit, action.what, action.frames)
             else:
                 self._fitter.ask(action)
 

@@ -4,7 +4,7 @@
 import { server, setUi, ui } from '../store/state.js';
 import { clamp } from '../controls/arithmetic.js';
 import { count, joined, range } from '../controls/words.js';
-import { isSurface, lastFrame } from '../store/clip.js';
+import { chosenFrames, frameCount, isSurface, lastFrame } from '../store/clip.js';
 import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
@@ -27,14 +27,17 @@ function whyNotHere() {
   return first <= frame() && frame() <= last ? '' : `The box must lie on one of the frames to draft, ${range(first, last)}`;
 }
 
-/** First and last frame to draft. @returns {[number, number]} */
-export const draftRange = () => ui.draftRange ?? [0, lastFrame()];
+/** First and last frame to draft: as chosen, else between the in and the out point, else all. @returns {[number, number]} */
+export const draftRange = () => ui.draftRange ?? usualRange();
 
-/** Choose them; all again where they are all. */
+const usualRange = () => chosenFrames() ?? [0, lastFrame()];
+
+/** Choose them; the usual ones again where they are these. */
 export function setDraftRange(first, last) {
   const from = clamp(first, 0, lastFrame());
   const to = clamp(last, from, lastFrame());
-  setUi('draftRange', from === 0 && to === lastFrame() ? null : [from, to]);
+  const [start, end] = usualRange();
+  setUi('draftRange', from === start && to === end ? null : [from, to]);
 }
 
 /** How many frames are to be drafted. */
@@ -43,11 +46,18 @@ export function draftCount() {
   return last - first + 1;
 }
 
+/** "Draft 120 frames, 40–159"; of all frames without which. */
+export function draftLabel() {
+  const [first, last] = draftRange();
+  const words = `Draft ${count(draftCount(), 'frame')}`;
+  return draftCount() === frameCount() ? words : `${words}, ${range(first, last)}`;
+}
+
 /** What is sent: the box as it lies over the frame of the playhead. */
 export function draftMessage() {
   const box = ui.box.map((side) => Math.round(10 * side) / 10);
-  const some = ui.draftRange ? { first: ui.draftRange[0], last: ui.draftRange[1] } : {};
-  return { do: 'draft', frame: frame(), box, ...some };
+  const [first, last] = draftRange();
+  return { do: 'draft', frame: frame(), box, ...(draftCount() === frameCount() ? {} : { first, last }) };
 }
 
 /** What to say of a box around somebody small, or ''. */

@@ -85,7 +85,7 @@ export function mountGuide() {
   watch(['draft'], skipToDraftReview);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
-  watch([...SECTIONS, 'u:box', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  watch([...SECTIONS, 'u:box', 'u:span', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
   onInteraction(() => isOpen() && fade(card.querySelector('.coach')));
   addEventListener('resize', () => requestAnimationFrame(draw));

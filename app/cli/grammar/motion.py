@@ -23,7 +23,7 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.motion import MotionOrder
-from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
 from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
@@ -117,6 +117,7 @@ _TRACK_EXAMPLES = """\
   keypose track session.json --json > events.jsonl
   keypose track session.json --method paper --initial templates --leave-out right_hand
   keypose track session.json --cues brightness
+  keypose track session.json --frames 40-159
   keypose track session.json --ahead forward
 """
 
@@ -131,6 +132,7 @@ def add_track(commands: Subcommands) -> None:
     command = add_command(commands, "track", details, _TRACK_EXAMPLES)
     add_session(command)
     add_order(command, TrackOrder)
+    add_order(command, Within)
     command.add_argument(
         "--ahead",
         choices=("forward", "backward", "both"),
@@ -167,7 +169,7 @@ GOALS = (3, 5, 8, 12)
 
 _REVIEW_EXAMPLES = """\
   keypose review session.json
-  keypose review session.json --above 8
+  keypose review session.json --above 8 --frames 40-159
   keypose review session.json --json
 """
 
@@ -179,6 +181,7 @@ def add_review(commands: Subcommands) -> None:
     )
     command = add_command(commands, "review", details, _REVIEW_EXAMPLES)
     add_session(command)
+    add_order(command, Within)
     command.add_argument(
         "--above",
         metavar="PIXELS",

@@ -4,15 +4,15 @@ import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
 import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
 import { words } from '../../store/clip.js';
-import { draftCount, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
+import { draftLabel, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
   answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
 } from '../review.js';
 import {
-  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged,
-  whyNotTrackThis,
+  changedSegments, chosenSegments, chosenTail, namesOf, trackMessage, trackSegment, whyNotAhead,
+  whyNotTrackChanged, whyNotTrackChosen, whyNotTrackThis,
 } from '../tracking.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -22,7 +22,7 @@ export const REVIEW = {
   review: {
     also: 'worst errors problems check correct verify quality inspect',
     label: 'Review', icon: 'flag', keys: ['Shift R'], on: isReviewing, off: whyNotReview, run: toggleReview,
-    title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
+    title: () => `Look at the places${chosenTail().replace(',', ' within')} expected to be off by more than ${goal()} px, the worst first`,
   },
   acceptPlace: {
     also: 'confirm ok right review', alone: 'Accept this place',
@@ -53,9 +53,9 @@ export const REVIEW = {
 export const TRACK = {
   trackChanged: {
     also: 'solve run compute process calculate outdated update',
-    label: () => `${words().verb} changed segments`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
+    label: () => `${words().verb} changed segments${chosenTail()}`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
     title: () => `${words().verb} ${namesOf(changedSegments())}`,
-    message: () => ({ do: 'track', what: 'changed' }),
+    message: () => trackMessage('changed'),
   },
   trackThis: {
     also: 'solve segment current run',
@@ -64,8 +64,8 @@ export const TRACK = {
   },
   trackAll: {
     also: 'solve everything whole run recompute',
-    label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
-    off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+    label: () => `${words().verb} all ${count(chosenSegments().length, 'segment')}${chosenTail()}`, icon: 'reset',
+    off: whyNotTrackChosen, message: () => trackMessage('all'),
   },
   trackAhead: {
     label: 'Track ahead', icon: 'ahead', keys: ['A'], row: 'Track ahead, back', off: () => whyNotAhead('forward'),
@@ -84,7 +84,7 @@ export const TRACK = {
   },
   draft: {
     also: 'automatic auto detect pose estimation markerless ai',
-    label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
+    label: draftLabel, icon: 'wand', off: whyNotDraft,
     title: 'Find the person in every frame and pose the body there', message: draftMessage,
   },
   reduce: {

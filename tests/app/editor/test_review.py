@@ -209,6 +209,8 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     assert reported[0].split() == ["frame", "part", "expected", "error", "reason"]
     assert reported[1].startswith("   10  Right forearm  ≈ 14 px")
     assert reported[-1] == "2 places left above 5 px."
+    assert main(["review", str(path), "--frames", "0-9"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "1 place left above 5 px."
     done = after(
         state,
         {"do": "accept_place", **FOREARM},
