@@ -37,7 +37,6 @@ class MotionInSpace:
     stances: ranges over which a foot stands still, pinned or not.  pinned: which of them are.
     keyframes: frames whose pose is met exactly; soft: those met nearly.
     up_camera: unit vector; None where up is not known.  floor_m: the floor's height along it.
-    evened: the motion as without repeated frames; None where there are none.
     """
 
     skeleton: Skeleton
@@ -51,7 +50,6 @@ class MotionInSpace:
     up_camera: Array | None
     floor_m: float | None
     soft: Collection[int] = ()
-    evened: Trajectory | None = None
 
     def places(self, stance: Pin, motion: Trajectory) -> Array:
         """(n, K, 3) of a stance's points over its frames."""
@@ -191,7 +189,7 @@ def _out_of_balance(middle: Array, feet: Array, up: Array) -> float:
 
 def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """A waist that is accelerated back and forth."""
-    motion = judged.evened or judged.motion
+    motion = judged.motion
     if len(motion) < 10:
         return
     a = np.diff(motion.ps_camera_root, 2, axis=0) * judged.frames_per_second**2

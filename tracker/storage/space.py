@@ -16,7 +16,7 @@ from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
-from keypose.tracker.space.repeated import evened, filled
+from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.space.soles import Soles, measured_soles
 from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
@@ -37,11 +37,14 @@ def solved(
     keyframes = keyframes_within(session, first, last)
     exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
     held = _held(session, stretch.pins)
-    repeats = session.video.repeats
+    keyed = [k for k in keyed_parts(session, skeleton) if first < k.frame < last]
+    tracked = joined([segment.trajectory for segment in stretch.segments])
+    fixed = [*(keyframe.frame for keyframe in keyframes), *(each.frame for each in keyed)]
+    moments = Moments.of(session.video.repeats, first, last, fixed)
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.camera.without_distortion(),
-        motion=filled(joined([s.trajectory for s in stretch.segments]), repeats, exact),
+        motion=tracked if moments is None else moments.evened(tracked),
         observability=np.concatenate(
             [segment.diagnostics.observability for segment in stretch.segments]
         ),
@@ -49,7 +52,7 @@ def solved(
         frames_per_second=_frames_per_second(keyframes),
         soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
         seen=[keyframe.frame for keyframe in keyframes if keyframe.soft == "depth"],
-        keyed_parts=[k for k in keyed_parts(session, skeleton) if first < k.frame < last],
+        keyed_parts=keyed,
         pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
         up_camera=up_of(session),
@@ -58,8 +61,7 @@ def solved(
     found = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, held, found, exact))
     up = None if session.up_camera is None else up_of(session)
-    even = evened(found.motion, repeats)
-    still = proposed_pins(skeleton, even, problem.frames_per_second, up)
+    still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
     body = session.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
@@ -75,9 +77,9 @@ def solved(
         soft=problem.soft,
         up_camera=up,
         floor_m=found.floor_m if session.floor_m is None else session.floor_m,
-        evened=even,
     )
-    return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
+    motion = found.motion if moments is None else moments.shown(found.motion)
+    return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
 
 
 def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:

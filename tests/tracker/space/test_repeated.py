@@ -8,7 +8,7 @@ import pytest
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.space.contacts import proposed_pins
-from keypose.tracker.space.repeated import evened, filled
+from keypose.tracker.space.repeated import Moments, evened
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import scene
 from tests.tracker.space.space_cases import UP, Floats
@@ -62,23 +62,31 @@ def test_proposed_pins_are_as_without_the_copies(even: bool) -> None:
     assert np.abs(rows[ends] - [pin.span for pin in true]).max() <= 2
 
 
-def test_poses_at_copies_lie_between_their_neighbours_and_all_others_stay() -> None:
-    walk = scene("tumbling_box").truth
-    shown, repeats, _ = repeated(walk, even=False)
-    motion = filled(shown, repeats)
-    rows = [frame - walk.first_frame for frame in repeats.frames if frame < walk.last_frame]
-    others = np.setdiff1d(np.arange(len(walk)), rows)
-    assert (motion.ps_camera_root[others] == shown.ps_camera_root[others]).all()
-    assert (motion.Rs_parent_part[others] == shown.Rs_parent_part[others]).all()
-    off = np.abs(motion.ps_camera_root[rows] - walk.ps_camera_root[rows]).max()
-    assert off < 0.1 * np.abs(shown.ps_camera_root[rows] - walk.ps_camera_root[rows]).max()
+@EVEN
+def test_frame_by_frame_the_poses_stay_and_those_at_copies_lie_between(even: bool) -> None:
+    shown, repeats, _ = repeated(scene("tumbling_box").truth, even)
+    moments = Moments.of(repeats, shown.first_frame, shown.last_frame)
+    assert moments is not None
+    again = moments.shown(moments.evened(shown))
+    steps = np.linalg.norm(np.diff(shown.ps_camera_root, axis=0), axis=-1)
+    off = np.linalg.norm(again.ps_camera_root - shown.ps_camera_root, axis=-1)
+    assert off[moments.distinct].max() < 0.02 * steps.max()
+    steps = np.linalg.norm(np.diff(again.ps_camera_root, axis=0), axis=-1)
+    assert steps[1:-1].min() > 0.2 * np.median(steps)
 
 
-def test_a_keyframe_on_a_copy_stays() -> None:
-    shown, repeats, _ = repeated(scene("tumbling_box").truth, even=False)
-    frame = repeats.frames[1]
-    kept = filled(shown, repeats, exact=[frame]).pose(frame)
-    assert (kept.p_camera_root == shown.pose(frame).p_camera_root).all()
+@EVEN
+def test_a_keyframe_stays_where_it_is_shown(even: bool) -> None:
+    shown, repeats, _ = repeated(scene("tumbling_box").truth, even)
+    first, last = shown.first_frame, shown.last_frame
+    exact = [first, repeats.frames[1], first + 14, last]
+    moments = Moments.of(repeats, first, last, exact)
+    assert moments is not None
+    for motion in (moments.evened(shown), moments.shown(moments.evened(shown))):
+        for frame in exact:
+            kept, given = motion.pose(frame), shown.pose(frame)
+            assert kept.p_camera_root == pytest.approx(given.p_camera_root, abs=1e-9)
+            assert kept.Rs_parent_part == pytest.approx(given.Rs_parent_part, abs=1e-9)
 
 
 def test_unknown_poses_stay_unknown() -> None:
@@ -92,4 +100,4 @@ def test_unknown_poses_stay_unknown() -> None:
 def test_a_motion_without_copies_is_itself() -> None:
     motion = scene("tumbling_box").truth
     assert evened(motion, Repeats()) is motion
-    assert filled(motion, None) is motion
+    assert Moments.of(None, 0, 40) is None
