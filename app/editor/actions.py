@@ -60,6 +60,12 @@ class FitSizes(Message):
     focal: bool = False
 
 
+class DraftRest(Message):
+    """The frames that a draft was cancelled before."""
+
+    do: Literal["draft_rest"] = "draft_rest"
+
+
 class Draft(Message):
     """A pose for every frame, from a box around the person on one of them.
 
@@ -266,6 +272,7 @@ Fitting: TypeAlias = (
     FitHere
     | FitSizes
     | Draft
+    | DraftRest
     | Lift
     | FindUp
     | Stand

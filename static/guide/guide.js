@@ -25,7 +25,7 @@ const LEFT = { x: 72, y: 60 };
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft'];
+const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before

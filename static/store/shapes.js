@@ -345,6 +345,7 @@
  * @property {number} mb
  * @property {boolean} chosen
  * @property {string} remedy  The command that adds it, or ''.
+ * @property {number | null} frame_s  Seconds that a frame of a draft takes; null where nobody knows.
  */
 
 /**
@@ -421,6 +422,7 @@
  * @property {number} drafted  How many of these were.
  * @property {number} behind  Of how many of these the tracked pose is shown.
  * @property {Spot[]} missing  Runs of frames, of all drafts, where nobody was found and nothing is posed or tracked.
+ * @property {[number, number][]} rest  Runs of frames that it was cancelled before.
  * @property {DraftPlace[]} proposals  Those to confirm that are no keyframes yet.
  */
 

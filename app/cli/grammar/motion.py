@@ -42,8 +42,8 @@ def add_draft(commands: Subcommands) -> None:
         "to them. The session and its keypoints are written to the folder. One camera cannot "
         "tell size from distance, so the body keeps its preset's height. Frames that do not "
         "show the person well enough get no draft. Drafts become keyframes when you confirm "
-        "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
-        "nothing."
+        "them in the page; the ones to confirm first are listed. Ctrl+C keeps the frames "
+        "the network has looked at; the same command with --overwrite goes on from there."
     )
     command = add_command(commands, "draft", details, _DRAFT_EXAMPLES)
     command.add_argument(

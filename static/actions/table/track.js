@@ -4,7 +4,7 @@ import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
 import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
 import { words } from '../../store/clip.js';
-import { draftLabel, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
+import { draftLabel, draftMessage, draftTimeWords, restCount, whyNotDraft, whyNotDraftRest, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
@@ -85,7 +85,12 @@ export const TRACK = {
   draft: {
     also: 'automatic auto detect pose estimation markerless ai',
     label: draftLabel, icon: 'wand', off: whyNotDraft,
-    title: 'Find the person in every frame and pose the body there', message: draftMessage,
+    title: () => ['Find the person in every frame and pose the body there', draftTimeWords()].filter(Boolean).join('. '), message: draftMessage,
+  },
+  draftRest: {
+    also: 'automatic auto detect remaining continue resume', alone: 'Draft the remaining frames',
+    label: () => `Draft the remaining ${count(restCount(), 'frame')}`, icon: 'wand', off: whyNotDraftRest,
+    title: () => ['Those that the draft was cancelled before', draftTimeWords(restCount())].filter(Boolean).join('. '), message: () => ({ do: 'draft_rest' }),
   },
   reduce: {
     also: 'unbake bake keyframe reduction decimate simplify sparse fewer thin key reducer optimise optimize curve',
