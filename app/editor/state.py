@@ -64,6 +64,10 @@ class Display:
     axes: Literal["part", "parent", "view"] = "part"
     link: bool = True
     tint: Literal["clay", "contact", "photo", "distance"] = "clay"
+    joint: str | None = None
+    """The joint whose angle is charted: "knee"."""
+    angle: str = ""
+    """Which of its angles, by its name; empty for the first."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,7 +116,8 @@ export async function fetchOk(address, options = {}) {
   throw new Error(problem || `The server answered ${response.status}`);
 }
 
-function saveBlob(blob, name) {
+/** Save what the page has made itself. */
+export function saveBlob(blob, name) {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
   link.download = name;

@@ -174,6 +174,17 @@
  */
 
 /**
+ * @typedef {object} JointAngle  One by its clinical name, left and right.
+ * @property {string} joint
+ * @property {string} angle
+ * @property {string} label  "Knee flexion"
+ * @property {string} positive
+ * @property {string} negative
+ * @property {{ side: 'L' | 'R' | 'C', part: string, values: Series }[]} sides  part: the one that the joint carries.
+ * @property {{ joint: string, angle: string, label: string }[]} choices
+ */
+
+/**
  * @typedef {object} PartKeyframe  Of some limbs alone.
  * @property {number} frame
  * @property {string[]} parts
@@ -479,6 +490,7 @@
  * @property {Series} need  Pixels that a keyframe is expected to mend.
  * @property {Record<string, Series>} lanes  How much the picture shows of a part, 0 to 1.
  * @property {Curve | null} curve
+ * @property {JointAngle | null} joint_angle
  * @property {Trail | null} trail
  * @property {Pin[]} pins
  * @property {ProposedPin[]} proposed_pins  Neither accepted nor dismissed.

@@ -101,6 +101,7 @@ def outlooks() -> dict[str, AppState]:
         desk(),
         {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
         {"do": "select", "part": "head"},
+        {"do": "joint_angle", "joint": "knee"},
     )
     proposed = Pin(part="right_foot", first_frame=0, last_frame=9)
     pinned = after(desk(), {"do": "set_pin", "part": "left_foot", "frame": 24})
