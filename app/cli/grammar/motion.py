@@ -72,8 +72,8 @@ def add_draft(commands: Subcommands) -> None:
     command.add_argument(
         "--body",
         metavar="PRESET",
-        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male, or as "
-        "`keypose config` says",
+        help="adult_male, adult_female, elderly_male, elderly_female or child; default: "
+        "adult_male, or as `keypose config` says",
     )
     command.add_argument(
         "--field-of-view",
