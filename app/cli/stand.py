@@ -10,10 +10,10 @@ from keypose.app.jobs.stand import lines_where_needed
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.session import Session
-from keypose.tracker.space.soles import Soles
+from keypose.tracker.space.soles import Soles, soles_of
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
-from keypose.tracker.storage.space import soles_of, solved
+from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
 
 

@@ -202,8 +202,10 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
         return frozenset()
     if doc.body is not was.body or not _can_learn(doc):
         return frozenset()
-    known = {id(keyframe) for keyframe in was.keyframes}
-    return frozenset(k.frame for k in doc.keyframes if id(k) not in known)
+    known = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.keyframes}
+    return frozenset(
+        k.frame for k in doc.keyframes if known.get(k.frame) != (k.root_m, k.rotations_wxyz)
+    )
 
 
 def _can_learn(doc: Session) -> bool:

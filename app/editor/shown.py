@@ -93,6 +93,17 @@ def stands(state: EditorState, keyframe: Keyframe) -> bool:
     return not keyframe.soft or state.tracked(keyframe.frame) is None
 
 
+def ghosts(state: EditorState) -> list[tuple[int, Pose]]:
+    """The poses of the keyframes before and after the present frame, by frame; and at a soft one,
+    which the motion does not pass as it was posed, its own."""
+    before = [key for key in state.keys if key < state.frame][-1:]
+    after = [key for key in state.keys if key > state.frame][:1]
+    here = find(state.settled.keyframes, state.frame)
+    own = [] if here is None or stands(state, here) else [state.frame]
+    found = ((frame, find(state.settled.keyframes, frame)) for frame in (*before, *after, *own))
+    return [(frame, key.pose(state.skeleton)) for frame, key in found if key is not None]
+
+
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from keypose.app.editor.documents import softened
 from keypose.app.jobs.find_up import upright_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
@@ -63,6 +64,11 @@ class StandOnFloor(Fit):
 
     def apply(self, found: Standing, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        fields = {name: getattr(found.session, name) for name in CHANGED}
+        fields = {name: getattr(found.session, name) for name in CHANGED if name != "keyframes"}
+        keyframes = (
+            softened(keyframe, "depth" if keyframe.frame in found.softened else keyframe.soft)
+            for keyframe in edit.doc.keyframes
+        )
+        fields["keyframes"] = tuple(keyframes)  # those that stay are the same
         after = edit.with_step(edit.doc.model_copy(update=fields), LABEL)
         return replace(state, edit=after), standing_words(found)

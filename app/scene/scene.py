@@ -38,7 +38,7 @@ from keypose.tracker.geometry.rotations import Array, apply_transform, quaternio
 
 __all__ = ["Mode", "Role", "Scenery", "Stage", "Trail"]
 
-GHOST_COLOURS: tuple[Colour, Colour] = ((134, 217, 147), (217, 213, 199))
+GHOST_COLOURS: tuple[Colour, ...] = ((134, 217, 147), (217, 213, 199), (240, 186, 96))
 """Of the keyframe before, and of the one after."""
 BEFORE_COLOUR: Colour = (226, 226, 230)
 """Of the body that new sizes are compared with."""
@@ -87,7 +87,7 @@ class Scenery:
     Ts_camera_part: (P, 4, 4) of the body's parts.
     selected:  names of parts.
     opacity:   of the body over the picture, 0 to 1.
-    ghosts:    up to two other poses (frame, Ts_camera_part): the one before and the one after.
+    ghosts:    up to three other poses (frame, Ts_camera_part), as `editor.shown.ghosts` has them.
     before:    another body and its Ts_camera_part, drawn as an outline to compare with.
     Rs_view_camera: (3, 3) of the small views; of those not named the usual ones.
     telephoto: rays to the camera are parallel.
@@ -215,7 +215,7 @@ class Stage:
             for lines in ("outline", "held"):
                 self._reserve(f"{ROOT}/{lines}/{role}", (role,))
             self._reserve(f"{ROOT}/before/{role}", (role,))
-            for number in range(2):
+            for number in range(len(GHOST_COLOURS)):
                 self._reserve(f"{ROOT}/ghost/{number}/{role}", (role,))
 
     async def _welcome(self, client: ClientHandle) -> None:

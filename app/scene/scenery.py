@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from keypose.app.editor.documents import unchanged
-from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.shown import ghosts, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import view_rotations
 from keypose.app.scene.scene import Scenery, Trail
@@ -28,7 +28,7 @@ class SceneryMaker:
     def of(self, edit: EditorState, trail: Any = None) -> Scenery:
         """Return what is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
-        around = (settled.body, settled.keyframes, edit.frame, looks)
+        around = (settled.body, settled.keyframes, edit.frame, looks, edit.results)
         pose = shown_pose(edit).pose
         return Scenery(
             body=edit.doc.body,
@@ -66,18 +66,10 @@ def _views(edit: EditorState) -> dict[Role, Array]:
 
 
 def _ghosts(edit: EditorState) -> Ghosts:
-    """The keyframes before and after the present frame."""
+    """The keyframes before and after the present frame, and a soft one's own pose here."""
     if not edit.display.ghosts:
         return ()
-    before = [k for k in edit.keys if k < edit.frame][-1:]
-    after = [k for k in edit.keys if k > edit.frame][:1]
-    ghosts = []
-    for frame in (*before, *after):
-        keyframe = find(edit.settled.keyframes, frame)
-        if keyframe is not None:
-            pose = keyframe.pose(edit.skeleton)
-            ghosts.append((frame, pose_transforms(edit.skeleton, pose)))
-    return tuple(ghosts)
+    return tuple((frame, pose_transforms(edit.skeleton, pose)) for frame, pose in ghosts(edit))
 
 
 def _before(edit: EditorState) -> tuple[Body, Array] | None:

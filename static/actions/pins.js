@@ -128,3 +128,10 @@ export function pinTitle(part) {
 }
 
 export const isSoft = (at = frame()) => Boolean(server.keys?.soft?.includes(at));
+
+/** A soft keyframe's own pose, as a ghost beside the motion that passes it. */
+export function showOwnPose(at = frame()) {
+  stopPlaying();
+  goTo(at);
+  send({ do: 'display', ghosts: true });
+}

@@ -2,7 +2,7 @@
 // kinds of camera with keys 1 to 6, the focal length on a slider, what the file says.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { labelOf, whyNot } from '../actions/actions.js';
+import { labelOf, perform, whyNot } from '../actions/actions.js';
 import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
   addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
@@ -10,6 +10,7 @@ import {
 } from '../actions/lens.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { isReviewing, toggleReview } from '../actions/review.js';
+import { isUpKnown, tiltWords } from '../actions/standing.js';
 import { shortNumber } from '../controls/arithmetic.js';
 import { numberField, slider } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
@@ -148,6 +149,21 @@ export const IN_FILM = [
     hints: [['1–6', 'choose a lens'], ['Wheel', 'change the focal length']],
   },
   {
+    word: 'Up',
+    title: 'How is the camera tilted?',
+    tool: 'horizon',
+    text: 'Feet stand on one floor only when this is right. Pull the line onto the horizon, where level ground would end.',
+    done: isUpKnown,
+    again: true,
+    content: upLine,
+    choices: [
+      { label: 'Level camera', title: 'It looks straight ahead, neither up nor down', act: () => perform('levelCamera') },
+      { label: 'Two verticals', title: 'Drag along two walls, doors or poles', act: () => setUi('tool', 'vertical') },
+    ],
+    next: () => (isUpKnown() || sought === server.file?.path ? null : { label: 'Find by upright lines', act: findUp }),
+    hints: [['Drag', 'the horizon'], ['Enter', 'find it by upright lines']],
+  },
+  {
     word: 'Person',
     title: 'Draw a box around the person',
     tool: 'box',
@@ -182,6 +198,19 @@ export const IN_FILM = [
 ];
 
 export const REVIEW = IN_FILM.length - 1;
+
+/** The film in which upright lines were looked for. */
+let sought = null;
+
+function findUp() {
+  sought = server.file.path;
+  perform('findUp');
+}
+
+function upLine() {
+  if (!isUpKnown()) return nothing;
+  return html`<div class="row filesays good">${icon('check')}<span><b>Camera</b> ${tiltWords()}</span></div>`;
+}
 
 const isDrafting = () => server.job?.state === 'running' && server.job.kind === 'draft';
 const isDrafted = () => Boolean(server.draft);

@@ -21,6 +21,7 @@ import { vertical } from './vertical.js';
  * @property {(view: any, x: number, y: number) => void} [move]
  * @property {(view: any, x: number, y: number) => void} up
  * @property {() => void} [cancel]
+ * @property {() => void} [forget]  The tool is taken up anew.
  * @property {(event: KeyboardEvent, name: string) => boolean} [key]
  * @property {(view: any) => string} [cursor]
  * @property {(view: any) => unknown} draw
@@ -45,6 +46,7 @@ export function prepareSketch() {
     return;
   }
   if (interaction.sketch?.tool === ui.tool) return;
+  DRAWING[ui.tool].forget?.();
   interaction.sketch = { tool: ui.tool, points: [], pointer: null, hold: null };
   setUi('mask', null);
   if (ui.layout !== 'main' && ui.layout !== 'quad') setUi('layout', 'main');

@@ -2,10 +2,12 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { perform, whyNot } from '../actions/actions.js';
+import { actionButton } from '../actions/buttons.js';
 import {
   degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, millimetres, sourceWords, useFile,
 } from '../actions/lens.js';
 import { keyFrames } from '../actions/playhead.js';
+import { liftWords, whyNotLift } from '../actions/standing.js';
 import {
   button, checkbox, dropdown, iconButton, numberField, segmented, shortNumber, slider,
 } from '../controls/fields.js';
@@ -20,25 +22,35 @@ export function upright() {
     'Up direction',
     html`${line('Set by', dropdown({
       label: 'Up direction set by', value: origin, act: setBy,
-      options: [{ id: 'camera', label: 'Camera' }, { id: 'drawn', label: 'Drawn line' },
+      options: [{ id: 'camera', label: 'Not known' }, { id: 'level', label: 'Level camera' }, { id: 'drawn', label: 'The picture' },
         { id: 'feet', label: 'Pinned feet' }],
       title: 'Which way is up in the top, side and front views',
     }))}
     ${fact('Tilt', `${shortNumber(tilt, 1)}°`, 'How far the camera looks down')}
     ${fact('Roll', `${shortNumber(roll, 1)}°`, 'How far the camera leans to one side')}
+    ${actionButton('findUp', undefined, { name: undefined, kind: 'full' })}
     ${drawingButton('vertical', {
-      name: 'mid', label: 'Draw a vertical in the image', busy: 'Drag along something upright',
-      title: 'Drag along a door frame, a wall’s edge, a lamp post. Shows the roll: draw the horizon where the camera looks down',
+      name: 'mid', label: 'Draw verticals in the image', busy: 'Drag along something upright',
+      title: 'Drag along a door frame, a wall’s edge, a lamp post. One shows the roll, a second one the tilt as well',
     })}
     ${drawingButton('horizon', {
       name: 'floor', label: 'Draw the horizon', busy: 'Drag along the horizon',
       title: 'Where level ground ends far away: gives tilt and roll, and with a standing foot the floor',
-    })}`,
+    })}
+    ${lifted()}`,
   );
+}
+
+/** Drafts were found for another up direction than there is by now. */
+function lifted() {
+  if (whyNotLift()) return nothing;
+  return html`<p class="note warned icons">${icon('warn')}<span>The drafts were found for another up direction. ${liftWords()}.</span></p>
+    ${actionButton('lift', undefined, { name: undefined, kind: 'full' })}`;
 }
 
 function setBy(id) {
   if (id === 'camera') send({ do: 'reset_up' });
+  else if (id === 'level') send({ do: 'level_camera' });
   else if (id === 'feet') send({ do: 'up_from_feet' });
   else setUi('tool', 'horizon');
 }

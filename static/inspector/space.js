@@ -4,9 +4,11 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
-import { labelOf, perform, titleOf } from '../actions/actions.js';
+import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
+import { actionButton } from '../actions/buttons.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { button } from '../controls/fields.js';
+import { icon } from '../controls/icons.js';
 import { section } from './section.js';
 
 /** @typedef {import('../store/shapes.js').SpaceFinding} SpaceFinding */
@@ -52,9 +54,16 @@ const keyframesOf = ({ keyframes, go }) => keyframes ?? [go];
 
 export function space() {
   const found = server.space ?? [];
-  if (found.length === 0) return nothing;
+  if (found.length === 0 && whyNot('stand')) return nothing;
   const shown = ui.allInSpace ? found : found.slice(0, MOST);
-  return section('In space', html`${shown.map(card)}${found.length > MOST ? more(found.length - MOST) : nothing}`);
+  return section('In space', html`${soles()}${shown.map(card)}${found.length > MOST ? more(found.length - MOST) : nothing}`);
+}
+
+/** How the feet stand, and the press that makes them. */
+function soles() {
+  const words = server.floor?.soles;
+  return html`${words ? html`<p class="note good icons" role="status">${icon('check')}<span>${words}</span></p>` : nothing}
+    ${whyNot('stand') ? nothing : actionButton('stand', undefined, { name: undefined, kind: words ? 'full ghost' : 'full' })}`;
 }
 
 /** All of them, or the worst alone. @param {number} rest */

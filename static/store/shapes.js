@@ -56,6 +56,8 @@
  * @property {'camera' | 'drawn' | 'feet'} up_origin
  * @property {number} tilt_deg
  * @property {number} roll_deg
+ * @property {{ drafts: number, keyframes: number, segments: number } | null} lifts  What drafting anew for this up
+ *   direction would change; null where drafts are as it has them.
  * @property {[Spot, Spot] | null} horizon  Two points of the horizon, pixels; null where it is far from the picture.
  * @property {string} image_version
  */
@@ -316,7 +318,7 @@
  * @property {string} problem
  */
 
-/** @typedef {{ height_m: number | null, has_feet: boolean }} Floor  Along up from the camera; whether pinned feet could determine it. */
+/** @typedef {{ height_m: number | null, has_feet: boolean, soles: string }} Floor  Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 

@@ -89,7 +89,7 @@ const interrupted = () => strip('', 'flag', `Review: ${placesToReview().length} 
 
 /** Pins wait to be accepted. */
 const drawProposals = () => strip('proposed', 'anchor', `${count(proposedPins().length, 'pin')} proposed.`, `The ${proposedWord()} still in these frames.`,
-  [small('dismissPins', 'ghost'), small('acceptPins', 'pri')]);
+  [small('dismissPins', 'ghost'), small('acceptPins', 'ghost'), small('stand', 'pri')]);
 
 /** "feet stand", "left foot stands", "hands and feet stand". */
 function proposedWord() {
@@ -101,7 +101,7 @@ function proposedWord() {
 
 /** Pins hold a part where keyframes do not have it: the body jerks from one to the other. */
 const drawContradictions = () => strip('look', 'warn', `Pins contradict ${count(contradicted().length, 'keyframe')}.`, `${contradictions()[0].words}.`,
-  small('softKeys', 'pri'));
+  [small('softKeys', 'ghost'), small('stand', 'pri')]);
 
 /** @param {import('../actions/actions.js').ActionId} id */
 const small = (id, kind) => html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;

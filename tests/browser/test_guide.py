@@ -181,13 +181,14 @@ def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
 ) -> None:
     guided.keyboard.press("r")
     guided.get_by_role("tab", name="Camera").click()
-    guided.get_by_text("Draw a vertical in the image").click()
+    guided.get_by_text("Draw verticals in the image").click()
     guided.locator("#guide .coach.behind").wait_for()
     box = guided.locator("#main canvas.vid").bounding_box()
     assert box is not None
     middle = box["x"] + box["width"] / 2
     drag(guided, (middle, box["y"] + 40), (middle + 9, box["y"] + box["height"] - 60))
     until_state(guided, "camera.up_origin", lambda origin: origin == "drawn")
+    guided.keyboard.press("Escape")
     until(lambda: guided.evaluate("() => window.keypose.ui.tool") == "rotate", "the tool before")
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
 

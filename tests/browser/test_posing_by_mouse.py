@@ -538,7 +538,7 @@ def test_a_mask_is_drawn_on_the_picture_moved_and_deleted(
 
 def test_a_drawn_vertical_sets_what_is_up(at: Desk, tabs: Callable[[str], None]) -> None:
     tabs("Camera")
-    at.page.get_by_role("button", name="Draw a vertical in the image").click()
+    at.page.get_by_role("button", name="Draw verticals in the image").click()
     one, other = on_picture(at.page, (320, 60)), on_picture(at.page, (350, 300))
     drag(at.page, one, other, steps=4)
     until(lambda: at.agreed("camera")["up_origin"] == "drawn", "the vertical")
@@ -548,6 +548,11 @@ def test_a_drawn_vertical_sets_what_is_up(at: Desk, tabs: Callable[[str], None])
     np.testing.assert_allclose(R[1], -np.array(at.served["camera"]["up"]), atol=0.3)
     assert abs(R[0][1]) > 0.05  # the front view stands upright, the camera does not
     assert undo_steps(at) == 1
+    # a second one, which leans the other way, shows that the camera looks down
+    drag(at.page, on_picture(at.page, (120, 60)), on_picture(at.page, (150, 300)), steps=4)
+    until(lambda: abs(at.agreed("camera")["roll_deg"]) > 1, "both verticals")
+    until(lambda: at.page.evaluate("() => window.keypose.ui.tool") != "vertical", "the tool")
+    assert undo_steps(at) == 2
 
 
 def test_the_horizon_is_drawn_and_pulled_at_its_handles_and_lays_the_floor(

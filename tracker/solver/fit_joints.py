@@ -30,7 +30,7 @@ from keypose.tracker.solver.pose_terms import (
     RootPosition,
 )
 from keypose.tracker.solver.posed import BodyPoints, free_skeleton
-from keypose.tracker.solver.sigmas import ANYWHERE, JOINT_M, JOINT_PX, POSE_LIMIT_RAD
+from keypose.tracker.solver.sigmas import ANYWHERE, JOINT_M, JOINT_PX, LIMIT_RAD
 from keypose.tracker.solver.terms import Term
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _fit_frame(
     known = np.asarray(np.isfinite(positions).all(-1))
     terms: list[Term] = [
         PointsInSpace(points.only(known), positions[known], JOINT_M),
-        JointLimits(limits, POSE_LIMIT_RAD),
+        JointLimits(limits, LIMIT_RAD),
         *(_weak_prior(skeleton, pose) for pose in priors),
     ]
     solved = _solve(skeleton, priors[0], terms)
@@ -209,7 +209,7 @@ def fit_picture(
     scale = np.sqrt(weights[known]) / JOINT_PX
     terms: list[Term] = [
         PointsInPicture(points.only(known), ideal, seen[known], scale, NEAREST_M),
-        JointLimits(limits, POSE_LIMIT_RAD),
+        JointLimits(limits, LIMIT_RAD),
     ]
     if near is not None:
         terms.append(RootPosition.depth(near.p_camera_root, depth_sigma))

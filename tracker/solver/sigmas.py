@@ -31,10 +31,8 @@ class MotionSigma:
 
 # --- joints
 
-LIMIT_RAD: Final = np.radians(3.0)
+LIMIT_RAD: Final = np.radians(2.0)
 """Of an angle past its limit. Tables of limits are those of most people, not of all."""
-POSE_LIMIT_RAD: Final = np.radians(2.0)
-"""The same where one pose is fitted by itself, and no neighbour holds it."""
 
 # --- keypoints of a detector
 
@@ -46,6 +44,11 @@ ENDS_WIDER: Final = 2.0
 """How many times wider keypoints of head and feet are: bodies differ there."""
 KEYPOINT_DEPTH_M: Final = 0.08
 """Of a sure keypoint's depth beside the root's, once corrected at keyframes."""
+TRUNK_DEPTH_M: Final = {"hip": 0.027, "shoulder": 0.04}
+"""The same in drafts of a hip and a shoulder, whose depths say how the trunk is turned: their
+distance in the picture, which a network has too small or too large, turned it by up to 60°."""
+FOOT_DEPTH_M: Final = 0.05
+"""Of heels and toes in depth beside their ankle."""
 ON_PART_M, ON_PART_BY_EYE_M, FACE_ON_PART_M = 0.02, 0.012, 0.05
 """Of where on its part a detector puts a joint: shown by keyframes, by keyframes that were posed by
 eye, whose own error is in it, and of a face, which the body's head does not have."""
@@ -170,7 +173,7 @@ FEW_SHARE: Final = 0.015
 SEEN_SHARE: Final = 0.003
 """Of where a tracked motion was seen."""
 SEEN_ENDS_WIDER: Final = 4.0
-"""How many times wider that is of heels, toes and hands."""
+"""How many times wider that is of heel and toe of a foot on the floor."""
 PIN_M, FLOOR_M = 0.001, 0.0005
 """Of a pinned point about its place, and of that place about the floor. A floor is flat to some
 millimetres; a place has one such row for all its frames, whose noise is no frame's own."""

@@ -89,7 +89,16 @@ def still_ranges(
         row = last + 1
     least = LEAST_S * frames_per_second
     # the frames at both ends are where the foot lands and leaves
-    return [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
+    kept = [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
+    return [_without_leaving(v, *span) for span in kept]
+
+
+def _without_leaving(v: Array, first: int, last: int) -> tuple[int, int]:
+    """A range without the frames at the motion's own ends in which the foot lands or leaves."""
+    slow = first + np.flatnonzero(v[first : last + 1] < START_M_S)
+    if not len(slow):
+        return first, last
+    return int(slow[0]) if first == 0 else first, int(slow[-1]) if last == len(v) - 1 else last
 
 
 def _pin(part: str, held: tuple[str, ...], rows: tuple[int, int], motion: Trajectory) -> Pin:

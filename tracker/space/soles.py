@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,12 +13,19 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.space.result import SpaceResult
 
 AIR_M: Final = 0.03
 """A body whose lowest sole is higher above the floor is in the air."""
 HEEL_M, TOE_M = 0.06, 0.04
 """How far the heel of a foot that turns on its toe moves at least, and the toe at most."""
+TIPPED_M: Final = 0.05
+"""A foot whose toe is so much higher or lower beside its heel than usual in its stance lands or
+leaves."""
+LEAST_FRAMES: Final = 3
+"""A shorter contact of heel or toe alone is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +40,27 @@ class Soles:
     part: str
     frame: int
     in_air: tuple[tuple[int, int], ...]
+
+
+def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:
+    """Measure how the pinned soles lie on the session's floor; None without any."""
+    if session.floor_m is None or session.up_camera is None:
+        return None
+    skeleton, up = Skeleton.of(session.body), np.array(session.up_camera)
+    found = []
+    for stretch in stretches:
+        motion = stretch.motion
+        span = motion.first_frame, motion.last_frame
+        pins = [
+            pin for pin in session.pins if span[0] <= pin.first_frame <= pin.last_frame <= span[1]
+        ]
+        measured = measured_soles(skeleton, motion, pins, up / np.linalg.norm(up), session.floor_m)
+        found += [measured] if measured else []
+    if not found:
+        return None
+    worst = max(found, key=lambda soles: abs(soles.off_m))
+    in_air = tuple(run for soles in found for run in soles.in_air)
+    return replace(worst, in_air=in_air)
 
 
 def measured_soles(
@@ -62,13 +90,35 @@ def foot_heights(skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Ar
     return np.asarray(_ends(skeleton, motion, pin, ends) @ up_camera)
 
 
-def turns_on_toe(skeleton: Skeleton, motion: Trajectory, pin: Pin) -> Pin:
-    """The pin, of the toe alone where the foot turns on that."""
+def by_contact(
+    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array
+) -> tuple[Pin, ...]:
+    """The pin of a whole foot as pins of what touches the floor: of the toe alone where the foot
+    turns on that, of the heel or the toe alone while it lands or leaves.
+    """
     if len(pin.landmarks) < 2:
-        return pin
-    heel, toe = (_strays(_ends(skeleton, motion, pin, (name,))[:, 0]) for name in pin.landmarks)
-    on_toe = heel > HEEL_M and toe < TOE_M
-    return pin.model_copy(update={"landmarks": pin.landmarks[1:]}) if on_toe else pin
+        return (pin,)
+    ends = _ends(skeleton, motion, pin, pin.landmarks)
+    heel, toe = (_strays(ends[:, k]) for k in range(2))
+    if heel > HEEL_M and toe < TOE_M:
+        return (pin.model_copy(update={"landmarks": pin.landmarks[1:]}),)
+    heel_high, toe_high = (ends @ up_camera).T
+    tipped = toe_high - heel_high
+    flat = np.abs(tipped - np.median(tipped)) < TIPPED_M
+    rows = np.flatnonzero(flat)
+    first, last = int(rows[0]), int(rows[-1])
+    pieces = ((0, first - 1), (first, last), (last + 1, len(flat) - 1))
+    found = []
+    for a, b in pieces:
+        held = pin.landmarks
+        if (a, b) != (first, last):
+            heel_is_up = np.median(tipped[a : b + 1]) < np.median(tipped) if b >= a else False
+            held = held[1:] if heel_is_up else held[:1]
+        if b - a + 1 >= LEAST_FRAMES or (a, b) == (first, last):
+            start = pin.first_frame
+            span = {"first_frame": start + a, "last_frame": start + b}
+            found.append(pin.model_copy(update={"landmarks": held, **span}))
+    return tuple(found)
 
 
 def _ends(skeleton: Skeleton, motion: Trajectory, pin: Pin, ends: Sequence[str]) -> Array:

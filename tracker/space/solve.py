@@ -81,7 +81,6 @@ from keypose.tracker.tracking.parts.limb_keyframes import (
 from keypose.tracker.tracking.segment import NEAREST_M
 
 FOOT: Final = "foot"
-END_PARTS: Final = (FOOT, "hand")
 FAST_M_S, LEAST_SHARE, NEAR_S = 2.0, 0.2, 0.1
 """A foot has its jerk at this speed and above, a slower one as much less as it is slower, but no
 less than this share: what stands does not jerk, whatever the tracker's noise. Of the speeds within
@@ -292,19 +291,20 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
     scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
-    every = scale[:, None] / _wider(points)
+    every = scale[:, None] / _wider(problem, points)
     return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
 
 
-def _wider(points: BodyPoints) -> Array:
-    """(K,) how many times less surely each point was seen: that of a person's heel, toe or hand
-    follows from how the limb before it was tracked.
+def _wider(problem: SpaceProblem, points: BodyPoints) -> Array:
+    """(N, K) how many times less surely each point was seen: heel and toe of a foot on the floor,
+    which say how it stands, follow from how the leg was tracked.
     """
-    names = points.skeleton.body.names
-    if not is_persons(points.skeleton.body):
-        return np.ones(len(points.points))
-    ends = [_bare(names[part]) in END_PARTS and any(p) for ((part, p),) in points.points]
-    return np.where(ends, SEEN_ENDS_WIDER, 1.0)
+    wider = np.ones((len(problem.motion), len(points.points)))
+    for pin in problem.pins:
+        own = [k for k, ((part, p),) in enumerate(points.points) if part == pin.part and any(p)]
+        if pin.floor:
+            wider[_rows(problem.motion, pin), own] = SEEN_ENDS_WIDER
+    return wider
 
 
 def _points_seen(skeleton: Skeleton) -> BodyPoints:
@@ -332,8 +332,9 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     uv = image_points(problem.camera, points.at(motion.transforms(skeleton)))
     scale = np.zeros(uv.shape[:2])
     exact = np.isin(soft, np.array(sorted(problem.seen), dtype=np.int64) - first)
-    share = np.where(exact, EXACT_SEEN_SHARE, KEY_SEEN_SHARE)
-    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft])[:, None]
+    wider = _wider(problem, points)[soft]
+    share = np.where(exact[:, None] & (wider == 1), EXACT_SEEN_SHARE, KEY_SEEN_SHARE * wider)
+    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft, None])
     directions = np.zeros((len(motion), 1, 3))
     directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
     return (

@@ -18,7 +18,6 @@ from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
 from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.space.soles import Soles, measured_soles
 from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
@@ -80,27 +79,6 @@ def solved(
     )
     motion = found.motion if moments is None else moments.shown(found.motion)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
-
-
-def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:
-    """Measure how the pinned soles lie on the session's floor; None without any."""
-    if session.floor_m is None:
-        return None
-    skeleton, up = Skeleton.of(session.body), up_of(session)
-    found = []
-    for stretch in stretches:
-        motion = stretch.motion
-        span = motion.first_frame, motion.last_frame
-        pins = [
-            pin for pin in session.pins if span[0] <= pin.first_frame <= pin.last_frame <= span[1]
-        ]
-        measured = measured_soles(skeleton, motion, pins, up, session.floor_m)
-        found += [measured] if measured else []
-    if not found:
-        return None
-    worst = max(found, key=lambda soles: abs(soles.off_m))
-    in_air = tuple(run for soles in found for run in soles.in_air)
-    return replace(worst, in_air=in_air)
 
 
 def up_of(session: Session) -> Array:

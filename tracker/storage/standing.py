@@ -17,7 +17,7 @@ from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.level import leaning_rad, up_from_standing
-from keypose.tracker.space.soles import foot_heights, turns_on_toe
+from keypose.tracker.space.soles import by_contact, foot_heights
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.space import frames_per_second, solved, up_of
 from keypose.tracker.storage.stretches import keyframes_within, stretches
@@ -131,7 +131,7 @@ def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin
         rate = frames_per_second(session, motion)
         for pin in proposed_pins(skeleton, motion, rate, up):
             if not any(pin.overlaps(known) for known in session.pins):
-                pins.append(turns_on_toe(skeleton, motion, pin))
+                pins += by_contact(skeleton, motion, pin, up)
     return tuple(pins)
 
 

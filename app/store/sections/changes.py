@@ -103,7 +103,12 @@ SECTIONS: dict[str, _Section] = {
     ),
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
-        _both(_doc("camera", "up_camera", "lens_source", "video"), lambda o: (o.opened,), _tinted),
+        _both(
+            _doc("camera", "up_camera", "lens_source", "video", "drafted", "drafts", "keyframes"),
+            _edit("results"),
+            lambda o: (o.opened,),
+            _tinted,
+        ),
         scene_values.camera,
     ),
     "surface": _Section(
@@ -144,12 +149,12 @@ SECTIONS: dict[str, _Section] = {
         space_values.proposed_pins,
     ),
     "still": _Section(_both(_TRACKED, _settled("pins")), space_values.still),
-    "floor": _Section(_doc("pins", "floor_m"), space_values.floor),
+    "floor": _Section(_both(_TRACKED, _doc("pins", "floor_m")), space_values.floor),
     "feet": _Section(
         _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), space_values.feet
     ),
     "ghosts": _Section(
-        _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display")),
+        _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display", "results")),
         space_values.ghosts,
     ),
     "solids": _Section(_doc("body"), space_values.solids),

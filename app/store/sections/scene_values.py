@@ -8,6 +8,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from keypose.app.editor.drafted import is_lifted_otherwise, to_lift
 from keypose.app.editor.state import up_of
 from keypose.app.posing import tilt_and_roll, view_rotations
 from keypose.app.store.sections.evidence_values import surface_version
@@ -90,8 +91,24 @@ def camera(app_state: AppState) -> Json:
         "up_origin": _up_origin(doc),
         "tilt_deg": tilt,
         "roll_deg": roll,
+        "lifts": _lifts(app_state, doc),
         "horizon": None if horizon is None else horizon.tolist(),
         "image_version": image_version(app_state),
+    }
+
+
+def _lifts(app_state: AppState, doc: Session) -> Json:
+    """Count what drafting anew would change; None where drafts are as the up direction has them."""
+    edit = app_state.edit
+    if edit is None or not is_lifted_otherwise(doc):
+        return None
+    keyed = {keyframe.frame for keyframe in doc.keyframes}
+    keyframes = to_lift(doc) & keyed
+    touched = [span for span in edit.fitting if keyframes.intersection(span)]
+    return {
+        "drafts": len(to_lift(doc) - keyed),
+        "keyframes": len(keyframes),
+        "segments": len(touched),
     }
 
 

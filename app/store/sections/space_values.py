@@ -6,10 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from keypose.app.editor import shown
 from keypose.app.editor.floor import uneven_feet_m
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
-from keypose.app.editor.shown import find, shown_pose
+from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import joint_label, number_text
@@ -17,6 +18,7 @@ from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.app.words.problems import pin_sentence, space_sentence
+from keypose.app.words.standing import soles_words
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -25,6 +27,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
+from keypose.tracker.space.soles import soles_of
 
 
 def feet(app_state: AppState) -> Json:
@@ -50,19 +53,16 @@ def feet(app_state: AppState) -> Json:
 
 
 def ghosts(app_state: AppState) -> Json:
-    """Return where the parts stand at the keyframes before and after the present frame."""
+    """Return where the parts stand at the keyframes before and after the present frame, and at a
+    soft one here."""
     edit = app_state.edit
     if edit is None or not edit.display.ghosts or edit.doc.body is not edit.settled.body:
         return []
-    before = [key for key in edit.keys if key < edit.frame][-1:]
-    after = [key for key in edit.keys if key > edit.frame][:1]
     found = []
-    for frame in (*before, *after):
-        keyframe = find(edit.settled.keyframes, frame)
-        if keyframe is not None:
-            Ts = pose_transforms(edit.skeleton, keyframe.pose(edit.skeleton))
-            rows = Ts[:, :3].reshape(-1, 12).round(4).tolist()
-            found.append({"frame": frame, "T": dict(zip(edit.doc.body.names, rows, strict=True))})
+    for frame, pose in shown.ghosts(edit):
+        Ts = pose_transforms(edit.skeleton, pose)
+        rows = Ts[:, :3].reshape(-1, 12).round(4).tolist()
+        found.append({"frame": frame, "T": dict(zip(edit.doc.body.names, rows, strict=True))})
     return found
 
 
@@ -115,12 +115,14 @@ def proposed_pins(app_state: AppState) -> Json:
 
 
 def floor(app_state: AppState) -> Json:
-    """Return where the floor is, and whether pinned feet could determine it."""
-    doc = doc_of(app_state)
-    if doc is None:
+    """Return where the floor is, whether pinned feet determine it, and how soles lie on it."""
+    edit, doc = app_state.edit, doc_of(app_state)
+    if edit is None or doc is None:
         return None
     has_feet = any(pin.floor or pin.landmarks for pin in doc.pins)
-    return {"height_m": doc.floor_m, "has_feet": has_feet}
+    soles = soles_of(edit.settled, edit.results.space(edit.settled))
+    words = "" if soles is None else soles_words(soles)
+    return {"height_m": doc.floor_m, "has_feet": has_feet, "soles": words}
 
 
 def _pin(body: Body, pin: Pin) -> dict[str, Json]:

@@ -6,7 +6,7 @@ import { addKey, duplicateKey, noNote, noteAt, toNote, whyNoNote, writeNote } fr
 import { keyLimb, unkeyMessage, whyNotKeyLimb } from '../parts.js';
 import {
   acceptMessage, allPins, beginPin, contradicted, dismissMessage, endPin, framesOf, isSoft,
-  noProposals, pinHere, pinToFloor, proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
+  noProposals, pinHere, pinToFloor, proposedPins, togglePin, unpin, showOwnPose, whyNoPinHere, whyNotPin,
 } from '../pins.js';
 import { frame, isKey } from '../playhead.js';
 import {
@@ -118,6 +118,11 @@ export const PINS = {
     title: 'A soft keyframe gives way in depth to pins and smoothness',
     off: (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`),
     message: (at = frame()) => ({ do: isSoft(at) ? 'exact_key' : 'soften_key', frame: at }),
+  },
+  ownPose: {
+    also: 'ghost posed original soft',
+    label: 'Go to the keyframe’s own pose', icon: 'ghost', off: (at = frame()) => (isSoft(at) ? '' : 'The motion passes exact keyframes as they were posed'),
+    title: 'A ghost shows how it was posed: the motion passes a soft keyframe nearby', run: showOwnPose,
   },
   softKeys: {
     also: 'soft contradict pin jerk keyframes',

@@ -3,13 +3,14 @@
 import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
 import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
-import { words } from '../../store/clip.js';
+import { isSurface, words } from '../../store/clip.js';
 import { draftLabel, draftMessage, draftTimeWords, restCount, whyNotDraft, whyNotDraftRest, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
   answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
 } from '../review.js';
+import { liftWords, whyNotLift, whyNotStand } from '../standing.js';
 import {
   changedSegments, chosenSegments, chosenTail, namesOf, trackMessage, trackSegment, whyNotAhead,
   whyNotTrackChanged, whyNotTrackChosen, whyNotTrackThis,
@@ -66,6 +67,28 @@ export const TRACK = {
     also: 'solve everything whole run recompute',
     label: () => `${words().verb} all ${count(chosenSegments().length, 'segment')}${chosenTail()}`, icon: 'reset',
     off: whyNotTrackChosen, message: () => trackMessage('all'),
+  },
+  stand: {
+    also: 'floor ground contacts feet pins plant foot slide soles level up',
+    label: 'Stand on the floor', icon: 'floor', keys: ['Shift F'], off: whyNotStand,
+    title: 'Pin the feet where they stand, on one floor. Keyframes stay exact in the picture and give way in depth',
+    message: () => ({ do: 'stand' }),
+  },
+  lift: {
+    also: 'up horizon level redraft lift',
+    label: 'Draft anew for this up direction', icon: 'wand', off: whyNotLift, title: liftWords,
+    message: () => ({ do: 'lift' }),
+  },
+  findUp: {
+    also: 'horizon level tilt gravity vertical lines vanishing',
+    label: 'Find up by upright lines', icon: 'wand', off: () => (isSurface() ? 'Surfaces have no picture' : ''),
+    title: 'Walls, doors, poles and trees in the picture show how the camera tilts',
+    message: () => ({ do: 'find_up' }),
+  },
+  levelCamera: {
+    also: 'horizon tilt up gravity straight',
+    label: 'The camera is level', icon: 'mid', title: 'It looks straight ahead, neither up nor down',
+    off: () => (server.camera ? '' : 'Open a video first'), message: () => ({ do: 'level_camera' }),
   },
   trackAhead: {
     label: 'Track ahead', icon: 'ahead', keys: ['A'], row: 'Track ahead, back', off: () => whyNotAhead('forward'),

@@ -91,7 +91,7 @@ export const remove = (at) => menuItem('deleteKeyframe', at, { icon: 'trash', ..
 
 export function openKeyMenu(at, page) {
   openMenuAt(`Keyframe ${at}`, [
-    menuItem('goTo', at), duplicate(at), menuItem('softKey', at),
+    menuItem('goTo', at), duplicate(at), menuItem('softKey', at), ...(isSoft(at) ? [menuItem('ownPose', at)] : []),
     ...contextEntries('keyframe', { copyKeyHere: at, note: at }), line, remove(at),
   ], page);
 }

@@ -111,3 +111,48 @@ def test_an_action_camera_bends_straight_edges_and_another_lens_does_not() -> No
 def test_a_lens_so_wide_that_the_body_comes_behind_the_camera_is_refused() -> None:
     with pytest.raises(ActionRefused, match=r"^.*camera.*\.$"):
         after(desk(), {"do": "root", "z": 1.5}, {"do": "lens", "mm": 4})
+
+
+# --- what is up
+
+
+def test_a_level_camera_is_one_press_and_one_step() -> None:
+    level = after(desk(), {"do": "level_camera"})
+    assert level.doc.up_camera == (0.0, -1.0, 0.0)
+    assert level.history.total == 1
+    assert after(level, {"do": "undo"}).doc.up_camera is None
+
+
+def upright(camera: Camera, x_m: float, tilt_deg: float) -> list[tuple[float, float]]:
+    """Both ends of a pole, as a camera sees it that looks down by so much."""
+    c, s = math.cos(math.radians(tilt_deg)), math.sin(math.radians(tilt_deg))
+    poles = np.array([(x_m, -0.8 * c * k, 6.0 - 0.8 * s * k) for k in (-1, 1)])
+    return [(float(u), float(v)) for u, v in camera.project(poles)]
+
+
+def test_two_verticals_show_how_far_the_camera_looks_down() -> None:
+    camera = desk().doc.camera
+    (a, b), other = upright(camera, -1.5, 14.0), upright(camera, 1.5, 14.0)
+    one = after(desk(), {"do": "vertical", "a": a, "b": b})
+    assert one.doc.up_camera is not None
+    assert abs(one.doc.up_camera[2]) < 0.05
+    both = after(one, {"do": "vertical", "a": a, "b": b, "other": other})
+    assert both.doc.up_camera is not None
+    assert math.degrees(math.asin(-both.doc.up_camera[2])) == pytest.approx(14.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        ([(210.0, 100.0), (190.0, 300.0)], "cross in the picture"),
+        ([(200.3, 101.0), (200.8, 299.0)], "farther apart"),
+    ],
+)
+def test_verticals_that_cross_or_are_one_line_are_refused(
+    other: list[tuple[float, float]], words: str
+) -> None:
+    line = {"do": "vertical", "a": (190.0, 100.0), "b": (210.0, 300.0)}
+    if words == "farther apart":
+        line = {"do": "vertical", "a": (200.0, 100.0), "b": (200.5, 300.0)}
+    with pytest.raises(ActionRefused, match=words):
+        after(desk(), {**line, "other": other})

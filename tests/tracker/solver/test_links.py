@@ -244,7 +244,7 @@ TERMS: dict[str, SharedTerm] = {
     "at one place, far ones pulling no harder": AtOnePlace(
         PLACE, slice(0, FRAMES), 0, 0.004, Huber(10.0)
     ),
-    "on the floor": OnFloor(3, UP, 0.008),
+    "on the floor": OnFloor(3, UP, 0.07, 0.008),
     "near": Near(SHARED + 0.1, np.linspace(0.03, 100.0, 7)),
 }
 """Every term of shared unknowns. One that is added goes here."""

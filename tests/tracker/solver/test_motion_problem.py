@@ -68,7 +68,7 @@ def test_a_known_motion_and_a_known_place_are_found_from_points_in_space() -> No
     begin = np.append(place + 0.2, 0.0)
     shared: tuple[SharedTerm, ...] = (
         AtOnePlace(foot, slice(0, len(truth)), 0, 0.004, SQUARED),
-        OnFloor(0, UP, 0.008),
+        OnFloor(0, UP, 0.0, 0.008),
         Near(begin, np.full(4, 1e-6)),
     )
     terms = [PointsInSpace(points, points.at(truth.transforms(SKELETON)), 0.005)]

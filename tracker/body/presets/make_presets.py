@@ -145,7 +145,10 @@ RELAXED = 0.94
 """Relaxed girth over flexed girth, which is what [A] measured on the arm."""
 
 GIVE = 10
-"""Estimate: what a hinge yields across its axis, the shin's own turn among it."""
+"""Estimate: what a wrist and an ankle yield about their own length."""
+KNEE_GIVE, ELBOW_GIVE = 4, 6
+"""Estimates: what hinges yield across their axis, the shin's own turn among it. Knees of people
+who walk are adducted by up to 5°."""
 
 # [J], by the name of the part without its side; left sides have y and z negated. Forward and
 # sideways are angles about x and z, turning is about y. The forearm's turn is [J]'s pronation and
@@ -156,10 +159,10 @@ RANGES: dict[str, Limits] = {
     "neck": {"x": (-22, 22), "y": (-30, 30), "z": (-22, 22)},
     "head": {"x": (-45, 45), "y": (-60, 60), "z": (-45, 45)},
     "upper_arm": {"x": (-180, 60), "y": (-70, 90), "z": (-45, 180)},
-    "forearm": {"x": (-150, 0), "y": (-80, 80), "z": (-GIVE, GIVE)},
+    "forearm": {"x": (-150, 0), "y": (-80, 80), "z": (-ELBOW_GIVE, ELBOW_GIVE)},
     "hand": {"x": (-20, 30), "y": (-GIVE, GIVE), "z": (-80, 70)},
     "thigh": {"x": (-120, 30), "y": (-45, 45), "z": (-30, 45)},
-    "shin": {"x": (0, 135), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
+    "shin": {"x": (0, 135), "y": (-KNEE_GIVE, KNEE_GIVE), "z": (-KNEE_GIVE, KNEE_GIVE)},
     "foot": {"x": (-20, 50), "y": (-GIVE, GIVE), "z": (-35, 15)},
 }
 

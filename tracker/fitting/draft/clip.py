@@ -229,7 +229,7 @@ class _DraftRun:
         scene = self._scene(skeleton, found.motion)
         seen = self._without_jumps(found.seen, found.motion)
         problem = Whole.of_ends(scene, joints, seen, found.motion)
-        return problem.solve(lambda done: self._report(int(found.seen.usable.sum())))
+        return problem.solve_turns(lambda done: self._report(int(found.seen.usable.sum())))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
         return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)

@@ -143,7 +143,7 @@ class _PosedRun:
         turning = Joints.of(turning_ends(joints))
         if not len(turning.ends[0]):
             return motion
-        return self._ends(turning, seen, first, motion, posed_rows, stay).solve(_ignored)
+        return self._ends(turning, seen, first, motion, posed_rows, stay).solve_turns(_ignored)
 
     def _without_jumps(self, joints: Joints, first: Trajectory) -> Observed:
         """Left and right as the poses have them, without keypoints that jump."""

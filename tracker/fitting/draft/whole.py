@@ -10,29 +10,32 @@ window begins at a pose of the one before, which stays.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.fitting.draft.observed import Joints, Observed
+from keypose.tracker.fitting.draft.observed import POINTS, Joints, Observed, place_of
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.least_squares import USUAL
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
-from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.solver.posed import BodyPoints, image_points
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
 from keypose.tracker.solver.sigmas import (
     BEND,
     DRAFTED,
     DRAFTED_ENDS,
     ENDS_WIDER,
+    FOOT_DEPTH_M,
     KEYPOINT_DEPTH_M,
     KEYPOINT_SHARE,
     LIMIT_RAD,
+    TRUNK_DEPTH_M,
     keypoint_blur,
 )
 from keypose.tracker.solver.smoothness import Smoothness
@@ -41,6 +44,9 @@ from keypose.tracker.tracking.cues.anchors import height_px
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M
 
+HEAD: Final = "head"
+ROUNDS: Final = 3
+FOOT_ENDS: Final = ("heel", "foot_index")
 WINDOW, OVERLAP = 120, 24
 """Frames of a window, and of those that the next one solves again."""
 
@@ -75,9 +81,10 @@ class Whole:
         columns = np.arange(len(JOINTS))
         known, sigma, wider = _sigmas(scene, observed, first, columns)
         z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
+        depth_m = np.array([TRUNK_DEPTH_M.get(j.split("_")[1], KEYPOINT_DEPTH_M) for j in JOINTS])
         return cls(
             scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (KEYPOINT_DEPTH_M * wider), 0.0),
+            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (depth_m * wider), 0.0),
             first, scene.precision(DRAFTED),
         )  # fmt: skip
 
@@ -88,11 +95,13 @@ class Whole:
         scene: of a skeleton in which nothing else moves.
         """
         columns, points = joints.ends
-        known, sigma, _ = _sigmas(scene, observed, posed, columns)
-        none = np.zeros(known.shape)
+        known, sigma, wider = _sigmas(scene, observed, posed, columns)
+        depth = _depth_of_ends(scene, joints, observed, posed)
+        deep = known & np.isfinite(depth)
         return cls(
             scene, points, observed.uv[:, columns],
-            np.where(known, 1 / (ENDS_WIDER * sigma), 0.0), none, none,
+            np.where(known, 1 / (ENDS_WIDER * sigma), 0.0),
+            np.where(deep, depth, 0.0), np.where(deep, 1 / (FOOT_DEPTH_M * wider), 0.0),
             posed, DRAFTED_ENDS.precision(scene.skeleton),
         )  # fmt: skip
 
@@ -119,6 +128,32 @@ class Whole:
             if end == len(self):
                 return Trajectory(self.first.first_frame, R, t)
             start = end - OVERLAP
+
+    def solve_turns(self, step: Callable[[int], None]) -> Trajectory:
+        """The motion nearest to all, where a head may sit elsewhere on its neck than the body's.
+
+        Its points count by where they are seen about their middle: a head that sits too low would
+        be tipped back to bring them up. step: as of `solve`.
+        """
+        turning, motion = self, self.solve(step)
+        for _ in range(ROUNDS):
+            turning = replace(self, uv=self._about_middle(motion))
+            motion = turning.solve(step)
+        return motion
+
+    def _about_middle(self, motion: Trajectory) -> Array:
+        """(N, K, 2) where points are seen, those of the head moved together onto the motion's."""
+        skeleton, uv = self.scene.skeleton, self.uv.copy()
+        names = skeleton.body.names
+        head = [k for k, ((part, _),) in enumerate(self.points.points) if names[part] == HEAD]
+        if not head:
+            return uv
+        at = image_points(self.scene.camera, self.points.at(motion.transforms(skeleton)))
+        weight = self.scale[:, head, None]
+        total = np.maximum(weight.sum(axis=1, keepdims=True), 1e-12)
+        missed = uv[:, head] - at[:, head]
+        uv[:, head] -= (weight * missed).sum(axis=1, keepdims=True) / total
+        return uv
 
     def _window(self, rows: slice, R: Array, t: Array, step: Callable[[int], None]) -> Trajectory:
         motion = Trajectory(self.first.first_frame + rows.start, R, t)
@@ -151,6 +186,21 @@ class Whole:
         if self.depth_scale.any():
             terms.append(DepthFromRoot(self.points, depth, self.depth_scale[rows], Huber()))
         return tuple(terms)
+
+
+def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Trajectory) -> Array:
+    """(N, K) metres by which heels and toes are farther than the root: the ankle as posed, and from
+    there what the keypoints say; NaN of other points and where that is not known."""
+    columns, points = joints.ends
+    root, depth = posed.ps_camera_root[:, 2], np.full((len(posed), len(columns)), np.nan)
+    Ts = posed.transforms(scene.skeleton)
+    for k, ((part, _),) in enumerate(points.points):
+        side, _, end = POINTS[columns[k]].partition("_")
+        if end in FOOT_ENDS:
+            ankle = place_of(side, "ankle")
+            from_ankle = observed.p_hips[:, columns[k], 2] - observed.p_hips[:, ankle, 2]
+            depth[:, k] = Ts[:, part, 2, 3] - root + from_ankle
+    return depth
 
 
 def _sigmas(

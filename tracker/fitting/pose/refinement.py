@@ -26,7 +26,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import UNJUDGED, Problem, damped_step, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
 from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
-from keypose.tracker.solver.sigmas import EDGE_PX, MOST_EDGE_PX, POSE_LIMIT_RAD, POSED, THICKNESS_M
+from keypose.tracker.solver.sigmas import EDGE_PX, LIMIT_RAD, MOST_EDGE_PX, POSED, THICKNESS_M
 from keypose.tracker.solver.terms import Equations, Term, total_equations
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import LEVELS
@@ -153,7 +153,7 @@ class PosedKeyframe:
     def joint_limits(self) -> JointLimits:
         """No angle further past its limits than as set."""
         as_posed, _ = self.limits.excess(self.pose.Rs_parent_part)
-        return JointLimits(self.limits, POSE_LIMIT_RAD, as_posed)
+        return JointLimits(self.limits, LIMIT_RAD, as_posed)
 
 
 class _OutlineTerm:

@@ -16,14 +16,14 @@ from keypose.tracker.body.modify import (
     with_clavicles,
     with_height,
 )
-from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.shapes.box import Box as BoxShape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, draft_from_keypoints
 from keypose.tracker.fitting.draft.depth_signs import consistent_sides
 from keypose.tracker.fitting.draft.observed import Joints, Observed
-from keypose.tracker.geometry.rotations import log_rotation
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from tests.tracker.fitting.draft.clips import (
     BODY,
@@ -33,6 +33,7 @@ from tests.tracker.fitting.draft.clips import (
     drafted_joints_m,
     joints_of,
     place,
+    seen,
     standing,
     walk,
 )
@@ -296,3 +297,48 @@ def test_a_body_with_clavicles_gets_the_drafts_of_the_body_without(proportions: 
     for frame, pose in plain.poses.items():
         given = joints_of(plain.body, [pose])
         np.testing.assert_allclose(joints_of(draft.body, [draft.poses[frame]]), given, atol=1e-9)
+
+
+# --- where up is known
+
+
+@pytest.mark.parametrize("tilt_deg", [8.0, 15.0])
+def test_a_person_whom_the_network_has_lean_toward_the_camera_is_put_upright(
+    tilt_deg: float,
+) -> None:
+    """The camera looks down, and the network takes it for level: bodies lean by as much."""
+    c, s = np.cos(np.radians(tilt_deg)), np.sin(np.radians(tilt_deg))
+    up = np.array([0.0, -c, -s])
+    clip = standing(20)
+    leaning = seen(clip.body, [_tipped(pose, up) for pose in clip.poses], CAMERA)
+    told = clip.keypoints.p_hips
+    assert told is not None
+    keypoints = replace(leaning.keypoints, p_hips=told)
+    leans = [
+        _lean_deg(draft_from_keypoints(keypoints, CAMERA, clip.body, up_camera=known), up)
+        for known in (None, up)
+    ]
+    assert leans[0] > tilt_deg / 2
+    assert leans[1] < 2.0
+
+
+def _tipped(pose: Pose, up: Array) -> Pose:
+    """A pose turned about its root so that it stands along another up."""
+    Rs = pose.Rs_parent_part.copy()
+    Rs[0] = _turn_to(up) @ Rs[0]
+    return Pose(Rs, pose.p_camera_root)
+
+
+def _turn_to(up: Array) -> Array:
+    axis = np.cross([0.0, -1.0, 0.0], up)
+    return np.asarray(exp_rotation(axis / np.linalg.norm(axis) * np.arccos(-up[1])))
+
+
+def _lean_deg(draft: ClipDraft, up: Array) -> float:
+    """Of the line from feet to shoulders, in the median."""
+    p = drafted_joints_m(draft)
+    ends = [[place(f"{side}_{joint}") for side in ("left", "right")]
+            for joint in ("shoulder", "ankle")]  # fmt: skip
+    along = p[:, ends[0]].mean(axis=1) - p[:, ends[1]].mean(axis=1)
+    along /= np.linalg.norm(along, axis=-1, keepdims=True)
+    return float(np.degrees(np.median(np.arccos(np.clip(along @ up, -1, 1)))))

@@ -1,0 +1,36 @@
+// Standing on the floor: when that can be done, and what finding drafts anew would change.
+
+import { count } from '../controls/words.js';
+import { isSurface } from '../store/clip.js';
+import { server } from '../store/state.js';
+import { isFoot } from './pins.js';
+import { isTracked } from './tracking.js';
+
+export function whyNotStand() {
+  if (isSurface()) return 'A body fitted to surfaces stands where they do';
+  if (!server.body?.parts.some(isFoot)) return 'This body has no feet with heel and toe';
+  return (server.segments ?? []).some(isTracked) ? '' : 'Track first';
+}
+
+/** What drafts for another up direction would change; null where there are none. */
+const lifts = () => server.camera?.lifts ?? null;
+
+export const whyNotLift = () => (lifts() ? '' : 'The drafts are as the up direction has them');
+
+/** Such as "280 drafts and 6 keyframes that nobody posed change; 5 segments are tracked anew". */
+export function liftWords() {
+  const { drafts = 0, keyframes = 0, segments = 0 } = lifts() ?? {};
+  const keyed = keyframes ? ` and ${count(keyframes, 'keyframe')}` : '';
+  const tracked = segments ? `; ${count(segments, 'segment')} ${segments === 1 ? 'is' : 'are'} tracked anew` : '';
+  return `${count(drafts, 'draft')}${keyed} that nobody posed change${tracked}`;
+}
+
+/** Such as "Looks down by 12°, leans 2° to the right". */
+export function tiltWords() {
+  const { tilt_deg: tilt, roll_deg: roll } = server.camera;
+  const [down, aside] = [Math.round(Math.abs(tilt)), Math.round(Math.abs(roll))];
+  const looks = down ? `Looks ${tilt < 0 ? 'down' : 'up'} by ${down}°` : 'Looks straight ahead';
+  return aside ? `${looks}, leans ${aside}° to the ${roll > 0 ? 'left' : 'right'}` : looks;
+}
+
+export const isUpKnown = () => server.camera?.up_origin !== 'camera';

@@ -1,0 +1,70 @@
+"""`keypose stand`: the tracked motion with its feet on the floor, in the session's file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from keypose.app.cli.main import main
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import load_results, save_results
+from tests.scenes import sample
+from tests.tracker.storage.standing_cases import results_of, session_of, walk, wandering
+
+SHOWN, UP = walk()
+MOTION = wandering(SHOWN.truth)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Somebody who strides, tracked, with a film of as many frames."""
+    path = sample(tmp_path)
+    video = load_session(path).video
+    last = 60
+    given = session_of(SHOWN, MOTION, video=video)
+    given = given.model_copy(
+        update={"keyframes": tuple(k for k in given.keyframes if k.frame <= last)}
+    )
+    save_session(save_results(given, path, results_of(given, MOTION)), path)
+    return path
+
+
+def test_feet_stand_and_what_changed_and_is_left_is_printed(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["stand", str(path)]) == 0
+    words = capsys.readouterr().out
+    saved = load_session(path)
+    assert f"{len(saved.pins)} pins on the floor" in words
+    assert "3 keyframes give way in depth" in words
+    assert "by how the person stands" in words
+    assert "Soles within 0." in words or "Soles within 1." in words
+    assert saved.floor_m is not None
+    assert saved.up_camera is not None
+    results = load_results(saved, path)
+    assert results.unsolved(saved) == []
+    assert results.space(saved)
+
+
+def test_a_dry_run_says_the_same_and_writes_nothing(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = path.read_bytes()
+    assert main(["stand", str(path), "--dry-run", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert path.read_bytes() == before
+    assert said["pins_on_floor"] == said["pins_taken"] > 2
+    assert said["softened"] == [0, 30, 60]
+    assert abs(said["soles_off_m"]) < 0.015
+    assert said["session"] is None
+
+
+def test_what_is_not_tracked_is_refused_in_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = sample(tmp_path)
+    save_session(load_session(path).model_copy(update={"results": None}), path)
+    assert main(["stand", str(path)]) == 2
+    assert capsys.readouterr().err == "Nothing is tracked yet: track the motion first.\n"

@@ -1,0 +1,178 @@
+"""Standing on the floor, what is up, and drafts found anew: each one step, each said."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.lift import LiftDrafts
+from keypose.app.jobs.stand import StandOnFloor
+from keypose.app.jobs.track import Track
+from keypose.app.store import runner
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.session.annotations import Drafted
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import Results
+from keypose.tracker.storage.space import solved
+from keypose.tracker.storage.standing import stand
+from keypose.tracker.video.upright_lines import UprightLines
+from tests.app.store.test_fitter import Worker
+from tests.scenes import StoreDesk, at_desk, sample
+from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
+
+LAST = 60
+SHOWN, UP = walk()
+WHOLE = wandering(SHOWN.truth)
+MOTION = Trajectory(0, WHOLE.Rs_parent_part[: LAST + 1], WHOLE.ps_camera_root[: LAST + 1])
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", Worker)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """The sample's film with somebody who strides."""
+    path = sample(tmp_path)
+    film = load_session(path).video
+    given = session_of(SHOWN, WHOLE, video=film)
+    keyframes = tuple(k for k in given.keyframes if k.frame <= LAST)
+    save_session(given.model_copy(update={"keyframes": keyframes}), path)
+    return path
+
+
+class Desk(StoreDesk):
+    """A store with a tab, and what was tracked."""
+
+    def track(self) -> None:
+        self.know(results_of(self.doc, MOTION))
+
+    def know(self, results: Results) -> None:
+        """These are what the runner has by now."""
+        self.store._runner.results = results
+        self.store._set(edit=replace(self.edit, results=results))
+
+    def draft(self) -> None:
+        """Every frame between the keyframes is drafted, for no up; the second keyframe soft."""
+        drafts = tuple(
+            Keyframe.of(self.edit.skeleton, MOTION.pose(frame), frame, frame / 30).model_copy(
+                update={"drafted": True}
+            )
+            for frame in range(1, 30)
+        )
+        keyframes = tuple(
+            k.model_copy(update={"soft": True}) if k.frame == KEYS[1] else k
+            for k in self.doc.keyframes
+        )
+        made = {"drafts": drafts, "keyframes": keyframes,
+                "drafted": Drafted(first_frame=0, last_frame=LAST)}  # fmt: skip
+        self.store._set(edit=self.edit.with_doc(self.doc.model_copy(update=made)))
+
+    @property
+    def order(self) -> Any:
+        return Worker.newest.fits[-1]
+
+
+@pytest.fixture
+async def at(path: Path) -> AsyncIterator[Desk]:
+    async with at_desk(path, Desk) as desk:
+        yield desk
+
+
+async def test_standing_is_one_step_that_undo_takes_back_whole(at: Desk) -> None:
+    at.track()
+    before = at.doc
+    at.do({"do": "stand"})
+    assert isinstance(at.order, StandOnFloor)
+    done = stand(before, at.order.fitting, UprightLines(UP, 0.6))
+    Worker.newest.end(done)
+    doc = at.doc
+    assert doc.pins
+    assert all(pin.floor for pin in doc.pins)
+    assert doc.floor_m is not None
+    assert {k.soft for k in doc.keyframes} == {"depth"}
+    assert at.edit.history.past[-1].label == "stand on the floor"
+    assert at.edit.history.total == 1
+    at.do({"do": "undo"})
+    assert at.doc == before
+
+
+async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing(at: Desk) -> None:
+    at.track()
+    at.do({"do": "stand"})
+    before = at.doc
+    Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
+    for one, other in zip(before.keyframes, at.doc.keyframes, strict=True):
+        assert one.rotations_wxyz is other.rotations_wxyz
+
+
+async def test_it_is_dropped_where_keyframes_change_meanwhile(at: Desk) -> None:
+    at.track()
+    at.do({"do": "stand"})
+    at.do({"do": "delete_key", "frame": 30})
+    assert not at.doc.pins
+    assert Worker.newest.cancelled
+
+
+async def test_how_soles_lie_is_shown_beside_the_floor(at: Desk) -> None:
+    at.track()
+    assert at.section("floor")["soles"] == ""
+    at.do({"do": "stand"})
+    Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
+    results = at.edit.results
+    for stretch in results.unsolved(at.doc):
+        results = results.with_space(solved(at.doc, stretch))
+    at.know(results)
+    words = at.section("floor")["soles"]
+    assert words.startswith("Soles within ")
+    assert float(words.split()[2]) < 1.5
+
+
+async def test_upright_lines_set_what_is_up_or_say_that_there_are_too_few(at: Desk) -> None:
+    at.do({"do": "find_up"})
+    assert isinstance(at.order, FindUp)
+    Worker.newest.end(None)
+    assert at.doc.up_camera is None
+    at.do({"do": "find_up"})
+    Worker.newest.end(UprightLines(UP, 0.7))
+    np.testing.assert_allclose(at.doc.up_camera, UP, atol=1e-5)
+    assert at.section("camera")["up_origin"] == "drawn"
+
+
+async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_posed(
+    at: Desk,
+) -> None:
+    at.track()
+    at.draft()
+    at.track()
+    assert at.section("camera")["lifts"] is None
+    at.do({"do": "level_camera"})
+    assert at.section("camera")["lifts"] == {"drafts": 29, "keyframes": 1, "segments": 2}
+    at.do({"do": "lift"})
+    assert isinstance(at.order, LiftDrafts)
+    assert at.order.frames == frozenset((*range(1, 30), KEYS[1]))
+    before = at.doc
+    anew = {frame: WHOLE.pose(frame + 1) for frame in at.order.frames}
+    Worker.newest.end(anew)
+    moved = {k.frame for k, was in zip(at.doc.keyframes, before.keyframes, strict=True)
+             if k.root_m != was.root_m}  # fmt: skip
+    assert moved == {KEYS[1]}
+    assert all(draft.drafted for draft in at.doc.drafts)
+    assert at.section("camera")["lifts"] is None
+    assert at.edit.history.past[-1].label == "draft anew"
+    tracking = Worker.newest.of(Track)[-1]
+    assert tracking.spans == [(0, 30), (30, 60)]
+
+
+async def test_drafts_that_are_as_up_has_them_are_not_found_anew(at: Desk) -> None:
+    at.draft()
+    at.do({"do": "lift"})
+    assert not Worker.newest.fits

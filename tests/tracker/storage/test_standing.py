@@ -1,0 +1,161 @@
+"""A tracked motion stands on its floor: by one call, undone by none, and refused in a sentence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.errors import SessionError
+from keypose.tracker.session import Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.space.soles import Soles, measured_soles, soles_of
+from keypose.tracker.storage.space import solved
+from keypose.tracker.storage.standing import Standing, stand
+from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.video.upright_lines import UprightLines
+from tests.tracker.storage.standing_cases import (
+    KEYS,
+    session_of,
+    tracked,
+    walk,
+    wandering,
+)
+
+SHOWN, UP = walk()
+JOINTS = [
+    i for i, name in enumerate(joint_names(SHOWN.skeleton)) if not name.endswith(("heel", "toe"))
+]
+"""All but what says how a foot stands."""
+MOTION = wandering(SHOWN.truth)
+
+
+def session(**changes: Any) -> Session:
+    return session_of(SHOWN, MOTION, **changes)
+
+
+def stood(given: Session, lines: UprightLines | None = None) -> Standing:
+    return stand(given, tracked(given, MOTION), lines)
+
+
+def soles(done: Standing) -> Soles:
+    """As they lie once the motion is solved for again."""
+    fitting = tracked(done.session, MOTION)
+    found = [solved(done.session, run) for run in stretches(done.session, fitting)]
+    measured = soles_of(done.session, found)
+    assert measured is not None
+    return measured
+
+
+def known(**changes: Any) -> Session:
+    x, y, z = UP.tolist()
+    return session(up_camera=(x, y, z), **changes)
+
+
+def test_feet_are_pinned_on_one_floor_and_soles_lie_within_a_centimetre() -> None:
+    done = stood(known())
+    assert done.taken >= 4
+    assert all(pin.floor for pin in done.session.pins)
+    assert abs(soles(done).off_m) < 0.01
+    assert done.session.floor_m == pytest.approx(float((SHOWN.truth.joints(SHOWN.skeleton)[0] @ UP)
+                                                       .min()), abs=0.12)  # fmt: skip
+
+
+def test_keyframes_stay_in_the_picture_and_give_way_in_depth() -> None:
+    done = stood(known())
+    assert done.softened == KEYS
+    assert {keyframe.soft for keyframe in done.session.keyframes} == {"depth"}
+    run = stretches(done.session, tracked(done.session, MOTION))[0]
+    motion = solved(done.session, run).motion
+    for frame in KEYS:
+        uv = [SHOWN.camera.project(one.joints(SHOWN.skeleton)[frame]) for one in (motion, MOTION)]
+        assert np.linalg.norm(uv[0] - uv[1], axis=-1)[JOINTS].max() < 1.5, frame
+
+
+def test_soft_keyframes_stay_as_soft_as_they_were() -> None:
+    given = known()
+    soft = tuple(k.model_copy(update={"soft": True}) for k in given.keyframes)
+    done = stood(given.model_copy(update={"keyframes": soft}))
+    assert done.softened == ()
+    assert {keyframe.soft for keyframe in done.session.keyframes} == {True}
+
+
+def test_pins_that_are_there_stay_and_come_onto_the_floor() -> None:
+    pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=48, last_frame=54)
+    hand = Pin(part="left_hand", first_frame=3, last_frame=9)
+    done = stood(known(pins=(pin, hand)))
+    assert done.session.pins[0] == pin.model_copy(update={"floor": True})
+    assert done.session.pins[1] == hand
+    assert not any(other.overlaps(pin) for other in done.session.pins[1:])
+
+
+def test_what_is_up_is_what_was_set_or_else_what_lines_say_or_else_the_feet() -> None:
+    assert stood(known()).up_from == "known"
+    lines = stood(session(), UprightLines(UP, 0.7))
+    assert lines.up_from == "lines"
+    np.testing.assert_allclose(lines.session.up_camera, UP, atol=1e-5)
+    feet = stood(session())
+    assert feet.up_from == "feet"
+    assert feet.session.up_from_feet
+    assert np.degrees(np.arccos(np.array(feet.session.up_camera) @ UP)) < 5
+
+
+def test_a_foot_on_something_higher_is_left_there_and_named() -> None:
+    pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=46, last_frame=56)
+    R, t = MOTION.writable()
+    t[44:60] += 0.5 * UP
+    given = known(pins=(pin,))
+    done = stand(given, tracked(given, type(MOTION)(0, R, t)))
+    assert pin in done.raised
+    assert not done.session.pins[0].floor
+
+
+REFUSED = {
+    "nothing tracked": (lambda: (known(), {}), "Nothing is tracked yet"),
+    "a box": (
+        lambda: (known(body=preset("box"), keyframes=()), {}), "no feet with heel and toe"
+    ),
+    "published method": (
+        lambda: (known(settings=TrackSettings(method="paper")), {}), "published method"
+    ),
+    "upside down": (
+        lambda: (known_with_up(-UP), None), "By what is set as up the body lies"
+    ),
+    "never stands": (lambda: (known(), "swims"), "No foot stands still anywhere"),
+}  # fmt: skip
+
+
+def known_with_up(up: Any) -> Session:
+    x, y, z = up.tolist()
+    return session(up_camera=(x, y, z))
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_stand_is_said_in_one_sentence(case: str) -> None:
+    make, words = REFUSED[case]
+    given, fitting = make()
+    if fitting is None:
+        fitting = tracked(given, MOTION)
+    if fitting == "swims":
+        R, t = MOTION.writable()
+        t[:, 0] += 0.1 * np.arange(len(t))
+        fitting = tracked(given, type(MOTION)(0, R, t))
+    with pytest.raises(SessionError, match=words) as refused:
+        stand(given, fitting)
+    assert str(refused.value).count(".") == 1
+
+
+def test_frames_in_which_nothing_touches_the_floor_are_told() -> None:
+    done = stood(known())
+    run = stretches(done.session, tracked(done.session, MOTION))[0]
+    R, t = solved(done.session, run).motion.writable()
+    t[75:79] += 0.4 * UP
+    pins = [pin for pin in done.session.pins if pin.last_frame < 75]
+    raised = type(MOTION)(0, R, t)
+    measured = measured_soles(SHOWN.skeleton, raised, pins, UP, done.session.floor_m or 0.0)
+    assert measured is not None
+    assert (75, 78) in measured.in_air

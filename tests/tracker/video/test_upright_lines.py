@@ -1,0 +1,102 @@
+"""What is up by upright lines: found to a fraction of a degree, and not where there are none."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.video.upright_lines import up_from_lines, up_from_segments
+
+CAMERA = Camera(width=640, height=360, fx=500.0, fy=500.0, cx=319.5, cy=179.5)
+BENT = CAMERA.model_copy(update={"distortion": (-0.15, 0.03, 0.0, 0.0, 0.0)})
+
+
+def up_of(tilt_deg: float, roll_deg: float) -> Array:
+    turn = Rotation.from_euler("zx", [roll_deg, tilt_deg], degrees=True)
+    return np.asarray(turn.apply([0.0, -1.0, 0.0]))
+
+
+def posts(up: Array, camera: Camera, count: int = 9) -> list[Array]:
+    """(M, 2) pixels along each of some posts that stand around the view."""
+    middle = np.column_stack([np.linspace(-3, 3, count), np.zeros(count), np.full(count, 6.0)])
+    along = np.linspace(-1.2, 1.2, 40)
+    return [camera.project(place + along[:, None] * up) for place in middle]
+
+
+def picture(up: Array, camera: Camera = CAMERA, slanted: int = 0) -> NDArray[np.uint8]:
+    """Posts as broad as a hand before a wall, with some lines that lean this way and that."""
+    grey = np.full((camera.height, camera.width), 90, np.uint8)
+    for uv in posts(up, camera):
+        cv2.polylines(grey, [np.round(uv).astype(np.int32)], False, 220, 7, cv2.LINE_AA)
+    rng = np.random.default_rng(3)
+    for _ in range(slanted):
+        start, aside = rng.uniform((0, 0), (640, 200)), rng.uniform(-60, 60)
+        end = start + np.array([aside, 120.0])
+        cv2.line(grey, start.astype(int).tolist(), end.astype(int).tolist(), 30, 3, cv2.LINE_AA)
+    return grey
+
+
+def angle_deg(a: Array, b: Array) -> float:
+    return float(np.degrees(np.arccos(np.clip(a @ b, -1, 1))))
+
+
+@pytest.mark.parametrize(
+    ("tilt", "roll"), [(0.0, 0.0), (12.0, 0.0), (25.0, -3.0), (-10.0, 5.0), (3.0, 12.0)]
+)
+def test_posts_show_what_is_up(tilt: float, roll: float) -> None:
+    up = up_of(tilt, roll)
+    found = up_from_lines([picture(up, slanted=6)], CAMERA)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 0.7
+    assert found.share > 0.5
+
+
+def test_a_lens_that_bends_lines_is_allowed_for() -> None:
+    up = up_of(15.0, 2.0)
+    found = up_from_lines([picture(up, BENT)], BENT)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 1.5
+
+
+def test_a_blank_wall_and_lines_that_lean_every_way_say_nothing() -> None:
+    blank = np.full((360, 640, 3), 128, np.uint8)
+    assert up_from_lines([blank, blank], CAMERA) is None
+    rng = np.random.default_rng(0)
+    tangle = np.full((360, 640), 90, np.uint8)
+    for _ in range(60):
+        start = rng.uniform((40, 20), (600, 250))
+        end = start + np.array([rng.uniform(-60, 60), 90.0])
+        cv2.line(tangle, start.astype(int).tolist(), end.astype(int).tolist(), 220, 2, cv2.LINE_AA)
+    assert up_from_lines([tangle], CAMERA) is None
+
+
+def test_it_is_the_same_every_time() -> None:
+    shown = [picture(up_of(9.0, 1.0), slanted=9)]
+    one, other = (up_from_lines(shown, CAMERA) for _ in range(2))
+    assert one is not None
+    assert other is not None
+    np.testing.assert_array_equal(one.up_camera, other.up_camera)
+
+
+# --- two lines that a person draws
+
+
+@pytest.mark.parametrize("camera", [CAMERA, BENT])
+def test_two_verticals_show_tilt_and_roll(camera: Camera) -> None:
+    up = up_of(14.0, -3.0)
+    first, *_, last = posts(up, camera)
+    found = up_from_segments(np.array([first[[5, -5]], last[[5, -5]]]), camera)
+    assert found is not None
+    assert angle_deg(found, up) < 0.3
+
+
+def test_one_line_drawn_twice_and_lines_that_lie_say_nothing() -> None:
+    line = [(100.0, 40.0), (104.0, 300.0)]
+    assert up_from_segments(np.array([line, line]), CAMERA) is None
+    level = [[(20.0, 100.0), (600.0, 102.0)], [(20.0, 300.0), (600.0, 250.0)]]
+    assert up_from_segments(np.array(level), CAMERA) is None
