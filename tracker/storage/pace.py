@@ -18,7 +18,6 @@ import numpy as np
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_own
 from keypose.tracker.keypoints.detect import Detector
-from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.model_files import cache_folder, find_model
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.storage.atomic import make_folder, write_file
@@ -57,6 +56,8 @@ def keep_seconds_a_frame(network: str, seconds: float) -> None:
 def known_or_measured(network: str) -> float:
     """Seconds a frame by the network of this name; measured and kept where nobody knows.
     KeypointError as of `open_detector`."""
+    from keypose.tracker.keypoints.detectors import open_detector  # loads what only this needs
+
     known = seconds_a_frame(network)
     if known is not None:
         return known
