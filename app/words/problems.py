@@ -65,7 +65,12 @@ def reason(verdict: Verdict, capital: bool = False) -> str:
     """Why: "right hand hidden". capital: as the beginning of a sentence."""
     first, last = verdict.frames or (None, None)
     frames = _are(*verdict.frames) if verdict.frames else ""
-    named = {"part": readable(verdict.part or ""), "first": first, "last": last, "frames": frames}
+    named = {
+        "part": readable(verdict.part or "body"),
+        "first": first,
+        "last": last,
+        "frames": frames,
+    }
     is_other = verdict.cause == "other"
     words = verdict.text if is_other else _VERDICT_REASONS[verdict.cause].format(**named)
     return words[:1].upper() + words[1:] if capital else words

@@ -157,11 +157,12 @@ export const IN_FILM = [
     again: true,
     content: upLine,
     choices: [
-      { label: 'Level camera', title: 'It looks straight ahead, neither up nor down', act: () => perform('levelCamera') },
+      { label: 'Level camera', title: 'It looks straight ahead, neither up nor down', act: () => perform('levelCamera'), ends: true },
       { label: 'Two verticals', title: 'Drag along two walls, doors or poles', act: () => setUi('tool', 'vertical') },
+      { label: 'Don’t know', title: 'The feet say it later, less surely', act: () => {}, ends: true },
     ],
     next: () => (isUpKnown() || sought === server.file?.path ? null : { label: 'Find by upright lines', act: findUp }),
-    hints: [['Drag', 'the horizon'], ['Enter', 'find it by upright lines']],
+    hints: [['Drag', 'the horizon']],
   },
   {
     word: 'Person',

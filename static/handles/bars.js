@@ -158,6 +158,7 @@ function sketchLine() {
   if (!tool) return nothing;
   const isWarning = ui.tool === 'box' && smallWords() !== '';
   const place = ui.tool === 'box' ? 'low' : '';
+  if (!tool.words()) return nothing;
   return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}</div>`;
 }
 

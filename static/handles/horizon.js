@@ -2,7 +2,7 @@
 // as the tool is in hand, the horizon of what counts as up is there to begin with.
 
 import { nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { server } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { interaction } from './interaction.js';
 import { distance, pathOf } from './space.js';
@@ -42,7 +42,8 @@ function offLine([[ax, ay], [bx, by]], [x, y]) {
 export const horizon = {
   icon: 'floor',
   hints: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
-  words: () => 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.',
+  /** In the guide its card says it. */
+  words: () => (ui.guideStep === null ? 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.' : ''),
   /** On a handle, on the line, or where another line begins. */
   down(view, x, y) {
     const grip = gripAt(view, [x, y]);

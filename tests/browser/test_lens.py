@@ -148,9 +148,16 @@ def test_what_the_file_says_is_chosen_already_and_comes_back(
         page.locator("#insp").get_by_text("From the file: 26 mm, Google Pixel 7").wait_for()
 
 
-def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(page: Page) -> None:
+def to_the_person(page: Page) -> None:
+    """Past the lens, as it is, and how the camera is tilted, which is not known."""
     page.keyboard.press("Enter")
-    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    until(lambda: title(page) == "How is the camera tilted?", "the next step")
+    page.locator("#guide").get_by_role("button", name="Don’t know").click()
+    until(lambda: title(page) == "Draw a box around the person", "the person")
+
+
+def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(page: Page) -> None:
+    to_the_person(page)
     until_state(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
     until(lambda: page.evaluate("() => window.keypose.ui.tool") == "box", "the tool")
     for wanted in ("Pose every frame", "Confirm the draft"):
@@ -160,9 +167,19 @@ def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(p
     until_counted(page, "#guide .coach", 0)
 
 
-def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) -> None:
+def test_the_guide_asks_how_the_camera_is_tilted_and_a_level_one_leads_on(page: Page) -> None:
     page.keyboard.press("Enter")
-    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    until(lambda: title(page) == "How is the camera tilted?", "the next step")
+    page.locator("#main .horizon").wait_for()
+    page.locator("#guide .foot .pri", has_text="Find by upright lines").wait_for()
+    page.locator("#guide").get_by_role("button", name="Level camera").click()
+    until_state(page, "camera.up_origin", lambda origin: origin == "drawn")
+    until(lambda: title(page) == "Draw a box around the person", "the person")
+    assert section(page, "camera.tilt_deg") == pytest.approx(0)
+
+
+def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) -> None:
+    to_the_person(page)
     view = page.locator("#main").bounding_box()
     assert view is not None
     x, y = view["x"] + 0.6 * view["width"], view["y"] + 0.2 * view["height"]
@@ -174,7 +191,7 @@ def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) 
 
 
 def test_posing_by_hand_is_one_press_away(page: Page) -> None:
-    page.keyboard.press("Enter")
+    to_the_person(page)
     page.locator("#guide").get_by_role("button", name="Pose by hand instead").click()
     until(lambda: title(page) == "Drag the waist onto the hips", "the first step by hand")
     until(lambda: page.evaluate("() => window.keypose.ui.tool") == "move", "the tool")
@@ -199,8 +216,7 @@ def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page
 
 
 def test_of_a_thing_the_guide_leads_to_its_sizes_and_its_corners(page: Page) -> None:
-    page.keyboard.press("Enter")
-    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    to_the_person(page)
     page.locator("#guide").get_by_role("button", name="Box", exact=True).click()
     until_state(page, "body.name", lambda name: name == "box")
     until_state(page, "view.selected", lambda part: part == "box")

@@ -24,7 +24,7 @@ from tests.browser.interaction import (
 )
 from tests.browser.shared import Desk, desk
 
-PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
+PLACES = {"right_forearm": (10, 14.0), "left_foot": (40, 9.0), "left_forearm": (60, 7.0)}
 
 
 @pytest.fixture(scope="module")
@@ -72,14 +72,14 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     screens(page, "review-1-open")
     page.keyboard.press("Enter")
     until_state(page, "review.answered.length", lambda many: many == 1)
-    until_state(page, "view.frame", lambda frame: frame == 5)
+    until_state(page, "view.frame", lambda frame: frame == 40)
     assert rows(page) == ["Right forearm", "Left foot", "Left forearm"], "rows stay"
     assert section(page, "undo.undo") == "accept right forearm"
     page.keyboard.press("n")
-    until_state(page, "view.frame", lambda frame: frame == 15)
+    until_state(page, "view.frame", lambda frame: frame == 60)
     assert rows(page) == ["Left foot", "Left forearm"]
     page.keyboard.press("Shift+N")
-    until_state(page, "view.frame", lambda frame: frame == 5)
+    until_state(page, "view.frame", lambda frame: frame == 40)
     page.keyboard.press("Shift+Enter")
     until_state(page, "review.answered.length", lambda many: many == 2)
     until(lambda: current(page) == "Left forearm")
@@ -92,7 +92,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     strip.get_by_role("button", name="Continue").click()
     until(lambda: current(page) == "Left forearm")
     page.keyboard.press("Enter")
-    page.get_by_text("Nothing left above 5 px so far").wait_for()
+    page.locator(".review .ended").get_by_text("Nothing left above 5 px").wait_for()
     screens(page, "review-3-ended")
     page.keyboard.press("Control+z")
     until(lambda: current(page) == "Left forearm")
@@ -149,10 +149,10 @@ def test_its_end_says_how_many_were_accepted_and_how_many_left_open(page: Page) 
         until(lambda answers=answers: len(done(page)) == answers)  # type: ignore[misc]
     ended = page.locator(".review .ended")
     ended.get_by_text("3 reviewed: 2 accepted, 1 left open.").wait_for()
-    page.get_by_text("3 done: 10, 5, 15").wait_for()
+    page.get_by_text("3 done: 10, 40, 60").wait_for()
     page.locator(".review .past").get_by_role("button", name="Show").click()
     until_counted(page, ".rv-done li", 3)
-    assert page.locator(".rv-done li").nth(1).inner_text() == "Left foot 5 left open"
+    assert page.locator(".rv-done li").nth(1).inner_text() == "Left foot 40 left open"
     assert page.locator("#status").inner_text().startswith("Esc")
     screens(page, "review-6-counted")
     page.keyboard.press("Escape")
@@ -258,9 +258,30 @@ def test_rows_do_not_move_under_the_pointer(page: Page) -> None:
     assert after["y"] == before["y"]
 
 
+GO = """async (frame) =>
+  (await window.keypose.module('store/link.js')).send({ do: 'go', frame })"""
+
+
+def test_what_is_not_tracked_yet_may_bring_more(page: Page) -> None:
+    page.evaluate(GO, 24)
+    until_state(page, "view.frame", lambda frame: frame == 24)
+    page.keyboard.press("Delete")
+    until_state(page, "keys.frames", lambda keys: keys == [0, 48, 72])
+    page.keyboard.press("Shift+R")
+    until(lambda: current(page) == "Left forearm")
+    page.keyboard.press("Enter")
+    page.get_by_text("Nothing left above 5 px so far").wait_for()
+    page.keyboard.press("Escape")
+    until_counted(page, "section.review", 0)
+
+
 def test_before_tracking_it_says_what_to_do_first(page: Page) -> None:
     page.keyboard.press("Delete")
     until_state(page, "keys.frames", lambda keys: keys == [24, 48, 72])
+    page.evaluate(GO, 48)
+    until_state(page, "view.frame", lambda frame: frame == 48)
+    page.keyboard.press("Delete")
+    until_state(page, "keys.frames", lambda keys: keys == [24, 72])
     page.keyboard.press("Shift+R")
     page.get_by_text("Nothing to review. Track first.").wait_for()
     screens(page, "review-5-empty")

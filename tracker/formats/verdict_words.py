@@ -34,7 +34,7 @@ def verdict_words(verdict: Verdict) -> str:
     if verdict.cause == "good":
         return "good"
     first, last = verdict.frames or (None, None)
-    named = {"part": readable(verdict.part or ""), "first": first, "last": last}
+    named = {"part": readable(verdict.part or "body"), "first": first, "last": last}
     reason = REASONS[verdict.cause].format(**named)
     return f"{verdict.kind}{_at(verdict)}: {reason}"
 

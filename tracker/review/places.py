@@ -13,7 +13,12 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.review.problems import Problem, problems_of
-from keypose.tracker.review.segment_errors import LEAST_PX, part_errors_px, right_error_px
+from keypose.tracker.review.segment_errors import (
+    IN_DOUBT,
+    LEAST_PX,
+    part_errors_px,
+    right_error_px,
+)
 from keypose.tracker.review.segments import JudgedSegments, far_end
 from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding
@@ -69,8 +74,8 @@ class Place:
 class Review:
     """places: those without an answer, the worst first.  answered: the answers that count.
 
-    goal_px: a goal that this film allows.  right_px: by which a joint is expected to be off that is
-    right.  px, cm: by which all joints are expected to be off in the mean.  untracked: segments.
+    goal_px: a goal that this film allows.  right_px: by which a joint may be off that is right.
+    px, cm: by which all joints are expected to be off in the mean.  untracked: segments.
     body_m: the body's height.
     """
 
@@ -260,9 +265,13 @@ def _is_unclear(doc: Session, place: Place) -> bool:
 
 
 def _right_px(known: JudgedSegments) -> float | None:
-    found = [right_error_px(track) for track in known.tracks.values()]
-    known_px = [px for px in found if px is not None]
-    return float(np.median(known_px)) if known_px else None
+    """Pixels by which a right joint may be off: as is told of such, or as is no doubt yet."""
+    found = [
+        max(px, IN_DOUBT * (known.height_px(track) or 0.0))
+        for track in known.tracks.values()
+        if (px := right_error_px(track)) is not None
+    ]
+    return float(np.median(found)) if found else None
 
 
 def _mean(known: JudgedSegments) -> tuple[float | None, float | None]:

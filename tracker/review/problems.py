@@ -6,12 +6,13 @@ same frame, part and reason because all of them take a `Problem` from here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 from keypose.tracker.review.segment_errors import (
+    REACH,
     Doubt,
     body_error_px,
     doubts,
@@ -80,7 +81,7 @@ def problem_of(known: JudgedSegments, track: SegmentResult) -> Problem | None:
 
 
 def problems_of(known: JudgedSegments, track: SegmentResult) -> tuple[Problem, ...]:
-    """All of a segment: first what is wrong with it as a whole, then limbs in doubt."""
+    """All of a segment: first what is wrong with it as a whole, then what is in doubt."""
     listed = _PROBLEMS.setdefault(known, {})
     if track.span not in listed:
         listed[track.span] = tuple(_answered(known, one) for one in _found(known, track))
@@ -115,12 +116,16 @@ def _found(known: JudgedSegments, track: SegmentResult) -> Iterator[Problem]:
     listed = [] if first is None else [first]
     if first is not None and verdict is not None and not _agrees(first, verdict):
         said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
-        listed += [] if _is_same(known, said, first) else [said]
-    for doubt in doubts(track, known.limbs, known.height_px(track)):
-        one = _of_limb(known, track, doubt)
-        if not any(_is_same(known, one, other) for other in listed):
-            listed.append(one)
+        listed += [] if _is_settled(said.frame, listed) else [said]
+    for doubt in doubts(track, known.height_px(track)):
+        if not _is_settled(track.first + doubt.row, listed):
+            listed.append(_of_part(known, track, doubt))
     yield from listed
+
+
+def _is_settled(frame: int, listed: Sequence[Problem]) -> bool:
+    """Return whether a look at one of these places settles a frame as well."""
+    return any(abs(frame - other.frame) <= REACH for other in listed)
 
 
 def _agrees(found: Problem, verdict: Verdict) -> bool:
@@ -159,9 +164,9 @@ def _inside(track: SegmentResult, frame: int) -> int:
 
 
 def _where_it_gains(known: JudgedSegments, track: SegmentResult, verdict: Verdict) -> Problem:
-    """Return where the limb that is most in doubt is farthest off; without one at the frame where a
+    """Return where the part that is most in doubt is farthest off; without one at the frame where a
     keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
-    doubtful = next(iter(doubts(track, known.limbs, known.height_px(track))), None)
+    doubtful = next(iter(doubts(track, known.height_px(track))), None)
     row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
     frame = _inside(track, track.first + row)
     if verdict.kind != "good" and _is_about(verdict, frame):
@@ -169,7 +174,7 @@ def _where_it_gains(known: JudgedSegments, track: SegmentResult, verdict: Verdic
         if verdict.part is None or doubtful is None or doubtful.part in limb:
             return _by_verdict(known, track, verdict, frame, "key")
     if doubtful is not None:
-        return replace(_of_limb(known, track, doubtful), remedy="key")
+        return replace(_of_part(known, track, doubtful), remedy="key")
     cause, frames = _how_it_moves(known, track, frame)
     found = Problem(track.span, verdict.kind, cause, frame, frames, None, "key")
     return _sized(known, track, found)
@@ -214,8 +219,8 @@ def _by_verdict(
     return _sized(known, track, _occlusion(known, track, found) if cause == "not_seen" else found)
 
 
-def _of_limb(known: JudgedSegments, track: SegmentResult, doubt: Doubt) -> Problem:
-    """A limb in doubt, with what makes it so."""
+def _of_part(known: JudgedSegments, track: SegmentResult, doubt: Doubt) -> Problem:
+    """A part in doubt, with what makes it so."""
     start = track.first
     frame, frames = start + doubt.row, (start + doubt.first, start + doubt.last)
     part = known.name(doubt.part)
@@ -252,15 +257,6 @@ def _sized(known: JudgedSegments, track: SegmentResult, found: Problem) -> Probl
     if found.px is None or scale is None or known.guessed:
         return found
     return replace(found, cm=100 * found.px / scale)
-
-
-def _is_same(known: JudgedSegments, one: Problem, other: Problem) -> bool:
-    """Return whether both are about one limb at one time."""
-    if known.limb_of(one.part) != known.limb_of(other.part) or other.part is None:
-        return False
-    return one.frames[0] <= other.frame <= one.frames[1] or (
-        other.frames[0] <= one.frame <= other.frames[1]
-    )
 
 
 def _answered(known: JudgedSegments, found: Problem) -> Problem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -23,19 +22,23 @@ ROOT_LEVER_M = 0.3
 """The lever at which a turn of the root moves the body as far as a shift does."""
 HIDDEN, HIDDEN_FRAMES = 0.15, 3
 """As in the verdict: a part below this observability, for so many frames, is not seen."""
-IN_DOUBT, LEAST_PX = 0.02, 3.0
+IN_DOUBT, LEAST_PX = 0.0125, 3.0
 """A joint that is expected to be off by more than this share of the body's height, and by more than
-so many pixels, is worth a look."""
+so many pixels, is worth a look. Two people who mark a joint differ by little less."""
 RIGHT_SHARE = 0.25
 """Of the joints those are taken to be right that are expected to be off by least."""
 NEAR_PEAK = 0.9
 """Frames of nearly the largest error are as good a place: among them a keyframe gains most."""
 GAP = 4
-"""Frames in doubt that are so far apart are one place."""
+"""Frames in doubt that are so far apart are one run."""
+REACH: Final = 36
+"""One look settles what is in doubt so many frames before and after it, whichever limb it is: there
+are at most 8 places in 300 frames between two keyframes."""
 
 
 class Doubt(NamedTuple):
-    """A run of frames in which a part is in doubt: rows from the segment's first frame on."""
+    """A moment in doubt, at the row where its worst part is to be looked at: rows from the
+    segment's first frame on."""
 
     part: int
     first: int
@@ -105,25 +108,26 @@ def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
     return first + int(np.where(near, expected_gain(track)[first : last + 1], -1.0).argmax())
 
 
-def doubts(
-    track: SegmentResult, limbs: Sequence[Sequence[int]], height_px: float | None
-) -> list[Doubt]:
-    """The runs of frames in which a limb's worst part is in doubt, the worst first.
+def doubts(track: SegmentResult, height_px: float | None) -> list[Doubt]:
+    """The moments in doubt, the worst first, each by its worst part: one stands for all that is
+    within its reach.
 
-    limbs: the parts that are looked at together.  height_px: of the body in the picture; None where
-    nobody knows.
+    height_px: of the body in the picture; None where nobody knows.
     """
     errors = part_errors_px(track)
     if errors is None:
         return []
     worth = max(LEAST_PX, IN_DOUBT * (height_px or 0.0))
-    found = []
-    for limb in limbs:
-        for first, last in _runs_over(errors[:, list(limb)].max(axis=1), worth):
-            part = limb[int(errors[first : last + 1, list(limb)].max(axis=0).argmax())]
-            row = best_row(track, part, first, last)
-            found.append(Doubt(part, first, last, row, float(errors[row, part])))
-    return sorted(found, key=lambda doubt: -doubt.px)
+    worst, found = errors.max(axis=1), []
+    listed = _runs_over(worst, worth)
+    while worst.max() > worth:
+        peak = int(worst.argmax())
+        part, (first, last) = int(errors[peak].argmax()), (peak - REACH, peak + REACH)
+        start, end = next(run for run in listed if run[0] <= peak <= run[1])
+        row = best_row(track, part, max(first, start), min(last, end))
+        found.append(Doubt(part, max(first, start), min(last, end), row, float(errors[row, part])))
+        worst[max(first, 0) : last + 1] = -np.inf
+    return found
 
 
 def _runs_over(values: Array, least: float) -> list[Span]:

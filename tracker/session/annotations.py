@@ -12,10 +12,10 @@ from pydantic import Field, FiniteFloat, model_validator
 from keypose.tracker.body.body import Body, Name
 from keypose.tracker.session.settings import FrameIndex, Pixel, Plain, Position, is_unknown
 
-Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "person"]
-"""Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from
-their keypoints; joints are hidden; a limb may point toward the camera or away from it; the person
-may be another one from here on."""
+Reason: TypeAlias = Literal["start", "end", "pose", "residual", "hidden", "flip", "person"]
+"""Why a draft should be confirmed: the first or the last one of a stretch; a pose unlike those of
+the other drafts to confirm; joints lie far from their keypoints; joints are hidden; a limb may
+point toward the camera or away from it; the person may be another one from here on."""
 
 
 LEARN_FRAMES: Final = 60

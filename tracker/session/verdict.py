@@ -44,14 +44,14 @@ not_fitted: the fit was stopped before these frames.
 one_keyframe: the fit was stopped before it came from the second keyframe.
 keyframe_off_surface: the keyframe lies off the surface of its frame.
 body_off_surface: the body was posed off the surface that moves with it.
-keyframe_off_keypoints: the keyframe was posed where no keypoint is.
+keyframe_off_keypoints: at the keyframe the part, or all of the body, is not where keypoints are.
 moves_beside_body: the body does not match the silhouette.
 not_followed: the body was lost; a keyframe is needed.
 nothing_seen: nothing of the body is seen in the pictures.
 contradiction: the neighbouring keyframes contradict each other.
 other: none of these; `text` says what."""
 
-_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
+_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits")
 _WITHOUT_A_PLACE: Final = ("good", "nothing_seen", "other")
 
 
@@ -91,6 +91,12 @@ class Verdict(Plain):
     def not_followed(cls, frame: int) -> Self:
         """Lost, and a keyframe at this frame would help most."""
         return cls(kind="lost", cause="not_followed", frames=(frame, frame), go=frame)
+
+    @classmethod
+    def off_person(cls, keyframe: int) -> Self:
+        """Lost, as the body of a keyframe is not on the person."""
+        at = keyframe, keyframe
+        return cls(kind="lost", cause="keyframe_off_keypoints", frames=at, go=keyframe)
 
     @classmethod
     def nothing_seen(cls, first: int, last: int) -> Self:

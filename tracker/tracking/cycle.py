@@ -51,6 +51,8 @@ class Outcome:
     notes: sentences for a person about what could not be done as asked.
     joints: what keypoints show of the motion, where there are any.
     silhouette: how its poses disagree with what moves, where that was asked.
+    off_person: the keyframe whose body is not where keypoints show the person, who is where the
+        other one is.
     """
 
     passes: tuple[Pass, ...]
@@ -63,6 +65,7 @@ class Outcome:
     notes: tuple[str, ...] = ()
     joints: JointEvidence | None = None
     silhouette: SilhouetteMismatch | None = None
+    off_person: int | None = None
 
     @property
     def trajectory(self) -> Trajectory:

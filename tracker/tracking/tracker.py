@@ -18,7 +18,11 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
 from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
-from keypose.tracker.tracking.cues.anchors import anchors_of, with_free_joints
+from keypose.tracker.tracking.cues.anchors import (
+    anchors_of,
+    keyframe_off_person,
+    with_free_joints,
+)
 from keypose.tracker.tracking.cues.silhouette import Outlines, outlines_of, silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
@@ -287,8 +291,11 @@ class Tracker:
             followed = begun.ways[0].trajectory if begun is not None else None
             candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
             if candidates:
-                return track_anchored(scene, free, segment, method, candidates, begun)
-        return track_segment(scene, segment, method)
+                return (yield from track_anchored(scene, free, segment, method, candidates, begun))
+            off_person = keyframe_off_person(free, segment, camera, keypoints)
+            outcome = yield from track_segment(scene, segment, method)
+            return replace(outcome, off_person=off_person)
+        return (yield from track_segment(scene, segment, method))
 
     def _keypoints_of(
         self, source: KeypointSource | None, segment: Segment, emit: Emit

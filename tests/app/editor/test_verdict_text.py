@@ -33,6 +33,7 @@ SAID = {
     "Check: at key 24 the left forearm is not where it is seen": Verdict.check(
         "keyframe_off_keypoints", (24, 24), "left_forearm"
     ),
+    "Lost. At key 24 the body is not where it is seen": Verdict.off_person(24),
     "Check: the body does not match the silhouette, frames 31–36": Verdict.check(
         "moves_beside_body", (31, 36)
     ),
@@ -90,6 +91,7 @@ def test_as_a_reason_a_verdict_always_names_its_frames() -> None:
         (Verdict.check("uncertain", (0, 1), "head"), 1, False),
         (Verdict.nothing_seen(0, 40), 40, True),
         (Verdict.contradiction(0, 1), 40, True),
+        (Verdict.off_person(40), 40, True),
         (None, 1, False),
     ],
 )

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import expit
 
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
@@ -97,6 +98,7 @@ class JudgedDrafts:
     residual (F, 4): mean distance of a limb's joints from their keypoints, as a share of the
     body's height.  hidden (F, 4): 1 less the visibility of its worst joint.
     flips (F, 4): doubt that it points the right way, toward the camera or away, from 0 to 1.
+    joints (F, 12, 3): seen from the middle of the hips, as shares of the body's height.
     """
 
     frames: tuple[int, ...]
@@ -105,13 +107,14 @@ class JudgedDrafts:
     residual: Array
     hidden: Array
     flips: Array
+    joints: Array
 
     def proposals(self) -> tuple[Proposal, ...]:
         """The drafts to confirm."""
         doubts: dict[Reason, Array] = {
             "residual": self.residual, "hidden": self.hidden, "flip": self.flips
         }  # fmt: skip
-        return proposed(list(self.frames), self.stretches, doubts, self.parts)
+        return proposed(list(self.frames), self.stretches, doubts, self.parts, self.joints)
 
 
 class Piece(NamedTuple):
@@ -136,16 +139,21 @@ def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judge
         tuple(stretch for piece in found for stretch in piece.stretches),
         names,
         *(
-            np.concatenate([np.zeros((0, 4)), *(getattr(piece, name) for piece in found)])
-            for name in ("residual", "hidden", "flips")
+            np.concatenate([np.zeros((0, *shape)), *(getattr(piece, name) for piece in found)])
+            for name, shape in _SHAPES.items()
         ),
     )
+
+
+_SHAPES = {"residual": (4,), "hidden": (4,), "flips": (4,), "joints": (len(JOINTS), 3)}
+"""Of what is known of every frame."""
 
 
 def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
     skeleton, (seen, motion, depth_m) = joints.skeleton, piece
     Ts = motion.transforms(skeleton)
-    uv = image_points(camera, joints.seen.at(Ts))
+    p = joints.seen.at(Ts)
+    uv = image_points(camera, p)
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     joint = slice(len(JOINTS))
@@ -161,7 +169,11 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
     numbers = tuple((rows + motion.first_frame).tolist())
     begins: Reason = "person" if seen.jumped[0] else "start"
     whole = (FrameRange(numbers[0], numbers[-1], begins),) if numbers else ()
-    return JudgedDrafts(numbers, whole, (), own[rows], hidden[rows], flips[rows])
+    hips = [JOINTS.index(f"{side}_hip") for side in ("left", "right")]
+    from_hips = (p - p[:, hips].mean(axis=1, keepdims=True)) / height(skeleton.body)
+    return JudgedDrafts(
+        numbers, whole, (), own[rows], hidden[rows], flips[rows], from_hips[rows]
+    )  # fmt: skip
 
 
 def _mean(away: Array) -> Array:

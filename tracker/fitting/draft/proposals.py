@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -15,6 +15,9 @@ EVERY: Final = 60
 """About so many frames come to one proposal."""
 APART: Final = 10
 """Frames between two proposals at least."""
+ALIKE: Final = 0.05
+"""Poses are about the same whose joints, seen from the hips, lie so near to one another in the
+mean: a share of the body's height."""
 POOR: Final[Mapping[Reason, float]] = {"residual": 0.03, "hidden": 0.5, "flip": 0.5}
 """From which value on a frame is proposed for a reason."""
 
@@ -24,7 +27,7 @@ class Proposal:
     """A draft to confirm.
 
     parts: those it is about, empty for all.  score: how far its worst value is above the limit
-    from which it is proposed, as a ratio; 0 for the ends.
+    from which it is proposed, as a ratio; 0 for poses.
     """
 
     frame: int
@@ -46,22 +49,43 @@ def proposed(
     stretches: Sequence[FrameRange],
     doubts: Mapping[Reason, Array],
     parts: tuple[str, ...],
+    joints: Array,
 ) -> tuple[Proposal, ...]:
-    """The frames to confirm, ascending.
+    """The frames to confirm, ascending: the ends of stretches, between which all is tracked, what
+    is in doubt, and poses that differ most from one another.
 
     frames (N,): those with a draft.
     doubts: by reason, values (N, L) of L limbs, whose parts are `parts`.
+    joints (N, J, 3): where joints lie, seen from the hips, as shares of the body's height.
     """
+    poses = dict(zip(frames, joints, strict=True))
     chosen = {one.last: Proposal(one.last, "end") for one in stretches}
     chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}
-    candidates = _frames_over_doubt_limit(frames, doubts, parts)
-    most = len(chosen) + max(1, len(frames) // EVERY) + 1
-    for candidate in candidates:
-        if len(chosen) >= most:
-            break
-        if all(abs(candidate.frame - frame) >= APART for frame in chosen):
+    ends, more = len(chosen), max(2, len(frames) // EVERY)
+    for candidate in _frames_over_doubt_limit(frames, doubts, parts):
+        if len(chosen) < ends + (more + 1) // 2 and _is_apart(candidate.frame, chosen):
             chosen[candidate.frame] = candidate
+    while len(chosen) < ends + more and (extreme := _extreme(poses, chosen)) is not None:
+        chosen[extreme] = Proposal(extreme, "pose")
     return tuple(chosen[frame] for frame in sorted(chosen))
+
+
+def _is_apart(frame: int, chosen: Collection[int]) -> bool:
+    return all(abs(frame - other) >= APART for other in chosen)
+
+
+def _extreme(poses: Mapping[int, Array], chosen: Collection[int]) -> int | None:
+    """The frame whose pose differs most from the most similar chosen one; None where none does."""
+    every = np.stack(list(poses.values()))
+    away = np.min([_apart(every, poses[frame]) for frame in chosen], axis=0)
+    away[[not _is_apart(frame, chosen) for frame in poses]] = 0.0
+    best = int(away.argmax())
+    return list(poses)[best] if away[best] > ALIKE else None
+
+
+def _apart(one: Array, other: Array) -> Array:
+    """By how much joints (…, J, 3) of poses differ in the mean."""
+    return np.asarray(np.linalg.norm(one - other, axis=-1).mean(axis=-1))
 
 
 def _frames_over_doubt_limit(

@@ -165,6 +165,27 @@ def anchors_of(
     )
 
 
+def keyframe_off_person(
+    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints
+) -> int | None:
+    """Return the one of both keyframes whose body is not where keypoints show the person; None
+    where both are, or both are not: they may be another person's then.
+
+    scene: of the skeleton with free joints.  camera: of the video, with its distortion.
+    """
+    index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
+    ends = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+    off = []
+    for frame, pose in ends.items():
+        uv = _undistorted(keypoints.over(frame, frame), scene, camera).uv[0, index]
+        miss = np.linalg.norm(_places(scene, pose, parts, points) - uv, axis=-1)
+        if np.isfinite(miss).sum() < FEWEST:
+            return None
+        most = OTHER_PERSON * height_px(scene.skeleton, scene.camera, pose)
+        off += [frame] if np.nanmedian(miss) > most else []
+    return off[0] if len(off) == 1 else None
+
+
 def frame_anchors(
     scene: Scene, camera: Camera, seen: Keypoints, pose: Pose,
     keyed: Sequence[tuple[Pose, Keypoints]], kernel: Kernel,

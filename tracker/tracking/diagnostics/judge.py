@@ -31,8 +31,6 @@ from keypose.tracker.tracking.segment import Segment, extent_px
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
 """Shares of the body's extent in the picture. A segment is lost where both are exceeded."""
-LOST_WRONG = 0.25
-"""Mean probability of a wrong joint from which a segment is lost."""
 HIDDEN = 0.5
 """Mean visibility of a joint below which it counts as not seen."""
 UNSEEN = 0.15
@@ -104,6 +102,16 @@ def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observat
     """Judge by all but the silhouette."""
     if outcome.joints is not None:
         return _judge_joints(scene, segment, outcome.joints)
+    verdict = _judge_brightness(scene, segment, outcome, seen)
+    if verdict.kind != "good" and outcome.off_person is not None:
+        return Verdict.off_person(outcome.off_person)
+    return verdict
+
+
+def _judge_brightness(
+    scene: Scene, segment: Segment, outcome: Outcome, seen: Observation
+) -> Verdict:
+    """Judge by what pictures alone say."""
     evidence = _evidence(scene, outcome)
     apart = evidence.apart.max(initial=0.0)
     drift = evidence.whole_drift.max(initial=0.0)
@@ -129,15 +137,11 @@ def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observat
 
 
 def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verdict:
-    """Judge by how likely each joint is wrong in each frame."""
-    wrong = joints.wrong
+    """Judge by how far each joint is expected to be off in each frame."""
     first, last = segment.first_frame, segment.last_frame
-    worst = first + int(wrong.sum(axis=1).argmax())
-    if wrong.mean() > LOST_WRONG:
-        inside = min(max(worst, first + 1), last - 1)
-        return (
-            Verdict.not_followed(inside) if last - first > 1 else Verdict.contradiction(first, last)
-        )
+    if joints.is_lost:
+        worst = first + int(joints.error.sum(axis=1).argmax())
+        return Verdict.not_followed(min(max(worst, first + 1), last - 1))
     if segment.damaged:
         return Verdict.check("damaged", _longest_run(segment.damaged))
     if not joints.is_good:
@@ -172,10 +176,10 @@ def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict
 
 
 def _doubtful_joint(scene: Scene, first: int, joints: JointEvidence) -> Verdict:
-    """The joint that is wrong most likely, where it is, and the worst of these frames."""
-    wrong = joints.wrong
-    joint = int(wrong.sum(axis=0).argmax())
-    at = wrong[:, joint]
+    """The joint that is expected to be off by most, where it is, and the worst of these frames."""
+    error = joints.error
+    joint = int(error.sum(axis=0).argmax())
+    at = error[:, joint]
     rows = np.flatnonzero(at >= 0.5 * at.max())
     hidden = joints.visibility[rows, joint].mean() < HIDDEN
     return Verdict(

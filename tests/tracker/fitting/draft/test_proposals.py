@@ -23,8 +23,32 @@ def of(keypoints: Keypoints) -> dict[str, list[int]]:
     return by_reason
 
 
-def test_of_a_clip_without_doubts_the_ends_alone_are_proposed() -> None:
+def test_of_a_person_who_stands_still_the_ends_alone_are_proposed() -> None:
     assert of(standing(60).keypoints) == {"start": [0], "end": [59]}
+
+
+def test_poses_that_differ_most_are_proposed_and_not_a_stand_before_and_after_them() -> None:
+    """120 frames still, an arm up and down again, an arm to the side, 120 frames still."""
+    frames, joints = list(range(400)), np.zeros((400, 12, 3))
+    swing = np.sin(np.pi * np.arange(60) / 59)
+    joints[120:180, :6, 1] = -0.3 * swing[:, None]
+    joints[200:260, :6, 0] = 0.25 * swing[:, None]
+    found = proposed(frames, [FrameRange(0, 399, "start")], {}, PARTS, joints)
+    assert [(p.frame, p.reason) for p in found if abs(p.frame - 149) < 3] == [(149, "pose")]
+    assert [(p.frame, p.reason) for p in found if abs(p.frame - 229) < 3] == [(229, "pose")]
+    between = [p.frame for p in found[1:-1]]
+    assert (found[0].frame, found[-1].frame) == (0, 399), "all between them is tracked"
+    assert min(between) > 110, "not while the body stands, but as it begins to move"
+    assert max(between) < 270
+    assert len(found) <= 400 // 60 + 2
+
+
+def test_both_ends_are_proposed_and_nothing_near_them() -> None:
+    frames, joints = list(range(100)), np.zeros((100, 12, 3))
+    joints[:, :6, 0] = 0.3 * np.sin(2 * np.pi * np.arange(100) / 50)[:, None]
+    found = proposed(frames, [FrameRange(0, 99, "start")], {}, PARTS, joints)
+    assert [found[0].reason, found[-1].reason] == ["start", "end"]
+    assert np.diff([p.frame for p in found]).min() >= APART
 
 
 def test_a_hidden_joint_is_proposed_by_its_limb() -> None:
@@ -51,7 +75,10 @@ def test_a_possible_change_of_person_is_proposed() -> None:
     uv = keypoints.uv.copy()
     uv[30:, :, 0] += 260
     found = of(replace(keypoints, uv=uv))
-    assert (found["person"], found["start"], found["end"]) == ([30], [0], [29, 59])
+    assert found["person"] == [30]
+    first, last = min(min(found.values())), max(max(found.values()))
+    assert (first, 29 in found["end"]) == (0, True)
+    assert last >= 49, "the other person's frames lie between two as well"
 
 
 def test_a_limb_whose_depth_nobody_gives_is_marked_as_maybe_flipped() -> None:
@@ -90,14 +117,14 @@ def test_proposals_are_apart_few_and_begin_with_the_worst() -> None:
     doubts = {"residual": rng.uniform(0.0, 0.02, (240, 4))}
     doubts["residual"][100:104, 2] = (0.1, 0.2, 0.3, 0.1)
     doubts["residual"][50, 0] = 0.04
-    found = proposed(frames, [FrameRange(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
-    assert [(p.frame, p.reason, p.parts) for p in found] == [
-        (0, "start", ()),
+    still = np.zeros((240, 12, 3))
+    whole = [FrameRange(0, 239, "start")]
+    found = proposed(frames, whole, doubts, PARTS, still)  # type: ignore[arg-type]
+    assert [(p.frame, p.reason, p.parts) for p in found[1:-1]] == [
         (50, "residual", ("left_upper_arm",)),
         (102, "residual", ("left_thigh",)),
-        (239, "end", ()),
     ]
     doubts["residual"][:] = 1.0
-    every = proposed(frames, [FrameRange(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
+    every = proposed(frames, whole, doubts, PARTS, still)  # type: ignore[arg-type]
     assert len(every) < 10
     assert np.diff([p.frame for p in every]).min() >= APART

@@ -12,7 +12,7 @@ from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.solver.robust import SQUARED
-from keypose.tracker.tracking.cues.anchors import with_free_joints
+from keypose.tracker.tracking.cues.anchors import keyframe_off_person, with_free_joints
 from tests.tracker.tracking.cues.people import BENT, CAMERA, SKELETON, Filmed, moving
 
 
@@ -48,6 +48,24 @@ def test_keypoints_that_lie_on_another_person_are_not_used() -> None:
     assert film.anchors(beside) == ()
     near = replace(film.keypoints, uv=film.keypoints.uv + np.array([0.05 * height, 0.0]))
     assert len(film.anchors(near)) == 1
+
+
+def test_a_keyframe_is_told_that_is_off_the_person_whom_the_other_keyframe_is_on() -> None:
+    film = Filmed(moving())
+    ends = film.segment.first_frame, film.segment.last_frame
+    assert off_person(film, []) is None
+    for end in (0, 1):
+        assert off_person(film, [end]) == ends[end]
+    assert off_person(film, [0, 1]) is None, "another person"
+
+
+def off_person(film: Filmed, shifted: list[int]) -> int | None:
+    """The keyframe that is told where keypoints at some ends, 0 or 1, lie beside the body."""
+    height, uv = film.anchors()[0].height_px, film.keypoints.uv.copy()
+    for end in shifted:
+        uv[-end] += np.array([0.15 * height, 0.0])
+    seen = replace(film.keypoints, uv=uv)
+    return keyframe_off_person(film.free, film.segment, CAMERA, seen)
 
 
 def test_what_is_not_seen_does_not_count() -> None:
