@@ -20,16 +20,19 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
-from keypose.app.jobs.draft import DraftReporter, drafted
-from keypose.app.jobs.rerun import with_settings
+from keypose.app.jobs.draft import Drafted, drafted, taken_and_left
+from keypose.app.jobs.rerun import with_repeats, with_settings
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
+from keypose.app.words.jobs import about_words
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import session_json
+from keypose.tracker.storage.pace import known_or_measured
 from keypose.tracker.storage.sidecars import save_keypoints
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
@@ -68,16 +71,32 @@ def run(arguments: argparse.Namespace) -> int:
         frames = arguments.frames or (0, session.video.frame_count - 1)
         at = frames[0] if arguments.frame is None else arguments.frame
         require_draftable(session, at, box, frames)
+        session = with_repeats(session, video, *frames)
+        _say_how_long(session, frames, arguments.json)
         try:
-            draft, network = _drafted(session, video, at, box, frames, arguments.json)
+            found = _drafted(session, video, at, box, frames, arguments.json)
         except Cancelled:
             print("Interrupted: nothing was written.", file=sys.stderr)
             return INTERRUPTED
+        draft, _, looked = found
         make_folder(arguments.out, error=SessionError)
         with locked(place, "close it there, or choose another --out"):
-            written = _save(session, place, draft, network, frames, at, video, arguments.overwrite)
-    _print(draft, frames, written, arguments.json)
-    return DONE
+            written = _save(session, place, found, frames, at, box, video, arguments.overwrite)
+    _print(draft, frames, looked or frames, written, arguments.json)
+    if looked is None:
+        return DONE
+    words = "the same command with --overwrite goes on from there"
+    print(f"Interrupted: frames {looked[0]}–{looked[1]} are drafted; {words}.", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _say_how_long(session: Session, frames: tuple[int, int], as_json: bool) -> None:
+    """Say what a draft will take, where it takes long: as known of this computer, else measured."""
+    network = session.settings.network_used
+    seconds = known_or_measured(network)
+    count = frames[1] - frames[0] + 1
+    if (words := about_words(count * seconds)) and not as_json:
+        print(f"Drafting {count} frames takes {words}.", file=sys.stderr, flush=True)
 
 
 def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
@@ -90,10 +109,10 @@ def _drafted(
     session: Session,
     video: Video,
     at: int,
-    box: tuple[float, float, float, float],
+    box: Box,
     frames: tuple[int, int],
     as_json: bool,
-) -> tuple[ClipDraft, str]:
+) -> Drafted:
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:
         return drafted(
@@ -103,21 +122,24 @@ def _drafted(
             box,
             frames,
             proportions=True,
-            report=DraftReporter(report, stop.is_set),
+            report=report,
+            cancelled=stop.is_set,
         )
 
 
 def _save(
-    session: Session, place: Path, draft: ClipDraft, network: str, frames: tuple[int, int],
-    at: int, video: Video, overwrite: bool,
+    session: Session, place: Path, found: Drafted, frames: tuple[int, int], at: int, box: Box,
+    video: Video, overwrite: bool,
 ) -> tuple[Path, Path]:  # fmt: skip
     """The session's file and that of the keypoints, both written."""
+    draft, network, looked = found
+    only, rest = taken_and_left(range(frames[0], frames[1] + 1), looked, at, box)
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
     times_s = session.evidence.times_s(video.info.times_s)
     given = (draft.body, draft.poses, session.keypoints, draft.proposals, times_s)
-    done = drafted_session(session, frames, *given)
+    done = drafted_session(session, frames, *given, only, rest)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
     )
@@ -162,10 +184,14 @@ def _bar() -> Iterator[Callable[[DraftProgress], None]]:
 
 
 def _print(
-    draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path], as_json: bool
+    draft: ClipDraft,
+    frames: tuple[int, int],
+    looked: tuple[int, int],
+    written: tuple[Path, Path],
+    as_json: bool,
 ) -> None:
     if as_json:
-        print_json(_facts(draft, frames, written))
+        print_json(_facts(draft, frames, looked, written))
         return
     count = frames[1] - frames[0] + 1
     print(f"Drafts at {len(draft.poses)} of {count} frames.")
@@ -178,14 +204,21 @@ def _print(
         print(f"Written: {path}")
 
 
-def _facts(draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path]) -> dict[str, Any]:
-    missing = sorted(set(range(frames[0], frames[1] + 1)) - set(draft.poses))
+def _facts(
+    draft: ClipDraft,
+    frames: tuple[int, int],
+    looked: tuple[int, int],
+    written: tuple[Path, Path],
+) -> dict[str, Any]:
+    seen = set(range(looked[0], looked[1] + 1))
+    missing, left = sorted(seen - set(draft.poses)), set(range(frames[0], frames[1] + 1)) - seen
     proposals = [
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals
     ]
     session, keypoints = map(str, written)
     return {
         "event": "finished", "drafts": len(draft.poses), "missing": missing,
+        "left": sorted(left),
         "proposals": proposals, "session": session, "keypoints": keypoints,
     }  # fmt: skip
 

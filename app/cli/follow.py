@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.jobs.job import Finished
-from keypose.app.jobs.rerun import all_segments, rerun
+from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.rerun import rerun
 from keypose.app.jobs.track import Found, found_in
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session import Session
@@ -24,7 +25,7 @@ from keypose.tracker.video import Video
 
 Send: TypeAlias = Callable[[Found], None]
 Places: TypeAlias = Mapping[Span, int]
-"""Of every segment, its number among all."""
+"""Of every segment to track, its number among them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +38,25 @@ class Run:
     error: KeyposeError | None = None
 
 
-def follow(session: Session, session_path: Path, video: Video, workers: int, as_json: bool) -> Run:
-    """Track and report the progress: JSON lines, a bar at a terminal, or a line per segment.
+def follow(
+    session: Session,
+    session_path: Path,
+    video: Video,
+    wanted: Sequence[Wanted],
+    workers: int,
+    as_json: bool,
+) -> Run:
+    """Track segments and report the progress: JSON lines, a bar at a terminal, or a line per
+    segment.
 
     However the run ends, the segments finished by then are in it. The first Ctrl+C or SIGTERM
     lets the tracker come to rest and say all it has finished; a second one breaks off even that.
     """
     stop = threading.Event()
-    given = (session, session_path, video, all_segments(session))
+    given = (session, session_path, video, wanted)
     finished: dict[Span, SegmentResult] = {}
     cancelled = False
-    with set_when_interrupted(stop), _reporter(session, as_json) as send:
+    with set_when_interrupted(stop), _reporter(wanted, as_json) as send:
         try:
             for report in rerun(*given, workers=workers, stop=stop):
                 found = found_in(report)
@@ -76,12 +85,12 @@ def _in_order(finished: Mapping[Span, SegmentResult]) -> tuple[SegmentResult, ..
 
 
 @contextmanager
-def _reporter(session: Session, as_json: bool) -> Iterator[Send]:
-    places = {wanted[:2]: index for index, wanted in enumerate(all_segments(session))}
+def _reporter(wanted: Sequence[Wanted], as_json: bool) -> Iterator[Send]:
+    places = {(first, last): index for index, (first, last, _) in enumerate(wanted)}
     if as_json:
         yield _JsonReporter(places).send
     elif sys.stderr.isatty():
-        with _bar(session) as send:
+        with _bar(places) as send:
             yield send
     else:
         yield lambda report: _line(report, places)
@@ -100,11 +109,11 @@ def _line(report: Found, places: Places) -> None:
 
 
 @contextmanager
-def _bar(session: Session) -> Iterator[Send]:
+def _bar(places: Places) -> Iterator[Send]:
     """A bar that counts frames: a segment's share of passes done is that share of its frames."""
     from tqdm import tqdm
 
-    total = sum(last - first for first, last in session.spans)
+    total = sum(last - first for first, last in places)
     done: dict[Span, float] = {}
     with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.app.cli.json_output import print_json
+from keypose.app.words.problems import repeats_words
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.surface.files.sequence import MeshSequence, describe_unusable
@@ -132,6 +133,7 @@ def _facts(video: Video) -> dict[str, Any]:
         "numbering": info.numbering,
         "missing_frames": list(info.missing),
         "damaged_frames": list(info.damaged),
+        "repeated_frames": list(video.repeats().frames),
         "fingerprint": video.fingerprint(),
         "focal_mm": None if info.lens is None else info.lens.focal_mm,
         "device": None if info.lens is None else info.lens.device,
@@ -164,10 +166,15 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         facts["numbering"][:1].lower() + facts["numbering"][1:].rstrip("."): facts["numbering"],
         f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],
         _damage(facts): facts["damaged_frames"],
+        _repeats(facts): facts["repeated_frames"],
         "every frame was decoded, and none is damaged": facts["checked"]
         and not (facts["missing_frames"] or facts["damaged_frames"]),
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _repeats(facts: dict[str, Any]) -> str:
+    return repeats_words(len(facts["repeated_frames"]), facts["frame_count"]).rstrip(".")
 
 
 def _damage(facts: dict[str, Any]) -> str:

@@ -15,41 +15,66 @@ from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
 from keypose.app.document.folder_lock import locked
 from keypose.app.document.open import with_paths_from
-from keypose.app.jobs.rerun import save_found, save_tracks_beside
+from keypose.app.jobs.progress import Wanted, reaching
+from keypose.app.jobs.rerun import all_segments, save_found, save_tracks_beside, with_repeats
 from keypose.app.words.problems import space_sentence
 from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Results, Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import open_video_of, session_json, with_present_fingerprints
+from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.sidecars import carry_beside
 
 DONE, LOST, INTERRUPTED = 0, 1, 130
 
 
-def track_and_save(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
+def track_and_save(
+    session: Session,
+    asked: Session,
+    arguments: argparse.Namespace,
+    frames: Span | None = None,
+) -> int:
     """Track the session as it was asked for, save what was found and print it; the exit code.
 
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
+    frames: first and last frame to track between; None for all.
     """
     require_place(arguments)
+    wanted = _wanted(asked, frames)
     with open_video_of(asked, arguments.session) as video, locked_place(arguments):
         session, asked = (
             with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
         )
+        ends = wanted[0][0], wanted[-1][1]
+        session, asked = (with_repeats(s, video, *ends) for s in (session, asked))
         warm_tracker()
         _say_what_was_found(asked)
         _say_what_is_left_out(asked, arguments)
-        found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
+        place = arguments.session
+        found = follow(asked, place, video, wanted, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
             raise found.error
         summary = _save_found(session, asked, found, arguments)
+        summary["segments_of"] = len(wanted)
     _print_summary(summary, arguments.json)
     if found.error is not None:
         raise found.error
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
+
+
+def _wanted(session: Session, frames: Span | None) -> list[Wanted]:
+    """The segments to track; SessionError where none reaches between these frames."""
+    wanted = reaching(all_segments(session), frames)
+    if frames is not None and not wanted:
+        first, last = session.spans[0][0], session.spans[-1][1]
+        raise SessionError(
+            f"No segment reaches between frames {frames[0]} and {frames[1]}: they go from "
+            f"{first} to {last}."
+        )
+    return wanted
 
 
 def _say_what_was_found(session: Session) -> None:
@@ -99,7 +124,7 @@ def _save_found(
 ) -> dict[str, Any]:
     """Write what was found for the session as it was asked for, if anything; the summary of it."""
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
-    summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
+    summary |= {"segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
 
     results = _write(session, asked, found, arguments)

@@ -23,6 +23,8 @@ from keypose.tracker.storage.results import load_results
 def run(arguments: argparse.Namespace) -> int:
     session = load_session(arguments.session)
     found = review_of(session, load_results(session, arguments.session))
+    if arguments.frames is not None:
+        found = found.between(*arguments.frames)
     goal = arguments.above or found.goal_px
     if arguments.json:
         print_json(_facts(found, goal), indent=2)

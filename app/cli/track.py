@@ -10,6 +10,7 @@ from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.editor.camera import as_taken
 from keypose.app.jobs.rerun import require_trackable, with_settings
 from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
+from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 
@@ -29,7 +30,9 @@ def run(arguments: argparse.Namespace) -> int:
     session = _as_taken(load_session(arguments.session), arguments)
     if arguments.ahead is None:
         require_trackable(session, arguments.session)
+    elif arguments.frames is not None:
+        raise SessionError("--frames is for segments: tracking ahead goes as far as it can.")
     asked = with_settings(session, order_of(TrackOrder, arguments))
     if arguments.ahead is not None:
         return track_ahead_and_save(session, asked, arguments)
-    return track_and_save(session, asked, arguments)
+    return track_and_save(session, asked, arguments, arguments.frames)

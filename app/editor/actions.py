@@ -33,8 +33,18 @@ SessionId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 
 
 class Track(Message):
+    """Track segments; of the changed ones or all only those that reach between two frames, where
+    they are given."""
+
     do: Literal["track"] = "track"
     what: Literal["this", "changed", "all"] = "changed"
+    first: FrameIndex = 0
+    last: FrameIndex | None = None
+
+    @property
+    def frames(self) -> tuple[int, int] | None:
+        """First and last frame to track between; None for all."""
+        return None if self.last is None else (self.first, self.last)
 
 
 class FitHere(Message):
@@ -48,6 +58,12 @@ class FitSizes(Message):
 
     do: Literal["fit_sizes"] = "fit_sizes"
     focal: bool = False
+
+
+class DraftRest(Message):
+    """The frames that a draft was cancelled before."""
+
+    do: Literal["draft_rest"] = "draft_rest"
 
 
 class Draft(Message):
@@ -256,6 +272,7 @@ Fitting: TypeAlias = (
     FitHere
     | FitSizes
     | Draft
+    | DraftRest
     | Lift
     | FindUp
     | Stand

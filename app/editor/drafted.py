@@ -62,6 +62,14 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
     Region.of_box(box, doc.video.width, doc.video.height)
 
 
+def require_rest(doc: Session) -> record.DraftRest:
+    """What a draft was cancelled before; refused where nothing is left."""
+    rest = None if doc.drafted is None else doc.drafted.rest
+    if rest is None:
+        raise ActionRefused("No frames are left to draft.")
+    return rest
+
+
 def keeps_proportions(doc: Session) -> bool:
     """Return whether somebody has sized the body: keyframes are posed with it, or it is no
     preset's.
@@ -77,21 +85,27 @@ def drafted_session(
     keypoints: KeypointFile | None,
     proposals: Sequence[Proposal],
     times_s: Array,
+    only: Collection[int] | None = None,
+    rest: record.DraftRest | None = None,
 ) -> Session:
     """Replace the drafts from the first to the last of the frames by these, and what was found
     besides: where nobody was, and which to confirm.
 
     Keyframes stay, and so do imported keypoints; what was tracked ahead does not.
+    only: the frames to replace drafts of, all where left out.  rest: what is left to draft; what
+    an earlier one was cancelled before where left out.
     """
     doc = without_followed(doc)
     skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.keyframes}
-    drafts = [draft for draft in doc.drafts if not frames[0] <= draft.frame <= frames[1]]
+    taken = frozenset(range(frames[0], frames[1] + 1) if only is None else only)
+    drafts = [draft for draft in doc.drafts if draft.frame not in taken]
     drafts += [
         keyframe_of(skeleton, pose, frame, times_s).model_copy(update={"drafted": True})
         for frame, pose in poses.items()
-        if frame not in keyed
+        if frame in taken and frame not in keyed
     ]
-    update: dict[str, object] = {"body": body, "drafted": _record(doc, frames, poses, proposals)}
+    found = _record(doc, frames, taken, poses, proposals, rest)
+    update: dict[str, object] = {"body": body, "drafted": found}
     update |= {} if doc.given_keypoints else {"keypoints": keypoints}
     return with_drafts(doc.model_copy(update=update), drafts)
 
@@ -126,29 +140,50 @@ def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
     return state.with_step(doc.model_copy(update={"drafted": found}), LIFTED)
 
 
-def missing_frames(drafted: record.Drafted) -> list[int]:
-    """The frames where nobody was found, ascending."""
-    runs = drafted.missing
+def frames_of(runs: Iterable[record.FrameRun]) -> list[int]:
+    """The frames of runs, ascending."""
     return [frame for run in runs for frame in range(run.first_frame, run.last_frame + 1)]
 
 
+def missing_frames(drafted: record.Drafted) -> list[int]:
+    """The frames where nobody was found, ascending."""
+    return frames_of(drafted.missing)
+
+
 def _record(
-    doc: Session, frames: tuple[int, int], poses: Mapping[int, Pose], proposals: Sequence[Proposal]
+    doc: Session,
+    frames: tuple[int, int],
+    taken: Collection[int],
+    poses: Mapping[int, Pose],
+    proposals: Sequence[Proposal],
+    rest: record.DraftRest | None,
 ) -> record.Drafted:
-    """Return what was found in these frames, and before in others."""
+    """Return what was found in the frames taken over, and before in others."""
     first, last = frames
-    missing = set(range(first, last + 1)) - set(poses)
-    places = [record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts) for p in proposals]
+    missing = set(taken) - set(poses)
+    places = [
+        record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts)
+        for p in proposals
+        if p.frame in taken
+    ]
     if doc.drafted is not None:
-        missing |= {f for f in missing_frames(doc.drafted) if not first <= f <= last}
-        places += [p for p in doc.drafted.places if not first <= p.frame <= last]
+        missing |= {f for f in missing_frames(doc.drafted) if f not in taken}
+        places += [p for p in doc.drafted.places if p.frame not in taken]
     return record.Drafted(
         first_frame=first,
         last_frame=last,
         up_camera=doc.up_camera,
         missing=tuple(frame_runs(missing)),
         places=tuple(sorted(places, key=lambda place: place.frame)),
+        rest=rest or _left_before(doc, taken),
     )
+
+
+def _left_before(doc: Session, taken: Collection[int]) -> record.DraftRest | None:
+    """Return what an earlier draft was cancelled before and this one has not taken over."""
+    rest = None if doc.drafted is None else doc.drafted.rest
+    left = [] if rest is None else [frame for frame in frames_of(rest.frames) if frame not in taken]
+    return rest.model_copy(update={"frames": tuple(frame_runs(left))}) if rest and left else None
 
 
 def frame_runs(frames: Iterable[int]) -> Iterator[record.FrameRun]:
@@ -223,8 +258,10 @@ def with_clip_drafted(
     poses: Mapping[int, Pose],
     keypoints: KeypointFile | None,
     proposals: Sequence[Proposal] = (),
+    only: Collection[int] | None = None,
+    rest: record.DraftRest | None = None,
 ) -> EditorState:
     """Take over the drafts of a clip, as one step; see `drafted_session`."""
     given = (frames, body, poses, keypoints, proposals)
-    doc = drafted_session(state.doc, *given, state.times_s)
+    doc = drafted_session(state.doc, *given, state.times_s, only, rest)
     return state.with_step(doc, LABEL)

@@ -254,18 +254,24 @@ _AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 def angle_curve(edit: EditorState, index: int) -> Array:
     """(F, 3) degrees of a part by frame, without jumps; NaN where nothing is known."""
-    Rs = rotations(edit.fitting, edit.frame_count, index)
-    name = edit.doc.body.names[index]
+    Rs = part_rotations(edit, index)
     keys = [keyframe.frame for keyframe in edit.doc.keyframes]
-    if poses := tuple(_standing(edit, edit.doc)):
-        wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
-        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     part = edit.doc.body.parts[index]
     up = up_of(edit.doc)
     angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys), up)
     return angles
+
+
+def part_rotations(edit: EditorState, index: int) -> Array:
+    """(F, 3, 3) of a part in its parent's frame, tracked or posed; NaN where nothing is known."""
+    Rs = rotations(edit.fitting, edit.frame_count, index)
+    name = edit.doc.body.names[index]
+    if poses := tuple(_standing(edit, edit.doc)):
+        wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
+        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
+    return Rs
 
 
 def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:

@@ -23,6 +23,7 @@ from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 
@@ -63,6 +64,10 @@ class Display:
     axes: Literal["part", "parent", "view"] = "part"
     link: bool = True
     tint: Literal["clay", "contact", "photo", "distance"] = "clay"
+    joint: str | None = None
+    """The joint whose angle is charted: "knee"."""
+    angle: str = ""
+    """Which of its angles, by its name; empty for the first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +154,19 @@ class EditorState:
         if own and self.kept is not None:
             return displaced(self.kept, *given)
         return interpolate(*given)
+
+    def with_repeats(self, repeats: Repeats | None) -> EditorState:
+        """The same with the repeated frames of the film, which are no edit; itself where they are
+        known, or None."""
+        if repeats is None or repeats == self.doc.video.repeats:
+            return self
+
+        def knowing(doc: Session) -> Session:
+            known = doc.video.model_copy(update={"repeats": repeats})
+            return doc.model_copy(update={"video": known})
+
+        stroke = self.stroke and replace(self.stroke, before=knowing(self.stroke.before))
+        return replace(self, doc=knowing(self.doc), stroke=stroke)
 
     @property
     def proposals(self) -> tuple[Pin, ...]:

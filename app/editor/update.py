@@ -82,6 +82,17 @@ class Axes(Look):
         return _displayed(state, axes=self.frame)
 
 
+class ShowAngle(Look):
+    """Which joint's angle is charted, and which of its angles; none where left out."""
+
+    do: Literal["joint_angle"] = "joint_angle"
+    joint: Name | None = None
+    angle: Name | Literal[""] = ""
+
+    def after(self, state: EditorState) -> EditorState:
+        return _displayed(state, joint=self.joint, angle=self.angle)
+
+
 class BeginGuide(Look):
     """The guide through the first pose once more: none of its steps is done."""
 
@@ -147,7 +158,8 @@ class CancelStroke(Rewind):
 
 
 MESSAGES = (
-    Go, Select, Show, Switch, Axes, BeginGuide, Undo, Redo, GoToStep, EndStroke, CancelStroke,
+    Go, Select, Show, Switch, Axes, ShowAngle, BeginGuide, Undo, Redo, GoToStep, EndStroke,
+    CancelStroke,
 )  # fmt: skip
 
 

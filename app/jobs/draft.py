@@ -3,67 +3,111 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.drafted import (
     KEYPOINT_SOURCE,
+    frame_runs,
+    frames_of,
     keeps_proportions,
     require_draftable,
+    require_rest,
     with_clip_drafted,
 )
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.detect import STRETCH, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import DraftRest as DraftLeft
+from keypose.tracker.session.annotations import FrameRun
 from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.pace import NETWORK_SHARE, keep_seconds_a_frame
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
-from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.tracking.pool import Cancelled, never
 from keypose.tracker.video import Video
 from keypose.tracker.video.info import MissingFrame
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
-    from keypose.app.editor.actions import Draft
+    from keypose.app.editor.actions import Draft, DraftRest
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
     from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 
-NETWORK_SHARE = 0.9
-"""Of the time that a draft takes."""
+FEWEST_KEPT = STRETCH
+"""A draft that is cancelled keeps what it has found from so many frames on."""
 
-Drafted: TypeAlias = "tuple[ClipDraft, str]"
-"""The drafts, and the fingerprint of the network."""
+
+class Drafted(NamedTuple):
+    """The drafts, the fingerprint of the network, and which frames were looked at, first and last:
+    None where it was all."""
+
+    draft: ClipDraft
+    network: str
+    looked: tuple[int, int] | None = None
 
 
 @dataclass
 class DraftReporter:
-    """Passes progress on, once for every further per cent of a stage, and leaves when cancelled.
+    """Passes progress on, once for every further per cent of the whole, and leaves when cancelled.
 
     A stage may find out that there is more to do: meanwhile nothing is reported.
     """
 
     report: Callable[[DraftProgress], None]
     cancelled: Callable[[], bool]
-    reported: tuple[str, int] = ("", -1)
+    reported: float = -1.0
 
     def __call__(self, progress: DraftProgress) -> None:
         if self.cancelled():
             raise Cancelled
-        stage, per_cent = self.reported
-        now = 100 * progress.done // max(progress.expected, 1)
-        if progress.stage != stage or now > per_cent:
-            self.reported = progress.stage, now
+        share, _ = progress_of(progress)
+        if share >= self.reported + 0.01 or (share >= 1 and share > self.reported):
+            self.reported = share
             self.report(progress)
+
+
+@dataclass
+class _Looked:
+    """Which frames the network has looked at: backward from the one of the box, then forward."""
+
+    at: int
+    first: int
+    last: int
+    count: int = 0
+
+    @classmethod
+    def at_box(cls, at: int) -> _Looked:
+        return cls(at, at, at)
+
+    def add(self, number: int) -> None:
+        self.first, self.last = min(self.first, number), max(self.last, number)
+        self.count += 1
+
+    def keep_pace(self, network: str, seconds: float) -> None:
+        """Keep how long a frame took, where enough were looked at to say so."""
+        if self.count >= FEWEST_KEPT:
+            keep_seconds_a_frame(network, seconds / self.count)
+
+    def kept(self, frames: tuple[int, int]) -> tuple[int, int] | None:
+        """First and last of the frames whose keypoints are kept, when it is left here; None where
+        these are too few to pose."""
+        if self.last > self.at:
+            found = frames[0], self.last // STRETCH * STRETCH
+        else:
+            found = -(-self.first // STRETCH) * STRETCH, self.at
+        return found if found[1] - found[0] + 1 >= FEWEST_KEPT else None
 
 
 def drafted(
@@ -75,26 +119,53 @@ def drafted(
     *,
     proportions: bool,
     report: Callable[[DraftProgress], None],
+    cancelled: Callable[[], bool] = never,
 ) -> Drafted:
-    """Drafts of these frames, first and last; see `draft_clip`."""
-    from keypose.tracker.fitting.draft import draft_clip  # loads what only this needs
+    """Drafts of these frames, first and last; see `draft_clip`.
+
+    Cancelled where it was left; but where the network has looked at enough frames by then these
+    are posed, and reported on the way.
+    """
+    from keypose.tracker.fitting.draft import (  # loads what only this needs
+        draft_clip,
+        draft_from_keypoints,
+    )
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
     from keypose.tracker.storage.cache import Detections
 
+    looked = _Looked.at_box(at)
+
     def picture(number: int) -> NDArray[np.uint8] | None:
+        looked.add(number)
         try:
             return video.frame(number)
         except MissingFrame:
             return None
 
-    network = open_detector(find_model(session.settings.network_used))
-    found = draft_clip(
-        picture, frames, at, box, session.camera, session.body, network,
-        again=network.plain, proportions=proportions, up_camera=session.up_camera, report=report,
-        film=session.video.pictures, kept=Detections(),
-    )  # fmt: skip
-    return found, network.fingerprint
+    name, camera = session.settings.network_used, session.camera
+    network, kept = open_detector(find_model(name)), Detections()
+    reporter, began = DraftReporter(report, cancelled), time.monotonic()
+    try:
+        found = draft_clip(
+            picture, frames, at, box, camera, session.body, network, again=network.plain,
+            proportions=proportions, up_camera=session.up_camera, report=reporter,
+            film=session.video.pictures, kept=kept,
+        )  # fmt: skip
+    except Cancelled:
+        part = looked.kept(frames) if reporter.reported < NETWORK_SHARE else None
+        if part is None:
+            raise
+        looked.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
+        seed = Seed.of_box(at, box, camera.width, camera.height)
+        keypoints = detect(picture, part, [seed], network, film=session.video.pictures, kept=kept)
+        found = draft_from_keypoints(
+            keypoints, camera, session.body, proportions=proportions,
+            up_camera=session.up_camera, report=DraftReporter(report, never),
+        )  # fmt: skip
+        return Drafted(found, network.fingerprint, part)
+    looked.keep_pace(name, time.monotonic() - began)
+    return Drafted(found, network.fingerprint)
 
 
 @dataclass(frozen=True)
@@ -103,24 +174,32 @@ class DraftClip(Fit):
 
     frames: first and last to draft.
     proportions: whether the body's limbs may be scaled to the person's.
+    rest: runs of the frames to take over, where an earlier draft has left them; None: all.
     """
 
     frame: int
     box: Box
     frames: tuple[int, int]
     proportions: bool
+    rest: tuple[FrameRun, ...] | None = None
 
     kind = "draft"
     title = "Drafting poses"
+    keeps_found = True
     why_cancelled = "Draft cancelled because the body, the camera or a keyframe changed."
     not_of_surfaces = "Drafts are made from a video, not from surfaces."
 
     @classmethod
-    def of(cls, opened: OpenSession, edit: EditorState, action: Draft) -> Self:
+    def of(cls, opened: OpenSession, edit: EditorState, action: Draft | DraftRest) -> Self:
         doc, last = edit.doc, edit.frame_count - 1
+        given = sent(opened, doc, keyframes=())
+        if action.do == "draft_rest":
+            rest = require_rest(doc)
+            ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
+            frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
+            return cls(*given, rest.frame, rest.box, frames, False, rest.frames)
         frames = (action.first or 0, last if action.last is None else action.last)
         require_draftable(doc, action.frame, action.box, frames)
-        given = sent(opened, doc, keyframes=())
         return cls(*given, action.frame, action.box, frames, not keeps_proportions(doc))
 
     def work(self, session: Session, context: Context) -> Drafted:
@@ -133,8 +212,8 @@ class DraftClip(Fit):
 
         return drafted(
             session, context.cache.video(session, self.video_path), self.frame, self.box,
-            self.frames, proportions=self.proportions,
-            report=DraftReporter(report, context.cancelled),
+            self.frames, proportions=self.proportions, report=report,
+            cancelled=context.cancelled,
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
@@ -148,7 +227,10 @@ class DraftClip(Fit):
     def taken(self, found: Drafted, edit: EditorState, path: Path) -> EditorState:
         """The state with the drafts, their keypoints written beside the session; KeyposeError where
         that is not possible. path: of the session's file."""
-        draft, network = found
+        draft, network, looked = found
+        first, last = self.frames
+        asked = range(first, last + 1) if self.rest is None else frames_of(self.rest)
+        only, rest = taken_and_left(asked, looked, self.frame, self.box)
         make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
         seeds, keypoints = {self.frame}, draft.keypoints
         before = _keypoints_before(edit.doc, path, network)
@@ -158,8 +240,20 @@ class DraftClip(Fit):
         referring = save_keypoints(
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
-        given = (draft.body, draft.poses, referring.keypoints, draft.proposals)
+        given = (draft.body, draft.poses, referring.keypoints, draft.proposals, only, rest)
         return with_clip_drafted(edit, self.frames, *given)
+
+
+def taken_and_left(
+    asked: Iterable[int], looked: tuple[int, int] | None, at: int, box: Box
+) -> tuple[list[int], DraftLeft | None]:
+    """Of the frames asked for those to take over, and what is left to draft, where these, first and
+    last, were looked at; None where all were."""
+    asked = list(asked)
+    start, end = looked or (min(asked), max(asked))
+    left = tuple(frame_runs(frame for frame in asked if not start <= frame <= end))
+    rest = DraftLeft(frame=at, box=box, frames=left) if left else None
+    return [frame for frame in asked if start <= frame <= end], rest
 
 
 def progress_of(progress: DraftProgress) -> tuple[float, str]:

@@ -20,6 +20,17 @@ Wanted: TypeAlias = tuple[int, int, str]
 Step = tuple[Span, Quality]
 
 
+def reaching(wanted: Sequence[Wanted], frames: Span | None) -> list[Wanted]:
+    """Keep the segments that reach between two frames, all where none are given; one that only
+    meets them with its end does not."""
+    if frames is None:
+        return list(wanted)
+    first, last = frames
+    if first == last:
+        return [one for one in wanted if one[0] <= first <= one[1]]
+    return [one for one in wanted if one[0] < last and one[1] > first]
+
+
 @dataclass(frozen=True)
 class Shares:
     """Those of a job's steps (a segment at one quality) that are done. Immutable.

@@ -7,6 +7,7 @@ result depends on nothing but its segment's key and quality, whoever asked for i
 from __future__ import annotations
 
 import shlex
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
@@ -70,6 +71,19 @@ def with_settings(session: Session, order: TrackOrder | DraftOrder) -> Session:
         session.body.index(name)
     settings = session.settings.model_copy(update=asked)
     return session.model_copy(update={"settings": settings})
+
+
+def with_repeats(session: Session, video: Video, first: int, last: int) -> Session:
+    """The session with the repeated frames of its film, looked for in these frames where it has
+    none; itself where there are none."""
+    reference = session.video
+    if reference.repeats is not None or not session.evidence.can_be_damaged:
+        return session
+    deque(video.examine(first, min(last, video.info.frame_count - 1)), maxlen=0)
+    found = video.repeats()
+    if not found.frames:
+        return session
+    return session.model_copy(update={"video": reference.model_copy(update={"repeats": found})})
 
 
 def require_trackable(session: Session, session_path: Path) -> None:
@@ -142,7 +156,11 @@ def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results
     results = save_results(tracked, session_path, every).results
     update: dict[str, Any] = {"results": results}
     update |= {name: getattr(tracked, name) for name in tracked.evidence.run_fields}
-    save_session(load_session(session_path).model_copy(update=update), session_path)
+    there = load_session(session_path)
+    if tracked.video.repeats is not None and "video" not in update:
+        repeats = {"repeats": tracked.video.repeats}
+        update["video"] = there.video.model_copy(update=repeats)
+    save_session(there.model_copy(update=update), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results

@@ -6,12 +6,14 @@ import os
 import signal
 import traceback
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from threading import Condition, Event, Lock, Thread
 
 from keypose.app.jobs.job import Context, Finished, Job, Report, Warming, do
 from keypose.app.jobs.wire import receive, send
+from keypose.tracker.errors import KeyposeError
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,7 @@ class Worker:
         """The loops are compiled, or loaded, before anybody waits for them."""
         from keypose.tracker.warm import is_warm, preparing_words, warm
 
+        _measure_drafting()
         self._send(Warming("Getting the tracker ready." if is_warm() else preparing_words()))
         warm()
         self._send(Warming(""))
@@ -154,3 +157,12 @@ class Worker:
     def _send(self, report: Report) -> None:
         with self._sending:
             send(self._connection, report)
+
+
+def _measure_drafting() -> None:
+    """Know how long a draft takes before one is asked for, by the network of new sessions."""
+    from keypose.app.document.defaults import read_defaults
+    from keypose.tracker.storage.pace import known_or_measured
+
+    with suppress(KeyposeError):  # a draft will say what is wrong
+        known_or_measured(read_defaults().track_settings.network_used)

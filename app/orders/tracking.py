@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
 from keypose.app.orders.order import option, options_of
-from keypose.app.orders.values import Choice, Misread, Name, Rate, Value
+from keypose.app.orders.values import Choice, FrameRange, Misread, Name, Rate, Value
 
 if TYPE_CHECKING:
     from keypose.tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
@@ -98,6 +98,15 @@ class TrackOrder:
     network: NetworkName | None = option(_Network(), f"{_NETWORK}{_OF_SESSION}")
     smooth: bool | None = option(
         YesNo(), f"whether the motion is smoothed in space as far as the video allows{_OF_SESSION}"
+    )
+
+
+@dataclass(frozen=True)
+class Within:
+    """Between which frames a command works."""
+
+    frames: tuple[int, int] | None = option(
+        FrameRange(), "first and last frame to work between; default: all"
     )
 
 

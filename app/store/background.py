@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.documents import unchanged
@@ -25,11 +25,14 @@ from keypose.app.store.state import KnownKeypoints, StateOwner
 from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import found_before
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.video import Video, VideoInfo
+
+T = TypeVar("T")
 
 _NICENESS = 10
 _PAUSE_S = 2.0
@@ -40,13 +43,19 @@ _SECONDS_TO_END = 5.0
 
 class Examiner:
     """Decodes the whole video once, in a thread of its own, and again where reading numbers its
-    frames anew; `found` receives what is damaged."""
+    frames anew; `found` receives what is damaged, `repeats` which frames are repeated."""
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, video: Video, found: Callable[[VideoInfo], None]
+        self,
+        loop: asyncio.AbstractEventLoop,
+        video: Video,
+        found: Callable[[VideoInfo], None],
+        repeats: Callable[[Repeats], None],
     ) -> None:
-        """`found` is called on the loop, as often as more is known to be damaged or missing."""
-        self._loop, self._video, self._found = loop, video, found
+        """Both are called on the loop: `found` as often as more is known to be damaged or missing,
+        `repeats` when every frame has been decoded, where there are any."""
+        self._loop, self._video, self._found, self._repeats = loop, video, found, repeats
+        self._known = Repeats()
         self._ended, self._reported = threading.Event(), video.info
         self._thread = threading.Thread(target=self._run, name="examining", daemon=True)
         self._thread.start()
@@ -77,14 +86,17 @@ class Examiner:
                 self._pass_on(self._video.info)
         if _unusable(self._video.info) != _unusable(self._reported):
             self._pass_on(self._video.info)
+        if (repeats := self._video.repeats()) != self._known:
+            self._known = repeats
+            self._loop.call_soon_threadsafe(self._report, self._repeats, repeats)
 
     def _pass_on(self, info: VideoInfo) -> None:
         self._reported = info
-        self._loop.call_soon_threadsafe(self._report, info)
+        self._loop.call_soon_threadsafe(self._report, self._found, info)
 
-    def _report(self, info: VideoInfo) -> None:
+    def _report(self, found: Callable[[T], None], what: T) -> None:
         if not self._ended.is_set():
-            self._found(info)
+            found(what)
 
 
 def _unusable(info: VideoInfo) -> frozenset[int]:

@@ -23,12 +23,21 @@ from keypose.app.store.state import StateOwner
 from keypose.tracker.errors import KeyposeError
 
 Asking: TypeAlias = (
-    do.FitHere | do.FitSizes | do.Draft | do.Lift | do.FindUp | do.Stand | do.TrackAhead | do.Reduce
+    do.FitHere
+    | do.FitSizes
+    | do.Draft
+    | do.DraftRest
+    | do.Lift
+    | do.FindUp
+    | do.Stand
+    | do.TrackAhead
+    | do.Reduce
 )
 """What a person asks to be fitted."""
 
 JOBS: Mapping[type[Asking], Any] = {
-    do.FitHere: FitPose, do.FitSizes: FitSizes, do.Draft: DraftClip, do.TrackAhead: FollowAhead,
+    do.FitHere: FitPose, do.FitSizes: FitSizes, do.Draft: DraftClip,
+    do.DraftRest: DraftClip, do.TrackAhead: FollowAhead,
     do.Reduce: ReduceMotion, do.Stand: StandOnFloor,
     do.Lift: LiftDrafts, do.FindUp: FindUp,
 }  # fmt: skip

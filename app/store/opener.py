@@ -83,7 +83,9 @@ class Opener:
             self.opened, self.frames = opened, Frames(opened.video)
             self._host.session_opened(opened, _opened_file(opened, film), edit)
             if edit.doc.evidence.can_be_damaged:
-                self._examiner = Examiner(self._loop, opened.video, self._host.show_damage)
+                self._examiner = Examiner(
+                    self._loop, opened.video, self._host.show_damage, self._host.show_repeats
+                )
             for words in filter(None, (*opened.news, opened.video.info.numbering, problem)):
                 self._host.note("check", words)
             await self._visit(opened)

@@ -13,7 +13,7 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.ahead import Following
 from keypose.app.jobs.job import Ended, Failed, Finished, Job, JobState, Progress, Report, Warming
-from keypose.app.jobs.progress import Wanted
+from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.space import SolveSpace
 from keypose.app.jobs.track import Track, Tracked
 from keypose.app.jobs.tracking import Tracking
@@ -93,14 +93,18 @@ class Runner:
         if wanted and not self._is_tracking(wanted):
             self._start(opened, edit.doc, wanted, ("preview", edit.doc.settings.quality))
 
-    def track(self, opened: OpenSession, edit: EditorState, what: What) -> None:
-        """Track; Refused with the reason when there is nothing to do."""
+    def track(
+        self, opened: OpenSession, edit: EditorState, what: What, frames: Span | None = None
+    ) -> None:
+        """Track, between two frames where they are given; Refused with the reason when there is
+        nothing to do."""
         if not edit.doc.spans:
             raise ActionRefused(why_nothing_to_do(edit.doc))
-        wanted = _spans_to_track(edit, what)
+        wanted = _spans_to_track(edit, what, frames)
         if not wanted:
             done = edit.doc.evidence.words.done
-            raise ActionRefused(f"All segments are {done} and up to date.")
+            there = "" if frames is None else f" within {frames[0]}–{frames[1]}"
+            raise ActionRefused(f"All segments{there} are {done} and up to date.")
         self._start(opened, edit.doc, wanted, (edit.doc.settings.quality,))
 
     def fit(self, job: Job, on_end: OnEnd) -> None:
@@ -278,11 +282,11 @@ class Runner:
             self.running = {other: r for other, r in self.running.items() if other != span}
 
 
-def _spans_to_track(edit: EditorState, what: What) -> list[Wanted]:
+def _spans_to_track(edit: EditorState, what: What, frames: Span | None) -> list[Wanted]:
     if what == "changed":
-        return edit.results.wanted(edit.doc)
+        return reaching(edit.results.wanted(edit.doc), frames)
     every = [(*span, key) for span, key in segment_keys(edit.doc).items()]
-    return every if what == "all" else _touching(edit, every)
+    return reaching(every, frames) if what == "all" else _touching(edit, every)
 
 
 def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:

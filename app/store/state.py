@@ -17,6 +17,7 @@ from keypose.app.jobs.fit_sizes import SizesPreview
 from keypose.app.jobs.job import JobState
 from keypose.app.jobs.reduce import ReductionPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.video import VideoInfo
 
@@ -75,6 +76,7 @@ class OpenedFile:
     """The session's file and its video; `film` distinguishes videos, whatever they are called.
 
     id: of the session among the recent ones.  name: where a person has not called it otherwise.
+    repeats: repeated frames of the video, found since it was opened; None where none were.
     """
 
     name: str
@@ -82,6 +84,7 @@ class OpenedFile:
     id: str
     info: VideoInfo
     film: str = ""
+    repeats: Repeats | None = None
 
 
 @dataclass(frozen=True)
@@ -189,3 +192,4 @@ class StateOwner(Protocol):
     def take(self, after: AppState) -> None: ...
 
     def show_damage(self, info: VideoInfo) -> None: ...
+    def show_repeats(self, repeats: Repeats) -> None: ...

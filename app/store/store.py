@@ -47,7 +47,9 @@ from keypose.app.store.state import (
     SurfaceSeen,
 )
 from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
+from keypose.app.words.problems import repeats_words
 from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.storage.edit_history import mark_of
 from keypose.tracker.video import VideoInfo
 
@@ -187,6 +189,8 @@ class Store:
             if self.opened and edit.doc.first_motion != before.doc.first_motion:
                 edit = with_kept_motion(edit, self.opened.session_path)
             edit = edit.stamped(before, time.time())
+            if self._app_state.opened is not None:  # an undone step may not know them
+                edit = edit.with_repeats(self._app_state.opened.repeats)
             video = edit.doc.video
             if self.opened and video.deinterlace != before.doc.video.deinterlace:
                 self.opened.video.deinterlace(video.deinterlace)
@@ -310,7 +314,7 @@ class Store:
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
-                self._runner.track(self.opened, self._app_state.edit, action.what)
+                self._runner.track(self.opened, self._app_state.edit, action.what, action.frames)
             else:
                 self._fitter.ask(action)
 
@@ -426,6 +430,16 @@ class Store:
         """More frames of the open video are known to be missing or damaged."""
         if self._app_state.opened is not None:
             self._set(opened=replace(self._app_state.opened, info=info))
+
+    def show_repeats(self, repeats: Repeats) -> None:
+        """Repeated frames were found in the open video: its session knows them from now on."""
+        opened, edit = self._app_state.opened, self._app_state.edit
+        if opened is None or edit is None:
+            return
+        is_news = edit.doc.video.repeats is None
+        self._set(opened=replace(opened, repeats=repeats), edit=edit.with_repeats(repeats))
+        if is_news:
+            self.note("info", repeats_words(len(repeats.frames), edit.frame_count))
 
     def broadcast(self, message: dict[str, Any]) -> None:
         """Send every tab that is there a message that needs no words."""

@@ -13,6 +13,22 @@ from keypose.tracker.tracking.result import SegmentResult
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 
 
+SHORT_S = 20.0
+"""Work of less time is not worth to say how long it takes."""
+
+
+def about_words(seconds: float) -> str:
+    """ "about 4 minutes"; empty where it is short."""
+    if seconds < SHORT_S:
+        return ""
+    if seconds < 55.0:
+        return f"about {10 * round(seconds / 10)} seconds"
+    minutes = round(seconds / 60)
+    if minutes < 90:
+        return f"about {minutes} minute{'s' if minutes > 1 else ''}"
+    return f"about {seconds / 3600:.1f} hours"
+
+
 def spans_text(spans: Sequence[Span]) -> str:
     """ "39–61" when the segments follow one another, else how many there are."""
     if all(one[1] == other[0] for one, other in pairwise(spans)):

@@ -91,6 +91,14 @@ def add_keyframe(frame: int) -> str:
     return f"Add a keyframe at {frame}"
 
 
+def repeats_words(count: int, frame_count: int) -> str:
+    """Say how many frames of a film are copies."""
+    return (
+        f"{count} of {frame_count} frames repeat the one before. They do not count as standing "
+        "still."
+    )
+
+
 def frame_range(first: int, last: int) -> str:
     """ "31–36", or "46" where it is one frame."""
     return str(first) if first >= last else f"{first}–{last}"

@@ -3,8 +3,8 @@
 
 import { server, setUi, ui } from '../store/state.js';
 import { clamp } from '../controls/arithmetic.js';
-import { count, joined, range } from '../controls/words.js';
-import { isSurface, lastFrame } from '../store/clip.js';
+import { aboutTime, count, joined, range } from '../controls/words.js';
+import { chosenFrames, frameCount, isSurface, lastFrame } from '../store/clip.js';
 import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
@@ -15,10 +15,11 @@ export const whyNotDraftable = () => (server.body?.is_persons ? '' : 'Needs a pe
 
 export const whyNotDrawBox = () => (isSurface() ? 'Drafts are made from a video' : whyNotDraftable());
 
-export function whyNotDraft() {
+export const whyNotDraft = () => whyNotDrafting() || (ui.box ? whyNotHere() : 'Draw a box around the person first');
+
+function whyNotDrafting() {
   const { state, kind } = server.job ?? {};
-  const isAtWork = state === 'running' && kind === 'draft';
-  return whyNotDraftable() || (isAtWork ? 'Drafting already' : ui.box ? whyNotHere() : 'Draw a box around the person first');
+  return whyNotDraftable() || (state === 'running' && kind === 'draft' ? 'Drafting already' : '');
 }
 
 /** The box lies on the frame of the playhead, which has to be one of those to draft. */
@@ -27,14 +28,17 @@ function whyNotHere() {
   return first <= frame() && frame() <= last ? '' : `The box must lie on one of the frames to draft, ${range(first, last)}`;
 }
 
-/** First and last frame to draft. @returns {[number, number]} */
-export const draftRange = () => ui.draftRange ?? [0, lastFrame()];
+/** First and last frame to draft: as chosen, else between the in and the out point, else all. @returns {[number, number]} */
+export const draftRange = () => ui.draftRange ?? usualRange();
 
-/** Choose them; all again where they are all. */
+const usualRange = () => chosenFrames() ?? [0, lastFrame()];
+
+/** Choose them; the usual ones again where they are these. */
 export function setDraftRange(first, last) {
   const from = clamp(first, 0, lastFrame());
   const to = clamp(last, from, lastFrame());
-  setUi('draftRange', from === 0 && to === lastFrame() ? null : [from, to]);
+  const [start, end] = usualRange();
+  setUi('draftRange', from === start && to === end ? null : [from, to]);
 }
 
 /** How many frames are to be drafted. */
@@ -43,11 +47,32 @@ export function draftCount() {
   return last - first + 1;
 }
 
+/** "Draft 120 frames, 40–159"; of all frames without which. */
+export function draftLabel() {
+  const [first, last] = draftRange();
+  const words = `Draft ${count(draftCount(), 'frame')}`;
+  return draftCount() === frameCount() ? words : `${words}, ${range(first, last)}`;
+}
+
+/** "Takes about 4 minutes.", where it takes long and this computer's pace is known; else ''. */
+export function draftTimeWords(frames = draftCount()) {
+  const pace = server.networks?.find(({ chosen }) => chosen)?.frame_s ?? 0;
+  const words = aboutTime(frames * pace);
+  return words && `Takes ${words}. Cancel keeps what is found by then.`;
+}
+
+/** How many frames a draft was cancelled before. */
+export const restCount = () => framesIn(server.draft?.rest ?? []);
+
+const framesIn = (runs) => runs.reduce((sum, [first, last]) => sum + last - first + 1, 0);
+
+export const whyNotDraftRest = () => (restCount() ? whyNotDrafting() : 'No frames are left to draft');
+
 /** What is sent: the box as it lies over the frame of the playhead. */
 export function draftMessage() {
   const box = ui.box.map((side) => Math.round(10 * side) / 10);
-  const some = ui.draftRange ? { first: ui.draftRange[0], last: ui.draftRange[1] } : {};
-  return { do: 'draft', frame: frame(), box, ...some };
+  const [first, last] = draftRange();
+  return { do: 'draft', frame: frame(), box, ...(draftCount() === frameCount() ? {} : { first, last }) };
 }
 
 /** What to say of a box around somebody small, or ''. */
@@ -91,8 +116,9 @@ export function draftedWords(draft) {
   return behind ? `${foundWords(draft)} The tracked motion is shown ${where}.` : foundWords(draft);
 }
 
-function foundWords({ first, last, drafted, missing }) {
+function foundWords({ first, last, drafted, missing, rest = [] }) {
   const all = last - first + 1;
+  if (rest.length) return `Drafted ${count(drafted, 'frame')}, ${framesIn(rest)} are left.`;
   if (drafted === all) return `Drafted ${count(all, 'frame')}.`;
   const [gap] = missing;
   if (missing.length === 1 && gap[0] === first) return `Drafted ${range(gap[1] + 1, last)}.`;

@@ -3,7 +3,7 @@
 import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
 import { count, joined } from '../controls/words.js';
-import { isSurface } from '../store/clip.js';
+import { chosenFrames, isSurface, lastFrame } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 import { fetchOwn } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -46,10 +46,20 @@ export const hasMotion = () => (server.segments ?? []).some((s) => TRACKED.inclu
 /** The cut-off that is usual for how people move. */
 export const FILTER_HZ = 6;
 
+/** First and last frame that are exported: from the first keyframe to the last, of these what lies between the
+ * in and the out point. @returns {[number, number]} */
+export function motionFrames() {
+  const keys = server.keys?.frames ?? [];
+  const [first, last] = [keys[0] ?? 0, keys.at(-1) ?? 0];
+  const [from, to] = chosenFrames() ?? [first, last];
+  return from > last || to < first ? [from, to] : [Math.max(first, from), Math.min(last, to)];
+}
+
 /** Save the motion in a format, such as "bvh", low-pass filtered where that is ticked. */
 export function saveMotion(format) {
   const query = new URLSearchParams({ format });
   if (ui.filterMotion) query.set('filter_hz', String(FILTER_HZ));
+  if (chosenFrames()) query.set('frames', motionFrames().join('-'));
   return saveFrom(`/motion?${query}`, `${server.file.name}.${format}`, FORMATS[format]?.then);
 }
 
@@ -106,7 +116,8 @@ export async function fetchOk(address, options = {}) {
   throw new Error(problem || `The server answered ${response.status}`);
 }
 
-function saveBlob(blob, name) {
+/** Save what the page has made itself. */
+export function saveBlob(blob, name) {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
   link.download = name;
@@ -127,11 +138,9 @@ const sentence = (words) => (/[.?!]$/.test(words) ? words : `${words}.`);
 
 /** What the dialog starts with. @returns {Exporting} */
 export function usualExport() {
-  const keys = server.keys?.frames ?? [];
-  const frames = `${keys[0] ?? 0}-${keys.at(-1) ?? 0}`;
   const values = Object.fromEntries(Object.entries(EXPORTS).map(([what, options]) => [what, usualOf(options)]));
-  for (const what of ['film', 'motion']) values[what].frames = frames;
-  values.matte.frames = `0-${(server.file?.frames ?? 1) - 1}`;
+  for (const what of ['film', 'motion']) values[what].frames = motionFrames().join('-');
+  values.matte.frames = (chosenFrames() ?? [0, lastFrame()]).join('-');
   for (const what of ['film', 'pictures', 'sheet']) values[what].style = server.view?.mode ?? 'both';
   if (ui.filterMotion) values.motion.filter_hz = String(FILTER_HZ);
   return { what: 'film', format: 'all', values };

@@ -1,5 +1,6 @@
 // The review: from one place to the next where the motion is least sure. "Accept, correct, go on."
 
+import { chosenFrames } from '../store/clip.js';
 import { isCaughtUp } from '../store/edits.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
@@ -31,8 +32,11 @@ export const isReviewing = () => Boolean(ui.review);
 /** Where the error is to lie below. */
 export const goal = () => ui.reviewGoal ?? server.review?.goal ?? 5;
 
-/** The places over the goal, as they are known now. */
-export const places = () => placesAbove(server.review?.places ?? [], goal());
+/** The places over the goal, between the in and the out point where these are set, as they are known now. */
+export function places() {
+  const [first, last] = chosenFrames() ?? [0, Infinity];
+  return placesAbove(server.review?.places ?? [], goal()).filter((one) => first <= one.frame && one.frame <= last);
+}
 
 /** The place that is looked at; undefined outside of a review and at its end. @returns {ReviewPlace | undefined} */
 export const place = () => (ui.review ? currentRow(ui.review) : undefined);

@@ -3,7 +3,7 @@
 // it is put together: a module for each kind of action stands in `table/`.
 
 import { words } from '../store/clip.js';
-import { DRAGGING, TOOLS, VIEW } from './table/view.js';
+import { ANGLES, DRAGGING, TOOLS, VIEW } from './table/view.js';
 import { EXPORT, MOTION } from './table/export.js';
 import { FRAMES } from './table/frames.js';
 import { HISTORY, SESSION, THEME } from './table/session.js';
@@ -19,13 +19,13 @@ export const GROUPS = [
   { title: () => 'Pose', actions: { ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS } },
   { title: () => words().verb, actions: { ...TRACK, ...REVIEW } },
   { title: () => 'Tools', actions: TOOLS },
-  { title: () => 'Views', actions: VIEW },
+  { title: () => 'Views', actions: { ...VIEW, ...ANGLES } },
   { title: () => 'While dragging', actions: DRAGGING },
   { title: null, actions: FILE },
 ];
 
 export const ACTIONS = {
-  ...FRAMES, ...NOTES, ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...TRACK, ...REVIEW, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE,
+  ...FRAMES, ...NOTES, ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...TRACK, ...REVIEW, ...TOOLS, ...VIEW, ...ANGLES, ...DRAGGING, ...FILE,
 };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */

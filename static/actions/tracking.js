@@ -1,7 +1,7 @@
 // Which segments tracking would do, and why something cannot be done now.
 
 import { count, range } from '../controls/words.js';
-import { fewestKeys, isSurface, lastFrame, tooFewWords, words } from '../store/clip.js';
+import { chosenFrames, fewestKeys, isSurface, lastFrame, tooFewWords, words } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server } from '../store/state.js';
@@ -13,8 +13,29 @@ export const isTracked = ({ state }) => ['good', 'check', 'lost'].includes(state
 
 const isChanged = ({ state, unfinished }) => state === 'outdated' || state === 'none' || unfinished;
 
-/** The segments whose result is missing or does not fit any more. */
-export const changedSegments = () => (server.segments ?? []).filter(isChanged);
+/** The segments that tracking is for: those that reach between the in and the out point, else all. */
+export function chosenSegments() {
+  const chosen = chosenFrames();
+  const all = server.segments ?? [];
+  if (!chosen) return all;
+  const [from, to] = chosen;
+  return all.filter(({ first, last }) => (from === to ? first <= from && to <= last : first < to && last > from));
+}
+
+/** Those of them whose result is missing or does not fit any more. */
+export const changedSegments = () => chosenSegments().filter(isChanged);
+
+/** ", 40–159" where there is an in or an out point, else ''. */
+export function chosenTail() {
+  const chosen = chosenFrames();
+  return chosen ? `, ${range(...chosen)}` : '';
+}
+
+/** What is sent to track. @param {'changed' | 'all'} what */
+export function trackMessage(what) {
+  const [first, last] = chosenFrames() ?? [];
+  return { do: 'track', what, ...(first === undefined ? {} : { first, last }) };
+}
 
 /** Whether nothing was tracked yet. */
 export const isFirstTrack = () =>
@@ -35,10 +56,14 @@ export function namesOf(segments) {
 export const whyNotTrack = () =>
   (server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '';
 
+/** The same of the segments between the in and the out point. */
+export const whyNotTrackChosen = () =>
+  whyNotTrack() || (chosenSegments().length ? '' : `No segment reaches between the in and the out point${chosenTail()}`);
+
 export function whyNotTrackChanged() {
-  const why = whyNotTrack();
+  const why = whyNotTrackChosen();
   if (why || changedSegments().length) return why;
-  return server.job?.state === 'running' ? `${words().doing} already` : 'All segments are up to date';
+  return server.job?.state === 'running' ? `${words().doing} already` : `All segments${chosenTail().replace(',', ' within')} are up to date`;
 }
 
 /**

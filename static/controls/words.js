@@ -17,6 +17,16 @@ export const range = (first, last) => `${first}–${last}`;
 /** "1 keyframe", "8 keyframes". */
 export const count = (n, noun) => `${n} ${noun}${n === 1 ? '' : 's'}`;
 
+/** "about 4 minutes": how long work will take; '' where it is short. @param {number} seconds */
+export function aboutTime(seconds) {
+  if (!(seconds >= SHORT_S)) return '';
+  if (seconds < 55) return `about ${10 * Math.round(seconds / 10)} seconds`;
+  const minutes = Math.round(seconds / 60);
+  return minutes < 90 ? `about ${count(minutes, 'minute')}` : `about ${(seconds / 3600).toFixed(1)} hours`;
+}
+
+const SHORT_S = 20;
+
 /**
  * "≈ 6.8 px · 3.2 cm", "≈ 14 px", "under 0.5 px": an error in the picture, and in space where that is known.
  * @param {number} px  Of the video.

@@ -3,7 +3,7 @@
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, whyNot } from '../actions/actions.js';
-import { placesWords, smallWords } from '../actions/drafting.js';
+import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
   addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
   kindHere, KINDS, millimetres, useFile,
@@ -241,11 +241,13 @@ function takeThing(name) {
   setUi('guideStep', 0);
 }
 
+const said = (words) => (words ? html`<p class="note">${words}</p>` : nothing);
+
 function draftButton() {
   if (isDrafting()) return html`<p class="num">${server.job.words || 'Drafting…'}</p>`;
   const why = whyNot('draft');
   return html`<button type="button" class="btn pri full" aria-disabled=${Boolean(why)} title=${why || nothing}
-    @click=${draftFromBox}>${icon('wand')}${labelOf('draft')}</button>${why ? html`<p class="note">${why}.</p>` : nothing}`;
+    @click=${draftFromBox}>${icon('wand')}${labelOf('draft')}</button>${said(why ? `${why}.` : draftTimeWords())}`;
 }
 
 /** The guide is at its end: the review goes on by itself. */

@@ -27,7 +27,7 @@ const GAP_PX = 12;
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft'];
+const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before
@@ -87,7 +87,7 @@ export function mountGuide() {
   watch(['draft'], skipToDraftReview);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
-  watch([...SECTIONS, 'u:box', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  watch([...SECTIONS, 'u:box', 'u:span', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
   onInteraction(() => isOpen() && fade(card.querySelector('.coach')));
   addEventListener('resize', () => requestAnimationFrame(draw));

@@ -5,7 +5,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionButton } from '../actions/buttons.js';
 import {
-  boxFrameFor, draftedWords, nobodyWords, personWords, placesWords, smallWords,
+  boxFrameFor, draftedWords, nobodyWords, personWords, placesWords, restCount, smallWords,
 } from '../actions/drafting.js';
 import { noteAt, noteAsOneLine } from '../actions/keying.js';
 import { partKeyAt } from '../actions/parts.js';
@@ -171,6 +171,7 @@ export function draftbar() {
   return html`<div class="glass row ${nobody || person ? 'lacking' : ''}" id="mdraft" role="status">
     ${icon(nobody || person ? 'warn' : 'check')}
     <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`} ${person}</span>
+    ${restCount() ? actionButton('draftRest', undefined, { name: undefined }) : nothing}
     ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}
     ${placesToConfirm().length && !ui.review ? actionButton('review', undefined, { name: undefined, label: `${placesWords()}: review`, title: 'Look at them one after another' }) : nothing}
     ${actionButton('undo', undefined, { name: undefined, label: 'Undo draft', title: 'Remove the draft', kind: 'ghost' })}
@@ -195,7 +196,7 @@ export function mountBars() {
   mountOrbitHint();
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings', 'u:personMask', 'u:tab', 'u:menu', 'u:orbited'], draw);
+  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:span', 'u:rings', 'u:personMask', 'u:tab', 'u:menu', 'u:orbited'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -1,6 +1,7 @@
 // Words beside the pointer's work: the value while something is dragged, the name of what is
 // under a resting pointer.
 
+import { degrees } from '../actions/angles.js';
 import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
@@ -18,10 +19,23 @@ const AWAY = 20;
 const ROOM = 216;
 const hosts = new Map();
 
+/** The charted angle at its joints, at the present frame. */
+function drawAngles(view) {
+  const shown = server.joint_angle;
+  if (!shown || view.name !== 'main' || ui.dragging || !isReady(view)) return nothing;
+  return shown.sides.map(({ side, part, values }) => {
+    const [point, value] = [server.pose?.points[part], values[server.view.frame] ?? null];
+    if (!point || value === null) return nothing;
+    const [left, top] = view.project(point);
+    return Number.isFinite(left + top)
+      ? html`<div class="flt num jointangle ${side}" style="left:${left + AWAY}px;top:${top - AWAY}px">${degrees(value)}</div>` : nothing;
+  });
+}
+
 /** Draw a view's labels. */
 export function drawLabels(view) {
   const { keypoints } = targetsIn(view);
-  render([drawValue(view), drawName(view), drawSketchLabel(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
+  render([drawAngles(view), drawValue(view), drawName(view), drawSketchLabel(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
 }
 
 function hostOf(view) {

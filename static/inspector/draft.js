@@ -2,10 +2,10 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
-import { labelOf, titleOf, whyNot } from '../actions/actions.js';
+import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { goTo, placesToConfirm, stopPlaying } from '../actions/playhead.js';
 import {
-  boxFrameFor, draftRange, nobodyWords, reasonOf, setDraftRange, smallWords, whyNotDraftable,
+  boxFrameFor, draftCount, draftRange, draftTimeWords, nobodyWords, reasonOf, restCount, setDraftRange, smallWords, whyNotDraftable,
 } from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
 import { textField } from '../controls/buttons.js';
@@ -24,7 +24,7 @@ export function draft() {
       name: 'crop', label: 'Draw a box', busy: 'Drag a box around the person',
       title: 'Show which person: drag a box around them, in any frame that shows the whole body',
     })}
-    ${ui.tool === 'box' ? begun() : html`${nobody()}${places()}`}`,
+    ${ui.tool === 'box' ? begun() : html`${rest()}${nobody()}${places()}`}`,
   );
 }
 
@@ -40,6 +40,20 @@ function frames() {
     ${field('Last frame to draft', last, (at) => setDraftRange(first, at))}
   </span>`;
 }
+
+/** What a cancelled draft has left, to go on with. */
+function rest() {
+  if (!restCount()) return nothing;
+  return html`${button({
+    name: 'wand', label: labelOf('draftRest'), title: titleOf('draftRest'), kind: 'full', off: whyNot('draftRest'),
+    act: () => perform('draftRest'),
+  })}${time(restCount())}`;
+}
+
+const time = (many) => {
+  const words = draftTimeWords(many);
+  return words ? html`<p class="note">${words}</p>` : nothing;
+};
 
 /** Where nobody was found, and what to do about it. */
 function nobody() {
@@ -71,5 +85,5 @@ function begun() {
     ${button({
       name: 'wand', label: labelOf('draft'), title: titleOf('draft'), key: 'Enter', kind: 'pri full',
       off: whyNot('draft'), act: draftFromBox,
-    })}`;
+    })}${time(draftCount())}`;
 }

@@ -35,7 +35,7 @@ const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard', 'poses', 'u:timeKeys',
   'pins', 'proposed_pins', 'floor',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
-  'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
+  'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:span', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
   'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone', 'u:allInSpace',
 ];
 

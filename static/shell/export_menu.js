@@ -3,10 +3,10 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
-import { words } from '../store/clip.js';
+import { chosenFrames, words } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 import { frame } from '../actions/playhead.js';
-import { askWhatIsMissing, hasMotion, notInstalled, viewShown } from '../actions/exporting.js';
+import { askWhatIsMissing, hasMotion, motionFrames, notInstalled, viewShown } from '../actions/exporting.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
 import { motionAction } from '../actions/table/export.js';
@@ -42,14 +42,14 @@ function far() {
 
 function items() {
   const all = server.segments ?? [];
-  const frames = all.length ? `, frames ${range(all[0].first, all.at(-1).last)}` : '';
+  const frames = all.length ? `, frames ${range(...motionFrames())}` : '';
   return [
     heading(`Image of frame ${frame()}`),
     menuItem('saveImage', undefined, { right: sizeAndKey() }),
     menuItem('saveAllImages'),
     menuItem('copyImage'),
     line,
-    menuItem('exportFilm', undefined, { right: 'MP4' }),
+    menuItem('exportFilm', undefined, { right: chosenFrames() ? `${range(...motionFrames())} · MP4` : 'MP4' }),
     menuItem('exportImages', undefined, { right: 'ZIP' }),
     menuItem('exportSheet', undefined, { right: 'PNG' }),
     menuItem('exportMatte', undefined, { right: 'PNG, WebM, MOV' }),

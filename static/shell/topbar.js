@@ -52,12 +52,13 @@ function recent(session) {
 }
 
 function facts() {
-  const { frames, fps, width, height, duration_s: seconds, path, missing } = server.file;
+  const { frames, fps, width, height, duration_s: seconds, path, missing, repeated } = server.file;
   const lost = isSurface() ? missing.length : damagedFrames();
   const rate = Number.isInteger(fps) ? fps : fps?.toFixed(2);
   return html`<span class="num">${count(frames, 'frame')} · ${rate} fps · ${width} × ${height}</span>
     <span class="num"> · ${seconds?.toFixed(2)} s</span>
     ${lost ? html`<br /><span class="checkword">${damaged(lost)}</span>` : nothing}
+    ${repeated ? html`<br /><span>${count(repeated, 'repeated frame')}, not counted as standing still</span>` : nothing}
     <br /><span class="path">${path}</span>`;
 }
 
@@ -92,7 +93,7 @@ const step = ({ label, time, done, state }) =>
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'saved', 'undo', 'history', 'job', 'view', 'keys', 'segments'];
 /** @type {import('../store/shapes.js').Watched[]} */
-const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion', 'u:renaming', 'u:exportJob', 'u:exportMissing'];
+const OWN = ['u:menu', 'u:span', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion', 'u:renaming', 'u:exportJob', 'u:exportMissing'];
 
 export function mountTopbar() {
   const element = document.getElementById('top');

@@ -8,7 +8,7 @@ import { changedSegments, isFirstTrack, namesOf, whyNotTrack } from '../actions/
 import { icon } from '../controls/icons.js';
 import { line, menuHolder, toggleMenu } from '../controls/menu.js';
 import { range } from '../controls/words.js';
-import { words } from '../store/clip.js';
+import { chosenFrames, words } from '../store/clip.js';
 
 export function liveSwitch() {
   return html`<button
@@ -60,6 +60,8 @@ function split(open) {
 function label(verb) {
   const first = isFirstTrack();
   const one = (text, shown) => html`<span class=${shown ? 'shown' : ''} aria-hidden=${!shown}>${text}</span>`;
+  const chosen = chosenFrames();
+  if (chosen) return html`${verb} <span class="num">${range(...chosen)}</span>`;
   return html`<span class="either">${one(verb, first)}${one(`${verb} changed`, !first)}</span>`;
 }
 

@@ -12,9 +12,11 @@ import { recentSessions } from './recents.js';
 import { uploadCard } from './uploading.js';
 
 const STEPS = [
-  ['Pose', 'Turn and pull the body over the person in two or more frames.'],
+  ['Box', 'Draw a box around the person: every frame gets a draft.'],
+  ['Confirm', 'Correct the drafts that are least sure, press K.'],
   ['Track', 'Press T. The frames between are filled in while you watch.'],
-  ['Correct', 'Go where the timeline says Check or Lost, fix it, press K.'],
+  ['Stand on the floor', 'Press Shift F. Feet that stand still no longer slide.'],
+  ['Review', 'Press Shift R. The least certain places, the worst first.'],
 ];
 
 let wasShown = false;
@@ -62,7 +64,7 @@ function dropZone() {
     ${PICTURE}
     <h1>Drop a video here</h1>
     <p class="mut">
-      Pose a few keyframes over one moving person or thing.<br />Keypose tracks the frames between them.
+      Draw a box around a person, or pose a thing.<br />Keypose finds the motion in every frame.
     </p>
     ${ui.upload ? uploadCard() : buttons()}
     <p class="dim kinds">

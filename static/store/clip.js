@@ -1,7 +1,7 @@
 // What the session is about, how long the film is, which frames exist and which are damaged. Of a film
 // motion is tracked; to observed surfaces it is fitted.
 
-import { server } from './state.js';
+import { server, ui } from './state.js';
 
 const FILM = { verb: 'Track', doing: 'Tracking', done: 'tracked', what: 'picture', image: 'image', one: 'frame' };
 const SURFACES = { verb: 'Fit', doing: 'Fitting', done: 'fitted', what: 'surface', image: 'surface', one: 'step' };
@@ -25,6 +25,12 @@ export function frameCount() {
 
 export function lastFrame() {
   return Math.max(0, frameCount() - 1);
+}
+
+/** First and last frame between the in and the out point, where one of them is set; else null. @returns {[number, number] | null} */
+export function chosenFrames() {
+  const { first, last } = ui.span;
+  return first === null && last === null ? null : [first ?? 0, last ?? lastFrame()];
 }
 
 export function clampFrame(frame) {

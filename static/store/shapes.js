@@ -22,6 +22,7 @@
  * @property {number[] | null} times  Only where the rate varies.
  * @property {{ focal_mm: number, device: string } | null} lens  As the file gives it.
  * @property {Taken | null} taken
+ * @property {number} repeated  Frames that are copies of the one before.
  */
 
 /**
@@ -172,6 +173,17 @@
  * @property {Record<string, Axis[]>} at_limit
  * @property {Gesture | null} gesture
  * @property {{ part: string, index: number, uv: Spot }[]} corners  Of boxes, where they were put.
+ */
+
+/**
+ * @typedef {object} JointAngle  One by its clinical name, left and right.
+ * @property {string} joint
+ * @property {string} angle
+ * @property {string} label  "Knee flexion"
+ * @property {string} positive
+ * @property {string} negative
+ * @property {{ side: 'L' | 'R' | 'C', part: string, values: Series }[]} sides  part: the one that the joint carries.
+ * @property {{ joint: string, angle: string, label: string }[]} choices
  */
 
 /**
@@ -346,6 +358,7 @@
  * @property {number} mb
  * @property {boolean} chosen
  * @property {string} remedy  The command that adds it, or ''.
+ * @property {number | null} frame_s  Seconds that a frame of a draft takes; null where nobody knows.
  */
 
 /**
@@ -422,6 +435,7 @@
  * @property {number} drafted  How many of these were.
  * @property {number} behind  Of how many of these the tracked pose is shown.
  * @property {Spot[]} missing  Runs of frames, of all drafts, where nobody was found and nothing is posed or tracked.
+ * @property {[number, number][]} rest  Runs of frames that it was cancelled before.
  * @property {DraftPlace[]} proposals  Those to confirm that are no keyframes yet.
  */
 
@@ -478,6 +492,7 @@
  * @property {Series} need  Pixels that a keyframe is expected to mend.
  * @property {Record<string, Series>} lanes  How much the picture shows of a part, 0 to 1.
  * @property {Curve | null} curve
+ * @property {JointAngle | null} joint_angle
  * @property {Trail | null} trail
  * @property {Pin[]} pins
  * @property {ProposedPin[]} proposed_pins  Neither accepted nor dismissed.

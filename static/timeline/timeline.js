@@ -16,6 +16,7 @@ import { mountPlaying } from '../actions/playing.js';
 import { mountSelection } from '../actions/selection.js';
 import { listenForPinKeys } from './marks/pins.js';
 import { mountNoteCard } from './note_card.js';
+import { mountAngleCard } from './angle_card.js';
 import { mountReduceCard } from './reduce_card.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
@@ -47,6 +48,7 @@ export function mount() {
   listenForPinKeys();
   mountNoteCard(time.querySelector('#tnote'), drawing);
   mountReduceCard(time.querySelector('#treduce'), drawing);
+  mountAngleCard(time.querySelector('#tangle'), drawing);
   mountSelection();
   mountPlaying();
   const bar = time.querySelector('#tr');
@@ -61,7 +63,7 @@ function frameOf() {
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
-    <div id="tnote"></div><div id="treduce"></div>`;
+    <div id="tnote"></div><div id="treduce"></div><div id="tangle"></div>`;
 }
 
 /** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */

@@ -5,9 +5,10 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
-  boxFrameFor, draftedWords, draftMessage, draftRange, nobodyWords, personWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
+  boxFrameFor, draftedWords, draftMessage, draftTimeWords, restCount, draftRange, nobodyWords, personWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
 } from '../../static/actions/drafting.js';
 import { suggestedFrame } from '../../static/actions/playhead.js';
+import { labelOf, whyNot } from '../../static/actions/actions.js';
 import { draftStretches } from '../../static/timeline/marks/drafts.js';
 
 test('drafts without a gap are one stretch, one or two stand alone', () => {
@@ -104,4 +105,25 @@ test('the box is sent to a tenth of a pixel with the frame it lies on', () => {
   assert.equal(smallWords(), '');
   ui.box = [10, 20, 30, 62];
   assert.match(smallWords(), /42 px/);
+});
+
+test('how long it will take is said where it takes long and is known', () => {
+  server.networks = [{ id: 'a', chosen: false, frame_s: 9 }, { id: 'b', chosen: true, frame_s: 0.16 }];
+  assert.equal(draftTimeWords(1500), 'Takes about 4 minutes. Cancel keeps what is found by then.');
+  assert.match(draftTimeWords(250), /about 40 seconds/);
+  assert.match(draftTimeWords(36000), /about 1.6 hours/);
+  assert.equal(draftTimeWords(60), '');
+  server.networks[1].frame_s = null;
+  assert.equal(draftTimeWords(1500), '');
+});
+
+test('frames that a draft was cancelled before are left to draft, and no gap', () => {
+  const draft = { latest: true, first: 0, last: 1499, drafted: 300, behind: 0, missing: [], rest: [[300, 1499]], proposals: [] };
+  assert.equal(draftedWords(draft), 'Drafted 300 frames, 1200 are left.');
+  Object.assign(server, { draft, job: null, body: { is_persons: true } });
+  assert.equal(restCount(), 1200);
+  assert.equal(labelOf('draftRest'), 'Draft the remaining 1200 frames');
+  assert.equal(whyNot('draftRest'), '');
+  server.draft = { ...draft, rest: [] };
+  assert.equal(whyNot('draftRest'), 'No frames are left to draft');
 });

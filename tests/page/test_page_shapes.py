@@ -86,9 +86,10 @@ def drafted() -> AppState:
     places = [{"frame": 1, "reason": "hidden", "parts": ["head"]}]
     found = {"first_frame": 0, "last_frame": 3, "places": places}
     missing = {"missing": [{"first_frame": 2, "last_frame": 3}]}
+    left = {"frame": 1, "box": (1, 2, 30, 80), "frames": [{"first_frame": 4, "last_frame": 9}]}
     update = {
         "drafts": (pose.model_copy(update={"frame": 1}),),
-        "drafted": Drafted.model_validate({**found, **missing}),
+        "drafted": Drafted.model_validate({**found, **missing, "rest": left}),
     }
     seen = Keypoints(0, JOINTS, np.full((1, 12, 2), 5.0), np.ones((1, 12)))
     edit = desk().with_doc(desk().doc.model_copy(update=update))
@@ -100,6 +101,7 @@ def outlooks() -> dict[str, AppState]:
         desk(),
         {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
         {"do": "select", "part": "head"},
+        {"do": "joint_angle", "joint": "knee"},
     )
     proposed = Pin(part="right_foot", first_frame=0, last_frame=9)
     pinned = after(desk(), {"do": "set_pin", "part": "left_foot", "frame": 24})

@@ -33,10 +33,11 @@ Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 LEAST_TOWARD_COS = -0.9
 """Swings are not counted from a direction that lies nearly opposite to the part at rest."""
 
-PEOPLE = ("adult_male", "adult_female", "elderly_male", "elderly_female")
+PEOPLE = ("adult_male", "adult_female", "elderly_male", "elderly_female", "child")
+ANIMALS = ("dog", "horse")
 OBJECTS = ("box", "cylinder")
 """Rigid things of one part, to which others can be added."""
-PRESETS = (*PEOPLE, *OBJECTS)
+PRESETS = (*PEOPLE, *ANIMALS, *OBJECTS)
 LARGEST_BODY_BYTES = 16 * 2**20
 
 

@@ -16,7 +16,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
 from keypose.tracker.geometry.rotations import Array
 
@@ -91,6 +90,8 @@ def _searched(own: Array, away: Array, near: NDArray[np.bool_]) -> Array:
 def _refining(z: Array, own: Array, away: Array, near: NDArray[np.bool_]) -> Array:
     """(N,) a step of z toward the least cost, 0 away from the pole. The cost's curvature is taken
     for the largest that it has, so that no step makes it larger."""
+    from scipy.linalg import solveh_banded  # scipy: loads longer than a page needs to start
+
     pull, steps = np.square(away / MISPLACED), np.diff(z) / STEP**2
     slope = pull * np.sin(2 * (z - own)) / 2
     slope[:-1] -= steps

@@ -23,7 +23,8 @@ positive. Pelvis, trunk and neck count bending and obliquity to the right, turns
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -165,15 +166,26 @@ def joint_angles(
     return tuple(found)
 
 
+def angles_of(body: Body, joint: Joint, rotations: Callable[[int], Array]) -> JointAngles:
+    """One joint's angles over N frames, of a joint that another part carries.
+
+    rotations: (N, 3, 3) of a part in its parent by the part's number, NaN where not known.
+    """
+    Rs = [rotations(i) for i in _chain(body, joint)]
+    return JointAngles(joint, _angles_deg(joint, _in_its_axes(joint, Rs, R_ANATOMICAL_PART)))
+
+
 def carried(body: Body, joint: Joint, Rs_parent_part: Array, R_ground_camera: Array) -> Array:
     """The part in its carrier (N, 3, 3), in the axes that the joint's angles are about."""
-    chain = _chain(body, joint)
-    R = Rs_parent_part[:, chain[0]]
-    for i in chain[1:]:
-        R = R @ Rs_parent_part[:, i]
-    A, turned = R_ANATOMICAL_PART, joint.axes_turned
-    R = (R_ground_camera if joint.carrier == ROOT else A) @ R @ A.T
-    return np.asarray(turned @ R @ turned.T)
+    Rs = [Rs_parent_part[:, i] for i in _chain(body, joint)]
+    return _in_its_axes(joint, Rs, R_ground_camera if joint.carrier == ROOT else R_ANATOMICAL_PART)
+
+
+def _in_its_axes(joint: Joint, Rs: Sequence[Array], R_carrier: Array) -> Array:
+    """Rotations one after the other, each (N, 3, 3), in the axes that the angles are about."""
+    R = functools.reduce(np.matmul, Rs)
+    turned = joint.axes_turned
+    return np.asarray(turned @ (R_carrier @ R @ R_ANATOMICAL_PART.T) @ turned.T)
 
 
 def _chain(body: Body, joint: Joint) -> tuple[int, ...]:

@@ -21,10 +21,12 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.gait import Gait, gait_of
+from keypose.tracker.space.repeated import evened
 from keypose.tracker.storage.tracks import Tracks
 
 if TYPE_CHECKING:
@@ -76,6 +78,7 @@ class Recording:
     pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
     origin:    whose ground is the world of files.
+    repeats:   repeated frames of the video, where its frames are those of the motion.
     kept_ground: the body's ground, where these frames are part of a motion that it is of.
     """
 
@@ -96,6 +99,7 @@ class Recording:
     pins: tuple[Pin, ...] = ()
     marker_set: MarkerSetName = "keypose"
     origin: Origin = "body"
+    repeats: Repeats | None = None
     kept_ground: Ground | None = None
 
     @classmethod
@@ -128,6 +132,7 @@ class Recording:
             floor_m=session.floor_m,
             timecode=timecode,
             pins=session.pins,
+            repeats=session.video.repeats,
         )
 
     def __len__(self) -> int:
@@ -250,6 +255,16 @@ class Recording:
         return tuple(found)
 
     @cached_property
+    def evened(self) -> Recording:
+        """The recording as without repeated frames, which speeds and accelerations are taken of."""
+        motion = evened(self.trajectory, self.repeats)
+        if motion is self.trajectory:
+            return self
+        Rs, ps = motion.Rs_parent_part, motion.ps_camera_root
+        tracks = replace(self.tracks, Rs_parent_part=Rs, ps_camera_root=ps)
+        return replace(self, tracks=tracks, repeats=None)
+
+    @cached_property
     def gait(self) -> Gait:
         """Heel strikes, toe offs and strides, of feet as they are pinned, or else found standing
         in a motion without gaps; empty where none stands, or nothing is tracked."""
@@ -258,8 +273,9 @@ class Recording:
             return Gait((), ())
         if not pins and self.tracks.tracked.all():
             rate, up = self.frames_per_second, self.up_camera
-            pins = proposed_pins(self.skeleton, self.trajectory, rate, up)
-        return gait_of(self.skeleton, self.trajectory, self.times_s, self.ground, pins)
+            pins = proposed_pins(self.skeleton, self.evened.trajectory, rate, up)
+        motion = self.evened.trajectory
+        return gait_of(self.skeleton, motion, self.times_s, self.ground, pins)
 
     def whole(self, name: str) -> Recording:
         """Cut to the first and last tracked frame, for a format of this name that holds no gaps.

@@ -53,7 +53,7 @@ def at_rate(recording: Recording, rate: float) -> Recording:
     )
     return replace(
         recording, tracks=tracks, times_s=frozen(np.arange(first, last + 1) / rate), rate=rate,
-        sampled_at=frozen(film),
+        sampled_at=frozen(film), repeats=None,
     )  # fmt: skip
 
 
@@ -61,7 +61,9 @@ def from_zero(recording: Recording) -> Recording:
     """The recording with its first frame as frame 0 at time 0, as players of clips expect it."""
     tracks = replace(recording.tracks, first_frame=0)
     times_s = frozen(recording.times_s - recording.times_s[0])
-    return replace(recording, tracks=tracks, times_s=times_s, sampled_at=recording.film_frames)
+    return replace(
+        recording, tracks=tracks, times_s=times_s, sampled_at=recording.film_frames, repeats=None
+    )
 
 
 def low_passed(recording: Recording, cutoff_hz: float) -> Recording:

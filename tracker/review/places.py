@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final, TypeAlias
 
@@ -87,6 +87,15 @@ class Review:
     cm: float | None
     untracked: tuple[Span, ...]
     body_m: float
+
+    def between(self, first: int, last: int) -> Review:
+        """The places, answers and untracked segments between two frames."""
+        return replace(
+            self,
+            places=tuple(one for one in self.places if first <= one.frame <= last),
+            answered=tuple(one for one in self.answered if first <= one.frame <= last),
+            untracked=tuple((a, b) for a, b in self.untracked if a < last and b > first),
+        )
 
     def above(self, goal_px: float) -> tuple[Place, ...]:
         """The places over a goal; those whose size nobody knows are."""

@@ -46,6 +46,16 @@ class DraftPlace(Plain):
     )
 
 
+class DraftRest(Plain):
+    """Frames that a draft was cancelled before: asked for, and not looked at."""
+
+    frame: FrameIndex = Field(description="The frame of the box around the person.")
+    box: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] = Field(
+        description="Left, top, right and bottom, pixels of the video."
+    )
+    frames: Annotated[tuple[FrameRun, ...], Field(min_length=1)]
+
+
 class Drafted(Plain):
     """Of the frames that were drafted: those without a draft, and the drafts to confirm."""
 
@@ -58,6 +68,11 @@ class Drafted(Plain):
     )
     missing: tuple[FrameRun, ...] = Field(default=(), description="Frames where nobody was found.")
     places: tuple[DraftPlace, ...] = ()
+    rest: DraftRest | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="What is left to draft; left out where nothing is.",
+    )
 
 
 Answer: TypeAlias = Literal["accepted", "unclear"]

@@ -165,7 +165,9 @@ class Evidence(ABC):
     def refreshed_fields(self, now: Evidence) -> Fields:
         """The session's fields, updated from a later look at the same files; what a person says of
         them stays."""
-        own = {name: getattr(self.video, name) for name in ("recorded_fps", "deinterlace")}
+        own = {
+            name: getattr(self.video, name) for name in ("recorded_fps", "deinterlace", "repeats")
+        }
         return {"video": now.video.model_copy(update=own)}
 
     def with_paths(self, moved: Callable[[str], str]) -> Fields:

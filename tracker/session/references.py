@@ -20,6 +20,17 @@ from keypose.tracker.session.settings import (
 FramesPerSecond: TypeAlias = Annotated[FiniteFloat, Field(ge=0.001, le=1_000_000)]
 
 
+class Repeats(Plain):
+    """Frames of a film that are copies of the one before."""
+
+    frames: tuple[FrameIndex, ...] = Field(default=(), description="Their numbers, ascending.")
+    even: bool = Field(
+        default=True,
+        description="Whether copies were put in between, as by a change of the frame rate, so that "
+        "the other frames are evenly spaced in time; otherwise each took the place of a frame.",
+    )
+
+
 class VideoReference(Plain):
     """The video a session is about, and how to know that it is that one."""
 
@@ -36,7 +47,12 @@ class VideoReference(Plain):
         description="Whether the camera stands still, as found in the frames when the session was "
         "begun; left out where nobody looked.",
     )
-
+    repeats: Repeats | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="Repeated frames, as found when frames were decoded; left out where there are "
+        "none.",
+    )
     recorded_fps: FramesPerSecond | None = Field(
         default=None,
         exclude_if=is_unknown,

@@ -16,6 +16,7 @@ from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
@@ -35,10 +36,14 @@ def solved(
     keyframes = keyframes_within(session, first, last)
     exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
     held = _held(session, stretch.pins)
+    keyed = [k for k in keyed_parts(session, skeleton) if first < k.frame < last]
+    tracked = joined([segment.trajectory for segment in stretch.segments])
+    fixed = [*(keyframe.frame for keyframe in keyframes), *(each.frame for each in keyed)]
+    moments = Moments.of(session.video.repeats, first, last, fixed)
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.camera.without_distortion(),
-        motion=joined([segment.trajectory for segment in stretch.segments]),
+        motion=tracked if moments is None else moments.evened(tracked),
         observability=np.concatenate(
             [segment.diagnostics.observability for segment in stretch.segments]
         ),
@@ -46,7 +51,7 @@ def solved(
         frames_per_second=_frames_per_second(keyframes),
         soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
         seen=[keyframe.frame for keyframe in keyframes if keyframe.soft == "depth"],
-        keyed_parts=[k for k in keyed_parts(session, skeleton) if first < k.frame < last],
+        keyed_parts=keyed,
         pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
         up_camera=up_of(session),
@@ -72,7 +77,8 @@ def solved(
         up_camera=up,
         floor_m=found.floor_m if session.floor_m is None else session.floor_m,
     )
-    return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
+    motion = found.motion if moments is None else moments.shown(found.motion)
+    return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
 
 
 def up_of(session: Session) -> Array:

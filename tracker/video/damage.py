@@ -11,8 +11,8 @@ every time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
@@ -28,6 +28,7 @@ from av.video.stream import VideoStream
 from keypose.tracker.video.consumption import Coding, is_misread
 from keypose.tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
 from keypose.tracker.video.index import FrameIndex
+from keypose.tracker.video.repeats import Changes
 from keypose.tracker.video.vp9 import begins_with_key
 
 _STRICTER = {"vp9": "libvpx-vp9"}
@@ -52,12 +53,14 @@ class Examined:
     """Of the frames first … last (both included) it is known now which are damaged.
 
     None of them, last being before first, where only so much has been decoded: up to `reached`.
+    changes: mean grey levels by which frames differ from the one before, as far as it was decoded.
     """
 
     first: int
     last: int
     damaged: frozenset[int]
     reached: int
+    changes: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class _Step:
     """One packet given to the decoder, or one frame got back.
 
     order: the packet's place in the order of decoding.  number: the frame's, where it is known.
-    kind: "lost" when the decoder gave up on the packet.
+    kind: "lost" when the decoder gave up on the packet.  change: from the frame before.
     """
 
     kind: str  # "packet", "lost" or "frame"
@@ -73,6 +76,7 @@ class _Step:
     number: int | None
     sound: bool = True
     key: bool = False
+    change: float | None = None
 
 
 @dataclass
@@ -83,6 +87,7 @@ class _Section:
     came: dict[int, int] = field(default_factory=dict)  # packet by frame, of frames that came
     given: dict[int, int] = field(default_factory=dict)  # packet by frame, of all that should come
     faults: dict[int, int | None] = field(default_factory=dict)  # frame, where known, by packet
+    changes: dict[int, float] = field(default_factory=dict)  # by frame
 
     def damaged(self, stop: int) -> frozenset[int]:
         """Return the damaged frames of first … before stop."""
@@ -100,7 +105,13 @@ class _Section:
             {n: p for n, p in self.came.items() if n >= key},
             {n: p for n, p in self.given.items() if n >= key},
             {p: n for p, n in self.faults.items() if p >= at and (n is None or n >= key)},
+            {n: change for n, change in self.changes.items() if n >= key},
         )
+
+    def examined(self, stop: int) -> Examined:
+        """All that is known of first … before stop."""
+        changes = {n: change for n, change in self.changes.items() if n < stop}
+        return Examined(self.first, stop - 1, self.damaged(stop), stop - 1, changes)
 
 
 def examine(
@@ -141,7 +152,8 @@ def _examined(
         reached = max(reached, step.number)
         if step.key and step.sound and step.number > section.first:
             stop = step.number
-            yield Examined(section.first, stop - 1, section.damaged(stop), min(stop - 1, last))
+            found = section.examined(stop)
+            yield replace(found, reached=min(found.reached, last))
             section = section.after(stop)
         elif reached % _REPORT_EVERY == 0:
             yield Examined(section.first, section.first - 1, frozenset(), min(reached, last))
@@ -150,8 +162,7 @@ def _examined(
     else:
         reached = len(index.pts) - 1
     if section.first <= last:
-        known = min(last, reached)
-        yield Examined(section.first, known, section.damaged(known + 1), known)
+        yield section.examined(min(last, reached) + 1)
 
 
 def _note(section: _Section, step: _Step) -> None:
@@ -163,6 +174,8 @@ def _note(section: _Section, step: _Step) -> None:
         section.faults[step.order] = step.number
     if step.kind == "frame" and step.number is not None:
         section.came[step.number] = step.order
+        if step.change is not None:
+            section.changes[step.number] = step.change
 
 
 def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> bool:
@@ -220,6 +233,7 @@ class _Reading:
         self._order, self._count = -1, -1
         self._tells_keys = decoder.name not in _STRICTER.values()
         self._keys: set[int] = set()  # packets the container calls keys
+        self._changes = Changes()
 
     def steps(self, path: Path, container: InputContainer, stream: VideoStream) -> Iterator[_Step]:
         is_timed = self._index.named and container.format.name not in _GUESSED
@@ -270,7 +284,9 @@ class _Reading:
             sound = not frame.is_corrupt and (frame.width, frame.height) == self._size
             told = frame.key_frame and frame.pict_type == PictureType.I
             key = order in self._keys and (told or not self._tells_keys)
-            yield _Step("frame", order, self._number_of(frame.pts), sound, key)
+            number = self._number_of(frame.pts)
+            change = None if number is None else self._changes.to(number, frame)
+            yield _Step("frame", order, number, sound, key, change)
 
     def _number_of(self, pts: int | None) -> int | None:
         return self._index.number_of(pts) if self._index.named else self._count

@@ -29,6 +29,7 @@ from keypose.tracker.video.picture import (
     depth_of,
     orientation_of,
 )
+from keypose.tracker.video.repeats import Changes
 
 
 def stored_size(head: bytes) -> tuple[int, int] | None:
@@ -121,10 +122,15 @@ class FolderSource:
 
     def examine(self, first: int, last: int) -> Iterator[Examined]:
         """Decodes the images one by one; none is built on another."""
-        for number in range(first, last + 1):
-            if self._decode(number) is None:
+        changes = Changes()
+        for number in range(max(first - 1, 0), last + 1):
+            frame = self._decode(number)
+            if frame is None:
                 self._lose(number)
-            yield Examined(number, number, frozenset(), number)
+            change = None if frame is None else changes.to(number, frame)
+            if number >= first:
+                known = {} if change is None else {number: change}
+                yield Examined(number, number, frozenset(), number, known)
 
     def _lose(self, number: int) -> None:
         self._missing.add(number)

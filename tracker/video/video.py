@@ -11,11 +11,13 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from keypose.tracker.errors import VideoError
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.video.damage import Examined
 from keypose.tracker.video.decode import FileSource, IndexMismatch
 from keypose.tracker.video.folder import FolderSource
 from keypose.tracker.video.info import MissingFrame, VideoInfo
 from keypose.tracker.video.picture import Picture
+from keypose.tracker.video.repeats import repeats_of
 
 
 class PictureCache:
@@ -71,6 +73,7 @@ class Video:
         self._closed = False
         self._examined: set[int] = set()
         self._damaged: set[int] = set()
+        self._changes: dict[int, float] = {}  # grey levels, from the frame before
         self._numbering = 0  # how often the frames were numbered anew
         # what the source says, and the same with the damaged frames
         self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
@@ -184,12 +187,19 @@ class Video:
                         break
                     self._check(found.reached)
                     self._examined.update(range(found.first, found.last + 1))
+                    self._changes.update(found.changes)
                     if not found.damaged <= self._damaged:
                         self._damaged = self._damaged | found.damaged
                         self._with_damaged = None
                 yield found.reached
             else:
                 return
+
+    def repeats(self) -> Repeats:
+        """Find the repeated frames among those examined so far."""
+        with self._lock:
+            sound = {n: c for n, c in self._changes.items() if n not in self._damaged}
+            return repeats_of(sound, self.info.frame_count)
 
     def _numbers(self, first: int, last: int) -> range:
         return range(first, min(last + 1, self.info.frame_count))
@@ -241,6 +251,7 @@ class Video:
             # the numbers of frames may be others now
             self._numbering += 1
             self._examined, self._damaged, self._with_damaged = set(), set(), None
+            self._changes = {}
             return self._get(number, since)
         return self._cache.get(number)
 

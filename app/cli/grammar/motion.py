@@ -23,7 +23,7 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.motion import MotionOrder
-from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
 from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
@@ -42,8 +42,8 @@ def add_draft(commands: Subcommands) -> None:
         "to them. The session and its keypoints are written to the folder. One camera cannot "
         "tell size from distance, so the body keeps its preset's height. Frames that do not "
         "show the person well enough get no draft. Drafts become keyframes when you confirm "
-        "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
-        "nothing."
+        "them in the page; the ones to confirm first are listed. Ctrl+C keeps the frames "
+        "the network has looked at; the same command with --overwrite goes on from there."
     )
     command = add_command(commands, "draft", details, _DRAFT_EXAMPLES)
     command.add_argument(
@@ -72,8 +72,8 @@ def add_draft(commands: Subcommands) -> None:
     command.add_argument(
         "--body",
         metavar="PRESET",
-        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male, or as "
-        "`keypose config` says",
+        help="adult_male, adult_female, elderly_male, elderly_female or child; default: "
+        "adult_male, or as `keypose config` says",
     )
     command.add_argument(
         "--field-of-view",
@@ -117,6 +117,7 @@ _TRACK_EXAMPLES = """\
   keypose track session.json --json > events.jsonl
   keypose track session.json --method paper --initial templates --leave-out right_hand
   keypose track session.json --cues brightness
+  keypose track session.json --frames 40-159
   keypose track session.json --ahead forward
 """
 
@@ -131,6 +132,7 @@ def add_track(commands: Subcommands) -> None:
     command = add_command(commands, "track", details, _TRACK_EXAMPLES)
     add_session(command)
     add_order(command, TrackOrder)
+    add_order(command, Within)
     command.add_argument(
         "--ahead",
         choices=("forward", "backward", "both"),
@@ -167,7 +169,7 @@ GOALS = (3, 5, 8, 12)
 
 _REVIEW_EXAMPLES = """\
   keypose review session.json
-  keypose review session.json --above 8
+  keypose review session.json --above 8 --frames 40-159
   keypose review session.json --json
 """
 
@@ -179,6 +181,7 @@ def add_review(commands: Subcommands) -> None:
     )
     command = add_command(commands, "review", details, _REVIEW_EXAMPLES)
     add_session(command)
+    add_order(command, Within)
     command.add_argument(
         "--above",
         metavar="PIXELS",

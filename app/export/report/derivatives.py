@@ -63,7 +63,7 @@ def derivatives(subject: Subject) -> list[Derivatives]:
     found = recording_of(subject)
     if found is None:
         return []
-    recording = low_passed(found, FILTER_HZ)
+    recording = low_passed(found.evened, FILTER_HZ)
     ps, dt = recording.ps_camera_joint, 1 / recording.frames_per_second
     velocity, acceleration = np.full(ps.shape, np.nan), np.full(ps.shape, np.nan)
     velocity[1:-1] = (ps[2:] - ps[:-2]) / (2 * dt)

@@ -14,6 +14,7 @@ from keypose.app.export.report.subject import Subject
 from keypose.app.export.report.tables import figure, table, tile
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import number_text
+from keypose.app.words.angles import angle_words
 from keypose.tracker.body.joint_angles import Angle, Joint, JointAngles
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array
@@ -74,23 +75,6 @@ def rows_of(found: Sequence[JointAngles]) -> list[Row]:
         name, side = (rest, side) if rest else (side, "middle")
         rows.setdefault(name, {})[side] = one
     return [Row(name, sides) for name, sides in rows.items()]
-
-
-def angle_words(angle: Angle) -> tuple[str, str]:
-    """Return what is positive and what is negative, such as "internal rotation"."""
-    return _WORDS.get(angle.name, angle.name.replace("_", " ")), _WORDS.get(
-        angle.other, angle.other.replace("_", " ")
-    )
-
-
-_WORDS = {
-    "bending": "bending to the right",
-    "bending_left": "to the left",
-    "rotation": "rotation to the left",
-    "rotation_right": "to the right",
-    "obliquity": "obliquity, right up",
-    "obliquity_left": "left up",
-}
 
 
 def chart_range(values: Sequence[Array]) -> tuple[float, float]:

@@ -16,7 +16,14 @@ from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
 from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
-from keypose.app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
+from keypose.app.jobs.rerun import (
+    all_segments,
+    require_trackable,
+    rerun,
+    save_found,
+    with_repeats,
+    with_settings,
+)
 from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
@@ -112,6 +119,7 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     found = _Found([])
     if wanted:
         with open_video_of(session, task.session) as video:
+            asked = with_repeats(asked, video, wanted[0][0], wanted[-1][1])
             found = _track(task, asked, video, wanted, send, stop)
         save_found(asked, task.session, found.tracks)
     summary = _summary(task, found)

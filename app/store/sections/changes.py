@@ -12,6 +12,7 @@ from typing import Any
 
 from keypose.app.editor.documents import unchanged
 from keypose.app.store.sections import (
+    angle_values,
     body_values,
     evidence_values,
     motion_values,
@@ -127,6 +128,14 @@ SECTIONS: dict[str, _Section] = {
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),
     "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), body_values.curve),
+    "joint_angle": _Section(
+        _both(
+            _TRACKED,
+            _curve_poses,
+            lambda o: (o.edit and (o.edit.display.joint, o.edit.display.angle),),
+        ),
+        angle_values.joint_angle,
+    ),
     "trail": _Section(
         _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
         body_values.trail,

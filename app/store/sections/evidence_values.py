@@ -30,6 +30,7 @@ from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
+from keypose.tracker.storage.pace import seconds_a_frame
 
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",
@@ -72,8 +73,10 @@ def _why_off(doc: Session, cue: Cue) -> str:
 
 
 def networks_here(_app_state: AppState) -> tuple[Any, ...]:
-    """Return which networks are on the disk: one can be added while the page is open."""
-    return tuple((model, model.is_here) for model in (*MODELS, *added_models()))
+    """Return which networks are on the disk: one can be added while the page is open; and how long
+    a frame of a draft takes by each, where it is known."""
+    models = (*MODELS, *added_models())
+    return tuple((model, model.is_here, seconds_a_frame(model.name)) for model in models)
 
 
 def networks(app_state: AppState) -> Json:
@@ -87,11 +90,12 @@ def networks(app_state: AppState) -> Json:
             "mb": model.size_mb,
             "chosen": model.name == chosen,
             "remedy": "" if is_here else adding(model),
+            "frame_s": frame_s,
         }
-        for model, is_here in networks_here(app_state)
+        for model, is_here, frame_s in networks_here(app_state)
     ]
     if not any(each["chosen"] for each in choices):
-        unknown = {"id": chosen, "label": chosen, "mb": 0.0, "chosen": True}
+        unknown = {"id": chosen, "label": chosen, "mb": 0.0, "chosen": True, "frame_s": None}
         choices.append({**unknown, "remedy": adding_own(chosen)})
     return choices
 

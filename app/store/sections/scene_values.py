@@ -45,6 +45,7 @@ def file(app_state: AppState) -> Json:
         else None,
         "lens": None if info.lens is None else asdict(info.lens),
         "taken": None if doc is None else _taken(info, doc.video),
+        "repeated": len(doc.video.repeats.frames) if doc and doc.video.repeats else 0,
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from keypose.app.editor.drafted import frame_runs, missing_frames
+from keypose.app.editor.drafted import frame_runs, frames_of, missing_frames
 from keypose.app.editor.shown import counts
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
@@ -186,7 +186,7 @@ def draft(app_state: AppState) -> Json:
     where nobody was found and nothing is posed or tracked yet, and the drafts that should be
     confirmed as keyframes, are shown, and of which nobody has said that the picture does not show
     it. first, last: of the frames drafted last; drafted: how many of them were; behind: of how many
-    of these the tracked pose is shown instead.
+    of these the tracked pose is shown instead.  rest: runs of frames that it was cancelled before.
     """
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None or doc.drafted is None:
@@ -195,7 +195,8 @@ def draft(app_state: AppState) -> Json:
     if not waiting:
         return None
     to_confirm = drafts_to_confirm(doc)
-    asked = range(given.first_frame, given.last_frame + 1)
+    left = set() if given.rest is None else {*frames_of(given.rest.frames)}
+    asked = [f for f in range(given.first_frame, given.last_frame + 1) if f not in left]
     lacking = missing_frames(given)
     hidden = {draft.frame for draft in doc.drafts if not counts(edit, draft)}
     tracked = {frame for frame in lacking if edit.tracked(frame) is not None}
@@ -209,6 +210,10 @@ def draft(app_state: AppState) -> Json:
         "missing": [
             [run.first_frame, run.last_frame]
             for run in frame_runs(frame for frame in lacking if frame not in posed)
+        ],
+        "rest": [
+            [run.first_frame, run.last_frame]
+            for run in (given.rest.frames if given.rest is not None else ())
         ],
         "proposals": [
             {

@@ -4,16 +4,16 @@ import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
 import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
 import { isSurface, words } from '../../store/clip.js';
-import { liftWords, whyNotLift, whyNotStand } from '../standing.js';
-import { draftCount, draftMessage, whyNotDraft, whyNotDrawBox } from '../drafting.js';
+import { draftLabel, draftMessage, draftTimeWords, restCount, whyNotDraft, whyNotDraftRest, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
   answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
 } from '../review.js';
+import { liftWords, whyNotLift, whyNotStand } from '../standing.js';
 import {
-  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged,
-  whyNotTrackThis,
+  changedSegments, chosenSegments, chosenTail, namesOf, trackMessage, trackSegment, whyNotAhead,
+  whyNotTrackChanged, whyNotTrackChosen, whyNotTrackThis,
 } from '../tracking.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -23,7 +23,7 @@ export const REVIEW = {
   review: {
     also: 'worst errors problems check correct verify quality inspect',
     label: 'Review', icon: 'flag', keys: ['Shift R'], on: isReviewing, off: whyNotReview, run: toggleReview,
-    title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
+    title: () => `Look at the places${chosenTail().replace(',', ' within')} expected to be off by more than ${goal()} px, the worst first`,
   },
   acceptPlace: {
     also: 'confirm ok right review', alone: 'Accept this place',
@@ -54,9 +54,9 @@ export const REVIEW = {
 export const TRACK = {
   trackChanged: {
     also: 'solve run compute process calculate outdated update',
-    label: () => `${words().verb} changed segments`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
+    label: () => `${words().verb} changed segments${chosenTail()}`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
     title: () => `${words().verb} ${namesOf(changedSegments())}`,
-    message: () => ({ do: 'track', what: 'changed' }),
+    message: () => trackMessage('changed'),
   },
   trackThis: {
     also: 'solve segment current run',
@@ -65,8 +65,8 @@ export const TRACK = {
   },
   trackAll: {
     also: 'solve everything whole run recompute',
-    label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
-    off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+    label: () => `${words().verb} all ${count(chosenSegments().length, 'segment')}${chosenTail()}`, icon: 'reset',
+    off: whyNotTrackChosen, message: () => trackMessage('all'),
   },
   stand: {
     also: 'floor ground contacts feet pins plant foot slide soles level up',
@@ -107,8 +107,13 @@ export const TRACK = {
   },
   draft: {
     also: 'automatic auto detect pose estimation markerless ai',
-    label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
-    title: 'Find the person in every frame and pose the body there', message: draftMessage,
+    label: draftLabel, icon: 'wand', off: whyNotDraft,
+    title: () => ['Find the person in every frame and pose the body there', draftTimeWords()].filter(Boolean).join('. '), message: draftMessage,
+  },
+  draftRest: {
+    also: 'automatic auto detect remaining continue resume', alone: 'Draft the remaining frames',
+    label: () => `Draft the remaining ${count(restCount(), 'frame')}`, icon: 'wand', off: whyNotDraftRest,
+    title: () => ['Those that the draft was cancelled before', draftTimeWords(restCount())].filter(Boolean).join('. '), message: () => ({ do: 'draft_rest' }),
   },
   reduce: {
     also: 'unbake bake keyframe reduction decimate simplify sparse fewer thin key reducer optimise optimize curve',

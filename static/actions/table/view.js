@@ -3,6 +3,7 @@
 import { partNamed, selectedPart } from '../../store/parts.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../../views/views.js';
+import { isCharted, toggleAngle, whyNoAngle } from '../angles.js';
 import { copyPicture, savePicture } from '../exporting.js';
 import { ringsAreShown } from '../keypoints.js';
 import { alongChain, endOfChain, otherSide, outward } from '../parts.js';
@@ -49,6 +50,24 @@ function outwardLabel() {
   const child = part && outward(part);
   return child ? towards(endOfChain(part).short.toLowerCase(), child) : 'Towards the end of the limb';
 }
+
+/** The chart of a joint's angle. @param {string} joint @param {string} label @param {string} also */
+function angle(joint, label, also) {
+  return {
+    label: `${label} angle`, icon: 'rot', also: `joint angle curve chart graph degrees clinical biomechanics coach range of motion flexion extension ${also}`,
+    title: 'Over time, left and right, with its value at the joint; again: close', on: () => isCharted(joint), off: whyNoAngle, run: () => toggleAngle(joint),
+  };
+}
+
+/** @satisfies {Record<string, Action>} */
+export const ANGLES = {
+  kneeAngle: angle('knee', 'Knee', 'leg bend'),
+  hipAngle: angle('hip', 'Hip', 'thigh adduction abduction rotation'),
+  ankleAngle: angle('ankle', 'Ankle', 'foot dorsiflexion plantarflexion'),
+  shoulderAngle: angle('shoulder', 'Shoulder', 'arm adduction abduction'),
+  elbowAngle: angle('elbow', 'Elbow', 'arm bend pronation'),
+  trunkAngle: angle('trunk', 'Trunk', 'spine back bend lean'),
+};
 
 /** @satisfies {Record<string, Action>} */
 export const VIEW = {

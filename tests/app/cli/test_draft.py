@@ -11,6 +11,7 @@ import pytest
 
 from keypose.app.cli import draft
 from keypose.app.cli.main import main
+from keypose.tracker.fitting.draft import DraftProgress
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.sidecars import keypoints_of_session
@@ -115,3 +116,35 @@ def test_ctrl_c_leaves_nothing_behind(
     assert run(command(tmp_path / "new")) == 130
     assert everything_in(tmp_path) == before
     assert "Interrupted" in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_what_the_network_has_looked_at_and_the_same_command_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    whole, reports = draft.drafted, 0
+
+    def interrupted(*given: Any, **named: Any) -> Any:
+        def report(progress: DraftProgress) -> None:
+            nonlocal reports
+            reports += 1
+            if reports == 25:
+                signal.raise_signal(signal.SIGINT)
+            named["report"](progress)
+
+        return whole(*given, **{**named, "report": report})
+
+    monkeypatch.setattr(draft, "drafted", interrupted)
+    out = tmp_path / "new"
+    some = command(out, "--json", "--frames", "0-39")
+    assert run(some) == 130
+    end = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert end["left"] == list(range(17, 40))
+    found = load_session(out / "session.json").drafted
+    assert found is not None
+    assert found.rest is not None
+    assert [(r.first_frame, r.last_frame) for r in found.rest.frames] == [(17, 39)]
+    assert run([*some, "--overwrite"]) == 0
+    found = load_session(out / "session.json").drafted
+    assert found is not None
+    assert found.rest is None

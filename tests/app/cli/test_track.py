@@ -75,6 +75,35 @@ def test_a_session_that_is_open_in_the_page_is_left_alone_and_a_copy_offered(
     assert main(["track", str(session_path)]) == 0
 
 
+@pytest.mark.parametrize(
+    ("frames", "spans"),
+    [("5-6", [(4, 8)]), ("4-9", [(4, 8)]), ("4-4", [(0, 4), (4, 8)]), ("3-5", [(0, 4), (4, 8)])],
+)
+def test_only_segments_between_two_frames_are_tracked(
+    session_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    frames: str,
+    spans: list[tuple[int, int]],
+) -> None:
+    monkeypatch.setattr(follow, "rerun", tracker(("good",) * len(spans)))
+    assert main(["track", str(session_path), "--frames", frames, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1])["segments_of"] == len(spans)
+    results = load_session(session_path).results
+    assert results is not None
+    assert [(one.first_frame, one.last_frame) for one in results.segments] == spans
+
+
+def test_frames_without_a_segment_are_refused(
+    session_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    beyond: list[str | Path] = ["track", session_path, "--frames", "20-30"]
+    words = "No segment reaches between frames 20 and 30: they go from 0 to 8."
+    assert words in refused(capsys, tmp_path, beyond)
+    ahead: list[str | Path] = ["track", session_path, "--frames", "0-4", "--ahead", "forward"]
+    assert "--frames is for segments" in refused(capsys, tmp_path, ahead)
+
+
 def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     command = ["track", str(session_path), "--method", "paper", "--quality", "preview"]
     assert main(command) == 0

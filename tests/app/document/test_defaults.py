@@ -67,7 +67,7 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
         ('quality = "best"', "quality: input should be 'full' or 'preview'"),
         ('cues = ["silhouette"]', "cues: silhouette finds no motion alone"),
         ('network = "My own"', "network: a network's name has 1 to 32 lower-case letters, "),
-        ('body = "dog"', "body: there is no body 'dog'; choose from adult_male, "),
+        ('body = "cat"', "body: there is no body 'cat'; choose from adult_male, "),
         ('workspace = "films"', "workspace: write the whole path, or one that begins with ~"),
         ("colour = 1", "there is no setting 'colour'; the settings are workspace, port, "),
         ("port = ", "is not TOML: "),

@@ -237,6 +237,9 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     assert reported[0].split() == ["frame", "part", "expected", "error", "reason"]
     assert reported[1].startswith("   10  Right forearm  ≈ 14 px")
     assert reported[-1] == "2 places left above 5 px."
+    frame = int(reported[1].split()[0])
+    assert main(["review", str(path), "--frames", f"{frame}-{frame}"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "1 place left above 5 px."
     done = after(
         state,
         {"do": "accept_place", **FOREARM},

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
-from keypose.tracker.body.body import Body
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation
@@ -19,7 +19,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from tests.app.cli_cases import refused
 from tests.tracker.formats import animals, recordings
 
-DOG = Body.model_validate_json((recordings.SAMPLES / "bodies" / "dog.json").read_text("utf-8"))
+DOG = preset("dog")
 SKELETON = Skeleton.of(DOG)
 CAMERA = recordings.session("person").camera
 PLACES = {

@@ -50,7 +50,8 @@ def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> Draft
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
     *progress, end = reported(order(content))
     assert isinstance(end, Finished)
-    draft, network = end.result
+    draft, network, looked = end.result
+    assert looked is None
     assert sorted(draft.poses) == list(range(5))
     assert network
     shares = [report.share for report in progress if isinstance(report, Progress) and report.words]
@@ -63,6 +64,27 @@ def test_a_cancelled_draft_reports_nothing_it_found(content: bytes) -> None:
     *progress, end = reported(order(content), leave_at=2)
     assert end == Finished(NUMBER, cancelled=True)
     assert len(progress) == 2
+
+
+@pytest.mark.parametrize("at", [0, 39], ids=["forward", "backward"])
+def test_a_draft_that_is_cancelled_later_keeps_what_the_network_has_seen(
+    content: bytes,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    at: int,
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    job = DraftClip(content, str(VIDEO), "", at, BOX, (0, 39), proportions=True)
+    *progress, end = reported(job, leave_at=30)
+    assert isinstance(end, Finished)
+    assert not end.cancelled
+    first, last = end.result.looked
+    assert first <= at <= last
+    assert 16 <= last - first + 1 < 40
+    assert {*end.result.draft.poses} <= {*range(first, last + 1)}
+    assert len(end.result.draft.poses) > 10
+    shares = [report.share for report in progress if isinstance(report, Progress)]
+    assert shares == sorted(shares)
 
 
 def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:

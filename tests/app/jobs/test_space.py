@@ -15,6 +15,7 @@ from keypose.app.jobs.rerun import save_found, save_tracks_beside
 from keypose.app.jobs.space import SolveSpace
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.storage import space
 from keypose.tracker.storage.files import load_session, save_session
@@ -59,8 +60,13 @@ def test_an_order_reports_every_stretch_and_then_its_end() -> None:
     assert both(of).with_space(one).unsolved(of) == []
 
 
-def test_exact_keyframes_stay_where_they_are_posed() -> None:
+@pytest.mark.parametrize(
+    "repeats", [None, Repeats(frames=(2, 6)), Repeats(frames=(2, 6), even=False)],
+    ids=["no copies", "copies between", "copies instead"],
+)  # fmt: skip
+def test_exact_keyframes_stay_where_they_are_posed(repeats: Repeats | None) -> None:
     of = smooth(pinned())
+    of = of.model_copy(update={"video": of.video.model_copy(update={"repeats": repeats})})
     one = solution(of)
     for keyframe in of.keyframes:
         pose, wanted = one.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)

@@ -35,7 +35,7 @@ TELEPHOTO = CAMERA.model_copy(update={"projection": "telephoto", "telephoto_dist
 VIEWS = ("main", "top", "side", "front")
 
 PERSON = preset("adult_male")
-DOG = load_body(SAMPLES / "bodies" / "dog.json")
+DOG = preset("dog")
 ARMS = load_body(SAMPLES / "bodies" / "three_arms.json")
 BOX = load_body(SAMPLES / "bodies" / "box.json")
 

@@ -124,6 +124,16 @@ def few(count: int) -> EditorState:
 # --- what is refused
 
 
+@pytest.mark.parametrize("what", ["changed", "all"])
+def test_only_segments_that_reach_between_two_frames_are_tracked(runner: Runner, what: Any) -> None:
+    edit = desk()
+    (first, last), *_ = edit.doc.spans
+    runner.track(PIECE, edit, what, (first, last))
+    assert [one[:2] for one in orders(runner).wanted[-1]] == [(first, last)]
+    with pytest.raises(ActionRefused, match=f"within {last + 900}–{last + 999} are tracked"):
+        runner.track(PIECE, edit, what, (last + 900, last + 999))
+
+
 @pytest.mark.parametrize("what", ["this", "changed", "all"])
 @pytest.mark.parametrize(
     ("edit", "words"),

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from keypose.app.export.import_motion import fit_to_session
 from keypose.tracker.body.body import PEOPLE, Body, preset
-from keypose.tracker.body.modify import with_clavicles
+from keypose.tracker.body.modify import height, with_clavicles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_names import matched
@@ -124,16 +124,17 @@ def test_at_rest_no_joint_turns_but_the_arms() -> None:
 @pytest.mark.parametrize("name", PEOPLE)
 def test_every_preset_rests_as_a_t_that_looks_along_z(name: str) -> None:
     rest = dict(zip(JOINTS, rest_joints(smpl_of(Skeleton.of(preset(name)))), strict=True))
+    size = height(preset(name)) / height(preset("adult_male"))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         arm = [rest[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist")]
         leg = [rest[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle")]
         np.testing.assert_allclose(np.ptp(arm, axis=0)[1:], 0.0, atol=1e-9)
         np.testing.assert_allclose(np.ptp(leg, axis=0)[[0, 2]], 0.0, atol=1e-9)
-        assert (np.diff([sign * p[0] for p in arm]) > 0.2).all()
-        assert (np.diff([p[1] for p in leg]) < -0.3).all()
-        assert rest[f"{side}_foot"][2] > rest[f"{side}_ankle"][2] + 0.1
+        assert (np.diff([sign * p[0] for p in arm]) > 0.2 * size).all()
+        assert (np.diff([p[1] for p in leg]) < -0.3 * size).all()
+        assert rest[f"{side}_foot"][2] > rest[f"{side}_ankle"][2] + 0.1 * size
     heights = [rest[joint][1] for joint in ("pelvis", "spine1", "spine2", "spine3", "neck", "head")]
-    assert (np.diff(heights) > 0.05).all()
+    assert (np.diff(heights) > 0.05 * size).all()
 
 
 def test_clavicles_are_its_collars() -> None:

@@ -13,6 +13,8 @@ Sources
       Biomechanics 29, 1996, table 4. Between joint centres, young men and women.
   [N] Fryar et al., Anthropometric Reference Data for Children and Adults: United States,
       August 2021-August 2023 (NHANES), Vital and Health Statistics 3(50), 2025.
+  [W] de Onis et al., Development of a WHO growth reference for school-aged children and
+      adolescents, Bulletin of the World Health Organization 85, 2007. Median stature at 7 years.
   [J] American Academy of Orthopaedic Surgeons, Joint Motion: Method of Measuring and Recording,
       1965. Degrees from the upright stance, arms hanging: the rest pose.
 """
@@ -56,27 +58,85 @@ ELDERLY_MM: dict[str, tuple[float, float]] = {
     "stature": (1724.0, 1583.0),  # [N] table 7, ages 70-79
 }
 
+# A child of 7 years, boys and girls together. Stature is [W]'s, the mean of 1217 and 1208; all
+# else is estimated, near what Snyder et al., Anthropometry of Infants, Children, and Youths to Age
+# 18, 1977, describe: a child's head and trunk are longer for its stature than an adult's, its legs
+# shorter, its girths smaller.
+CHILD_MM: dict[str, float] = {
+    "stature": 1212.5,
+    "bideltoid_breadth": 305.0,
+    "chest_depth": 142.0,
+    "waist_breadth": 192.0,
+    "waist_depth": 150.0,
+    "hip_breadth": 214.0,
+    "buttock_depth": 150.0,
+    "neck_circumference": 265.0,
+    "head_circumference": 519.0,
+    "head_breadth": 142.0,
+    "biceps_circumference_flexed": 196.0,
+    "forearm_circumference_flexed": 183.0,
+    "wrist_circumference": 127.0,
+    "hand_breadth": 62.0,
+    "thigh_circumference": 370.0,
+    "lower_thigh_circumference": 275.0,
+    "calf_circumference": 250.0,
+    "ankle_circumference": 170.0,
+    "foot_length": 190.0,
+    "foot_breadth": 75.0,
+}
+
 # [N], ages 70-79 over the mean of 20-29 and 30-39, men and women: what age changes within one
 # survey, apart from what sets soldiers apart from others.
 AGE_WAIST = (107.5 / 98.2, 99.6 / 94.15)  # table 12
 AGE_HIP = (105.0 / 105.4, 108.6 / 109.3)  # table 14
 AGE_ARM = (33.4 / 34.85, 32.1 / 32.9)  # table 16, mid-upper arm
 
-# [D], heights above the floor and lengths over stature.
-ANKLE, KNEE, ACROMION, CHIN = 0.039, 0.285, 0.818, 0.870
-FOREARM, HAND = 0.146, 0.108
-
 # [L], over stature, men and women. [D] has the upper arm from the acromion, 0.186, and the joint
 # lies under it.
 UPPER_ARM = (281.7 / 1741, 275.1 / 1735)
 SHOULDER_OVER_HIP = 0.5 * (515.5 / 1741 + 497.9 / 1735)
-
-# Estimates, over stature: places inside the trunk that no survey measures from outside.
-CROTCH, ROOT, LUMBAR, CHEST_TOP, HEAD_JOINT = 0.490, 0.555, 0.610, 0.832, 0.890
 SHOULDER_DROP = 0.007
 """The joint lies under the bony point whose height [D] gives; anatomy has it 0.01 lower, and the
 hip at the trochanter, 0.530; but then the trunk is shorter than [L] and motion capture have it."""
-SHOULDER, HIP = ACROMION - SHOULDER_DROP, ACROMION - SHOULDER_DROP - SHOULDER_OVER_HIP
+
+
+@dataclass(frozen=True)
+class Proportions:
+    """Heights above the floor, and lengths, over stature."""
+
+    ankle: float
+    knee: float
+    acromion: float
+    chin: float
+    forearm: float
+    hand: float
+    shoulder_over_hip: float
+    crotch: float
+    root: float
+    lumbar: float
+    chest_top: float
+    head_joint: float
+
+    @property
+    def shoulder(self) -> float:
+        return self.acromion - SHOULDER_DROP
+
+    @property
+    def hip(self) -> float:
+        return self.shoulder - self.shoulder_over_hip
+
+
+ADULT = Proportions(
+    ankle=0.039, knee=0.285, acromion=0.818, chin=0.870, forearm=0.146, hand=0.108,  # [D]
+    shoulder_over_hip=SHOULDER_OVER_HIP,
+    # Estimates: places inside the trunk that no survey measures from outside.
+    crotch=0.490, root=0.555, lumbar=0.610, chest_top=0.832, head_joint=0.890,
+)  # fmt: skip
+CHILD = Proportions(  # estimates, all of them
+    ankle=0.045, knee=0.268, acromion=0.795, chin=0.839, forearm=0.146, hand=0.110,
+    shoulder_over_hip=0.300, crotch=0.452, root=0.520, lumbar=0.578, chest_top=0.808,
+    head_joint=0.862,
+)  # fmt: skip
 
 # Estimates: a solid that is too thick claims points of the background, one that is too thin only
 # loses some of its own, so all girths are taken slightly under.
@@ -125,9 +185,16 @@ class Person:
 
     woman: bool
     elderly: bool
+    child: bool = False
+
+    @property
+    def over_stature(self) -> Proportions:
+        return CHILD if self.child else ADULT
 
     def mm(self, name: str) -> float:
         """A measured figure in metres."""
+        if self.child:
+            return CHILD_MM[name] / 1000
         table = ELDERLY_MM if self.elderly and name in ELDERLY_MM else ANSUR_MM
         return table[name][self.woman] / 1000
 
@@ -142,7 +209,7 @@ class Person:
     @property
     def adult_stature(self) -> float:
         """Arms, hands, feet and head keep the adult size: [N] table 18 finds no shorter arms."""
-        return ANSUR_MM["stature"][self.woman] / 1000
+        return self.stature if self.child else ANSUR_MM["stature"][self.woman] / 1000
 
     def up(self, fraction: float) -> float:
         """Height above the floor, to 0.1 mm so that the parts add up to the stature exactly."""
@@ -190,7 +257,7 @@ class Person:
 
 def make_body(name: str) -> Body:
     """The preset of this name, made from the tables."""
-    who = Person(woman=name.endswith("female"), elderly=name.startswith("elderly"))
+    who = Person(name.endswith("female"), name.startswith("elderly"), name == "child")
     parts = [*_trunk(who), *_arm(who, "left"), *_arm(who, "right")]
     parts += [*_leg(who, "left"), *_leg(who, "right")]
     limbs = ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")
@@ -205,15 +272,16 @@ def as_json(body: Body) -> str:
 
 
 def _trunk(who: Person) -> list[Part]:
-    root, lumbar, top = who.up(ROOT), who.up(LUMBAR), who.up(CHEST_TOP)
-    head, crown = who.up(HEAD_JOINT), who.up(1.0)
+    of = who.over_stature
+    root, lumbar, top = who.up(of.root), who.up(of.lumbar), who.up(of.chest_top)
+    head, crown = who.up(of.head_joint), who.up(1.0)
     hip = (who.hip_half, who.mm("buttock_depth") / 2 * 0.9 * who.aged(AGE_HIP))
     arm = who.arm_radii[0]
     # Breadth and depth at shoulder height are estimates: into the arms, and flatter than below.
     shoulders = (who.shoulder_x - 0.85 * arm, who.mm("chest_depth") / 2 * 0.78)
     neck = who.mm("neck_circumference") / (2 * math.pi) * TRUNK
-    chin = who.adult_stature * (1 - CHIN) - (crown - head)
-    waist = _frustum(root - who.up(CROTCH), root - lumbar, hip, who.waist_radii)
+    chin = who.adult_stature * (1 - of.chin) - (crown - head)
+    waist = _frustum(root - who.up(of.crotch), root - lumbar, hip, who.waist_radii)
     ribs = _frustum(0.02, lumbar - top, who.waist_radii, shoulders)
     throat = Cylinder(start_m=0.03, end_m=top - head - 0.02, radius_m=neck)
     skull = _frustum(chin, head - crown, *_head_radii(who))
@@ -237,10 +305,11 @@ def _head_radii(who: Person) -> tuple[Radii, Radii]:
 
 def _arm(who: Person, side: str) -> list[Part]:
     out = 1 if side == "left" else -1
-    lengths = (UPPER_ARM[who.woman], FOREARM, HAND)
+    of = who.over_stature
+    lengths = (UPPER_ARM[who.woman], of.forearm, of.hand)
     upper, fore, hand = (round(f * who.adult_stature, 4) for f in lengths)
     shoulder, elbow, wrist = who.arm_radii
-    joint_y = who.up(LUMBAR) - who.up(SHOULDER)
+    joint_y = who.up(of.lumbar) - who.up(of.shoulder)
     # The upper arm reaches above its joint: the round of the shoulder.
     top = _frustum(-0.7 * shoulder, upper, (shoulder, shoulder), (elbow, elbow))
     low = _frustum(0, fore, (elbow, elbow), (wrist, wrist))
@@ -258,7 +327,8 @@ def _arm(who: Person, side: str) -> list[Part]:
 
 def _leg(who: Person, side: str) -> list[Part]:
     out = 1 if side == "left" else -1
-    hip, knee, ankle = who.up(HIP), who.up(KNEE), who.up(ANKLE)
+    of = who.over_stature
+    hip, knee, ankle = who.up(of.hip), who.up(of.knee), who.up(of.ankle)
     top = who.limb_radius("thigh_circumference", 0.93)  # measured under the crotch, the thickest
     bend = who.limb_radius("lower_thigh_circumference", 0.95)
     low = who.limb_radius("ankle_circumference")
@@ -270,7 +340,7 @@ def _leg(who: Person, side: str) -> list[Part]:
     heel, toe = 0.25 * length, -0.75 * length  # estimate: where the ankle stands over the foot
     foot = Box(low_m=(-half, 0.3 * ankle, toe), high_m=(half, ankle, heel))
     marks = {f"{side}_toe": (0.0, ankle, toe), f"{side}_heel": (0.0, ankle, heel)}
-    joint = (out * hip_x, who.up(ROOT) - hip, 0)
+    joint = (out * hip_x, who.up(of.root) - hip, 0)
     return [
         _part(f"{side}_thigh", "waist", joint, thigh, ("rx", "rz")),
         _part(f"{side}_shin", f"{side}_thigh", (0, hip - knee, 0), shin, ("rx",)),
@@ -331,6 +401,13 @@ def _rounded(value: object) -> object:
 
 
 def _source(who: Person) -> str:
+    if who.child:
+        return (
+            "Stature: WHO growth reference 2007 (de Onis et al.), median at 7 years, boys and "
+            "girls. All else is estimated, not measured, near the proportions and girths that "
+            "Snyder et al. 1977 describe. Joint limits as of adults: American Academy of "
+            "Orthopaedic Surgeons, Joint Motion, 1965."
+        )
     sex = "women" if who.woman else "men"
     text = (
         "Segment lengths: Drillis and Contini 1966 as printed in Winter, Biomechanics and Motor "
@@ -368,7 +445,96 @@ def make_objects() -> tuple[Body, ...]:
     )
 
 
+@dataclass(frozen=True)
+class Quadruped:
+    """The estimated sizes of an animal, metres: its nose toward the camera, its trunk level.
+
+    trunk, head: low and high corners of boxes.  neck, tail: where they are joined, and their shape.
+    legs: front and hind, where they are joined on the left, lengths of upper and lower part, radii
+    at the top, the middle and the end.  end: what a leg ends in.
+    """
+
+    name: str
+    end: str
+    source: str
+    trunk: tuple[Point, Point]
+    head: tuple[Point, Point]
+    head_at: Point
+    neck: tuple[Point, Frustum]
+    tail: tuple[Point, Frustum]
+    legs: tuple[tuple[str, Point, float, float, Radii, Radii, Radii], ...]
+
+
+_KNEE = (0.030, 0.035)
+_PAW = (0.022, 0.025)
+DOG = Quadruped(
+    name="dog",
+    end="paw",
+    source="Estimated, not measured: a dog of about 0.65 m at the withers, its nose toward the "
+    "camera.",
+    trunk=((-0.1, -0.11, -0.3), (0.1, 0.13, 0.3)),
+    head=((-0.055, -0.08, -0.2), (0.055, 0.05, 0.07)),
+    head_at=(0.0, -0.2, 0.0),
+    neck=((0.0, -0.05, -0.25), Frustum(start_m=0.03, end_m=-0.22, start_radii_m=(0.075, 0.09),
+                                       end_radii_m=(0.055, 0.065))),
+    tail=((0.0, -0.08, 0.29), Frustum(start_m=-0.01, end_m=0.33, start_radii_m=(0.025, 0.025),
+                                      end_radii_m=(0.012, 0.012))),
+    legs=(
+        ("front", (0.075, 0.05, -0.21), 0.25, 0.25, (0.045, 0.0585), _KNEE, _PAW),
+        ("hind", (0.075, 0.05, 0.22), 0.26, 0.24, (0.055, 0.0715), _KNEE, _PAW),
+    ),
+)  # fmt: skip
+HORSE = Quadruped(
+    name="horse",
+    end="hoof",
+    source="Estimated, not measured: a horse of about 1.6 m at the withers, its nose toward the "
+    "camera.",
+    trunk=((-0.28, -0.3, -0.75), (0.28, 0.3, 0.75)),
+    head=((-0.12, -0.16, -0.5), (0.12, 0.12, 0.12)),
+    head_at=(0.0, -0.68, -0.08),
+    neck=((0.0, -0.15, -0.68), Frustum(start_m=0.1, end_m=-0.72, start_radii_m=(0.16, 0.28),
+                                       end_radii_m=(0.10, 0.15))),
+    tail=((0.0, -0.2, 0.74), Frustum(start_m=-0.02, end_m=0.75, start_radii_m=(0.05, 0.05),
+                                     end_radii_m=(0.06, 0.06))),
+    legs=(
+        ("front", (0.17, 0.1, -0.52), 0.55, 0.67, (0.11, 0.15), (0.065, 0.07), (0.055, 0.065)),
+        ("hind", (0.17, 0.05, 0.55), 0.62, 0.65, (0.14, 0.20), (0.07, 0.08), (0.055, 0.065)),
+    ),
+)  # fmt: skip
+
+
+def make_animal(animal: Quadruped) -> Body:
+    """The body of an animal, left and right alike."""
+    (low, high), (head_low, head_high) = animal.trunk, animal.head
+    (neck_at, neck), (tail_at, tail) = animal.neck, animal.tail
+    nose = {"nose": (0.0, 0.0, head_low[2])}
+    parts = [
+        _part("trunk", None, (0, 0, 0), Box(low_m=low, high_m=high), ALL_DOFS),
+        _part("neck", "trunk", neck_at, neck, ("rx", "ry", "rz")),
+        _part(
+            *("head", "neck", animal.head_at, Box(low_m=head_low, high_m=head_high), ("rx", "ry")),
+            landmarks=nose,
+        ),
+        _part("tail", "trunk", tail_at, tail, ("rx", "rz"), {"tail_tip": (0.0, tail.end_m, 0.0)}),
+    ]
+    for side, out in (("left", 1), ("right", -1)):
+        for leg, (x, y, z), upper, lower, top, knee, end in animal.legs:
+            name = f"{side}_{leg}"
+            thigh, shin = _frustum(-0.02, upper, top, knee), _frustum(-0.01, lower, knee, end)
+            foot = {f"{name}_{animal.end}": (0.0, lower, 0.0)}
+            above = f"{name}_upper_leg"
+            parts += [
+                _part(above, "trunk", (out * x, y, z), thigh, ("rx", "rz")),
+                _part(f"{name}_lower_leg", above, (0, upper, 0), shin, ("rx",), foot),
+            ]
+    limbs = [f"{leg[0]}_{half}_leg" for leg in animal.legs for half in ("upper", "lower")]
+    pairs = tuple((f"left_{limb}", f"right_{limb}") for limb in limbs)
+    parts = [part.model_copy(update={"limits_deg": {}, "twist": None}) for part in parts]
+    body = Body(name=animal.name, parts=tuple(parts), mirror_pairs=pairs, source=animal.source)
+    return Body.model_validate(_rounded(body.model_dump()))
+
+
 if __name__ == "__main__":
-    for body in (*map(make_body, PEOPLE), *make_objects()):
+    for body in (*map(make_body, PEOPLE), *map(make_animal, (DOG, HORSE)), *make_objects()):
         path = Path(__file__).with_name(f"{body.name}.json")
         path.write_text(as_json(body), encoding="utf-8")

@@ -1,0 +1,116 @@
+// The chart of a joint's angle, left and right, over the timeline and in step with it: its frames stand
+// over the timeline's, a press or a drag moves the playhead.
+
+import { html, nothing, render, svg } from '../vendor/lit-html/lit-html.js';
+import { angleRange, ticksOf } from '../actions/angle_picture.js';
+import {
+  chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable, SIDES,
+} from '../actions/angles.js';
+import { frame, goTo, stopPlaying } from '../actions/playhead.js';
+import { button, dropdown, iconButton } from '../controls/fields.js';
+import { clampFrame } from '../store/clip.js';
+import { server, watch } from '../store/state.js';
+import { GUTTER, frameAt, right, visible, x } from './draw/scale.js';
+import { line, runsOf } from './draw/series.js';
+
+const HEIGHT = 168;
+const AIR = 14;
+const ABOVE_PX = 8;
+const STEPS = [1, 2, 5, 10, 20, 30, 45, 60, 90, 180];
+
+let place = null;
+let drawing = null;
+
+/** Draw the card in this element, over the timeline's drawing. */
+export function mountAngleCard(element, timeline) {
+  [place, drawing] = [element, timeline];
+  watch(['joint_angle', 'view', 'u:timeSize', 'u:timeWindow', 'u:timeHead', 'u:playing', 'reduction'], draw);
+  addEventListener('resize', () => requestAnimationFrame(put));
+}
+
+function draw() {
+  render(server.joint_angle && !server.reduction ? card(server.joint_angle) : nothing, place);
+  put();
+}
+
+/** As wide as the timeline, above it. */
+function put() {
+  const shown = place.firstElementChild;
+  if (!shown) return;
+  const box = drawing.getBoundingClientRect();
+  shown.style.left = `${box.left}px`;
+  shown.style.width = `${box.width}px`;
+  shown.style.top = `${Math.max(ABOVE_PX, box.top - shown.getBoundingClientRect().height - ABOVE_PX)}px`;
+}
+
+function card(shown) {
+  const { sides, choices, positive, negative, joint, angle } = shown;
+  const value = `${joint} ${angle}`;
+  const options = choices.map((each) => ({ id: `${each.joint} ${each.angle}`, label: each.label }));
+  return html`<section class="menu stack anglecard" aria-label=${`${shown.label} over time`}>
+    <div class="row">
+      ${dropdown({ label: 'Joint angle', value, kind: 'field', options, act: (id) => chartAngle(...id.split(' ')) })}
+      <span class="dim">+ ${positive}, − ${negative}</span><span class="sp"></span>
+      ${sides.map(sideNow)}
+      ${button({ name: 'img', label: 'Save picture', title: 'Save the whole curve as a PNG picture', kind: 'sm', act: saveAnglePicture })}
+      ${button({ name: 'exp', label: 'Save CSV', title: 'Save frames, seconds and degrees as a table', kind: 'sm', act: saveAngleTable })}
+      ${iconButton({ name: 'x', label: 'Close', act: closeAngle })}
+    </div>
+    ${chart(shown)}
+  </section>`;
+}
+
+/** Where the side is at the playhead, and between which values it moves. */
+function sideNow({ side, values }) {
+  const found = extremes(values);
+  const range = found ? `${degrees(found.low.value)} to ${degrees(found.high.value)}` : '';
+  return html`<span class="side ${side}"><span class="dim">${SIDES[side]}</span> <b class="num">${degrees(values[frame()])}</b>
+    <span class="dim num">${range}</span></span>`;
+}
+
+function chart(shown) {
+  if (!shown.sides.some(({ values }) => extremes(values))) return html`<p class="note">No pose is known yet.</p>`;
+  const [low, high] = angleRange(shown);
+  const y = (value) => AIR + ((high - value) * (HEIGHT - 2 * AIR)) / (high - low);
+  const { first, last } = visible();
+  const at = x(frame());
+  return html`<svg class="anglechart" height=${HEIGHT} role="img" aria-label=${`${shown.label}, degrees`}
+      @pointerdown=${press} @pointermove=${drag}>
+    ${ticksOf(low, high, STEPS, 6).map((value) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
+      <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`)}
+    ${shown.sides.map(({ side, values }) => runsOf(values).map((run) => svg`<path class="curve ${side}" d=${line(run, y)} />`))}
+    ${shown.sides.map(({ side, values }) => ends(side, values, y, first, last))}
+    <line class="now" x1=${at} x2=${at} y1="0" y2=${HEIGHT} />
+    ${shown.sides.map(({ side, values }) => now(side, values[frame()], at, y))}
+  </svg>`;
+}
+
+/** The lowest and the highest value, where they are. */
+function ends(side, values, y, first, last) {
+  const found = extremes(values);
+  if (!found) return nothing;
+  return [found.low, found.high].filter((one) => one.frame >= first && one.frame <= last).map((one) => svg`<g class="end ${side}">
+    <circle cx=${x(one.frame)} cy=${y(one.value)} r="3.5" />
+    <text x=${x(one.frame)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`);
+}
+
+function now(side, value, at, y) {
+  if (value === null || value === undefined) return nothing;
+  return svg`<circle class="now ${side}" cx=${at} cy=${y(value)} r="4.5" />`;
+}
+
+function press(event) {
+  if (event.button !== 0) return;
+  event.currentTarget.setPointerCapture(event.pointerId);
+  stopPlaying();
+  follow(event);
+}
+
+function drag(event) {
+  if (event.currentTarget.hasPointerCapture(event.pointerId)) follow(event);
+}
+
+function follow(event) {
+  const { left } = event.currentTarget.getBoundingClientRect();
+  goTo(clampFrame(frameAt(event.clientX - left)));
+}

@@ -1,0 +1,79 @@
+"""The angle of a joint by its clinical name: found, charted, said at the joint, saved."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from keypose.tracker.body.joint_angles import joint_angles
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
+from tests.app.serving import ROOT
+from tests.browser.interaction import screen, section, until, until_counted, until_state
+
+PERSON = ROOT / "sample_videos" / "person"
+
+
+@pytest.fixture
+def sample(tmp_path: Path) -> Path:
+    """The sample with its true motion as drafts."""
+    path = tmp_path / "person" / "session.json"
+    path.parent.mkdir()
+    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
+    session = load_session(PERSON / "session.json")
+    skeleton = Skeleton.of(session.body)
+    with np.load(PERSON / "truth.npz") as truth:
+        poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
+    drafts = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
+    given = {"keyframes": (), "drafts": tuple(drafts), "part_keyframes": (), "results": None}
+    save_session(session.model_copy(update=given), path)
+    return path
+
+
+def knees() -> dict[str, list[float]]:
+    """The true flexion, degrees, by side."""
+    session = load_session(PERSON / "session.json")
+    with np.load(PERSON / "truth.npz") as truth:
+        Rs = truth["Rs_parent_part"]
+    found = {one.joint.name: one for one in joint_angles(session.body, Rs, np.eye(3))}
+    return {side: found[f"{side}_knee"]["flexion"].tolist() for side in ("left", "right")}
+
+
+def test_a_knee_angle_is_found_by_its_name_charted_and_saved(page: Page, tmp_path: Path) -> None:
+    page.keyboard.press("Control+k")
+    page.locator("#search[open] input").fill("knee angle")
+    page.locator("#search [role=option]").first.wait_for()
+    page.keyboard.press("Enter")
+    until_state(page, "joint_angle", lambda shown: shown is not None)
+    true = knees()
+    until_counted(page, ".anglechart path.curve", 2)
+    frame = section(page, "view.frame")
+    here = [f"{round(true[side][frame])}°" for side in ("left", "right")]
+    assert page.locator(".anglecard .side b").all_inner_texts() == here
+    assert page.locator(".hud .jointangle").all_inner_texts() == here
+    screen(page, "joint-angle")
+    box = page.locator(".anglechart").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 40)
+    until(lambda: section(page, "view.frame") > frame, "another frame")
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save CSV").click()
+    saved.value.save_as(tmp_path / "knee.csv")
+    rows = list(csv.DictReader((tmp_path / "knee.csv").read_text().splitlines()))
+    assert len(rows) == len(true["left"])
+    for side in ("left", "right"):
+        written = [float(row[f"{side}_knee_flexion_deg"]) for row in rows]
+        assert written == pytest.approx(true[side], abs=0.06)
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save picture").click()
+    saved.value.save_as(tmp_path / "knee.png")
+    assert (tmp_path / "knee.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "knee.png").stat().st_size > 10_000
+    page.locator(".anglecard").get_by_role("button", name="Close").click()
+    until_counted(page, ".anglecard", 0)
