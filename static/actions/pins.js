@@ -33,7 +33,7 @@ export const isFoot = (part) => wholeFoot(part).length === 2;
 
 /** The landmarks of a whole foot: heel and toe. */
 export const wholeFoot = (part) =>
-  ['heel', 'toe'].map((end) => part?.landmarks.find((name) => name.endsWith(end))).filter(Boolean);
+  ['heel', 'toe'].map((end) => part?.landmarks?.find((name) => name.endsWith(end))).filter(Boolean);
 
 export const isPinAt = ({ first, last }, at) => first <= at && at <= last;
 

@@ -120,6 +120,7 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         *_twists(session.body),
         *([{"soft in depth": in_depth}] if in_depth else []),
         *([{"soles on the floor": 2}] if any(pin.floor for pin in pins) else []),
+        *([session.video.repeats.model_dump(mode="json")] if session.video.repeats else []),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

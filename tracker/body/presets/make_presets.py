@@ -59,8 +59,7 @@ ELDERLY_MM: dict[str, tuple[float, float]] = {
 }
 
 # A child of 7 years, boys and girls together. Stature is [W]'s, the mean of 1217 and 1208; all
-# else is estimated, near what Snyder et al., Anthropometry of Infants, Children, and Youths to Age
-# 18, 1977, describe: a child's head and trunk are longer for its stature than an adult's, its legs
+# else is estimated: a child's head and trunk are longer for its stature than an adult's, its legs
 # shorter, its girths smaller.
 CHILD_MM: dict[str, float] = {
     "stature": 1212.5,
@@ -404,9 +403,8 @@ def _source(who: Person) -> str:
     if who.child:
         return (
             "Stature: WHO growth reference 2007 (de Onis et al.), median at 7 years, boys and "
-            "girls. All else is estimated, not measured, near the proportions and girths that "
-            "Snyder et al. 1977 describe. Joint limits as of adults: American Academy of "
-            "Orthopaedic Surgeons, Joint Motion, 1965."
+            "girls. All proportions and girths are estimates. Joint limits as of adults: American "
+            "Academy of Orthopaedic Surgeons, Joint Motion, 1965."
         )
     sex = "women" if who.woman else "men"
     text = (
