@@ -403,7 +403,7 @@ def _source(who: Person) -> str:
     if who.child:
         return (
             "Stature: WHO growth reference 2007 (de Onis et al.), median at 7 years, boys and "
-            "girls. All proportions and girths are estimates. Joint limits as of adults: American "
+            "girls. Estimated: all proportions and girths. Joint limits as of adults: American "
             "Academy of Orthopaedic Surgeons, Joint Motion, 1965."
         )
     sex = "women" if who.woman else "men"
