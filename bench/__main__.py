@@ -19,7 +19,7 @@ from bench.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "surface",
-    "space", "mask", "evidence", "drafts", "effort", "rigs", "install", "fuzz", "gains",
+    "space", "standing", "mask", "evidence", "drafts", "effort", "rigs", "install", "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)
 """Measured only where it is asked for."""

@@ -35,7 +35,7 @@ from keypose.tracker.solver.least_squares import JOINTS, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, free_skeleton
-from keypose.tracker.solver.sigmas import JOINT_PX, POSE_LIMIT_RAD
+from keypose.tracker.solver.sigmas import JOINT_PX, LIMIT_RAD
 from keypose.tracker.solver.terms import Term
 
 LENGTH_SHARE, FIXED_SHARE, DISTANCE_SHARE = 0.08, 1e-4, 0.1
@@ -123,7 +123,7 @@ def _posed(
     precision[turns] = sigma[skeleton.dof_part, skeleton.dof_axis][turns] ** -2.0
     terms: list[Term] = [
         PointsInPicture(points, ideal, uv, np.full(len(uv), 1 / JOINT_PX), NEAREST_M),
-        JointLimits(Limits.of(clip.body), POSE_LIMIT_RAD),
+        JointLimits(Limits.of(clip.body), LIMIT_RAD),
         PosePrior.of(Pose(usual, np.zeros(3)), precision),
     ]
     if before is not None:
