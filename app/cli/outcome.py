@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -41,13 +41,13 @@ def track_and_save(
     frames: first and last frame to track between; None for all.
     """
     require_place(arguments)
-    wanted = _wanted(asked, frames)
+    ends = _ends(_wanted(asked, frames))
     with open_video_of(asked, arguments.session) as video, locked_place(arguments):
         session, asked = (
             with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
         )
-        ends = wanted[0][0], wanted[-1][1]
         session, asked = (with_repeats(s, video, *ends) for s in (session, asked))
+        wanted = _wanted(asked, frames)  # by keys that know the present fingerprints
         warm_tracker()
         _say_what_was_found(asked)
         _say_what_is_left_out(asked, arguments)
@@ -63,6 +63,11 @@ def track_and_save(
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
+
+
+def _ends(wanted: Sequence[Wanted]) -> Span:
+    """First and last frame of some segments, in their order."""
+    return wanted[0][0], wanted[-1][1]
 
 
 def _wanted(session: Session, frames: Span | None) -> list[Wanted]:

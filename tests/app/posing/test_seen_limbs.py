@@ -102,7 +102,8 @@ def anchor_of(name: str) -> str:
 def test_an_elbow_or_knee_is_dragged_and_its_hand_or_foot_stays_where_it_is_seen(
     pose: Pose, end: str
 ) -> None:
-    """Unless the limb would have to turn about itself by far, which is done in part only."""
+    """Unless the limb would have to turn about itself by far, or its hinge aside by more than the
+    4° that a knee yields: that is done in part only."""
     view, handle = sights()["main"], handle_named(PERSON, MIDDLE_OF[end])
     off = []
     for seed in range(7):
@@ -116,7 +117,7 @@ def test_an_elbow_or_knee_is_dragged_and_its_hand_or_foot_stays_where_it_is_seen
         assert np.degrees(np.abs(beyond[PERSON.index(handle.part)])).max() < 1.0
         off.append(np.linalg.norm(view.project(p[end]) - view.project(at_end)))
     assert np.median(off) < 1e-3
-    assert max(off) < 5.0
+    assert max(off) < 8.0
 
 
 @every_end
