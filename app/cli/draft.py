@@ -116,8 +116,8 @@ def _save(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
     times_s = session.evidence.times_s(video.info.times_s)
-    given = (draft.body, draft.poses, session.keypoints, draft.proposals, times_s)
-    done = drafted_session(session, frames, *given)
+    given = (draft.body, draft.poses, session.keypoints, draft.proposals)
+    done = drafted_session(session, frames, *given, times_s, session.up_camera)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
     )

@@ -25,6 +25,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
+from keypose.tracker.session.settings import Position
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
 from keypose.tracker.tracking.pool import Cancelled
@@ -103,12 +104,14 @@ class DraftClip(Fit):
 
     frames: first and last to draft.
     proportions: whether the body's limbs may be scaled to the person's.
+    up_camera: what is known to be up; drafts stay where that changes meanwhile.
     """
 
     frame: int
     box: Box
     frames: tuple[int, int]
     proportions: bool
+    up_camera: Position | None = None
 
     kind = "draft"
     title = "Drafting poses"
@@ -121,7 +124,8 @@ class DraftClip(Fit):
         frames = (action.first or 0, last if action.last is None else action.last)
         require_draftable(doc, action.frame, action.box, frames)
         given = sent(opened, doc, keyframes=())
-        return cls(*given, action.frame, action.box, frames, not keeps_proportions(doc))
+        box, proportions = action.box, not keeps_proportions(doc)
+        return cls(*given, action.frame, box, frames, proportions, doc.up_camera)
 
     def work(self, session: Session, context: Context) -> Drafted:
         began = time.monotonic()
@@ -159,7 +163,7 @@ class DraftClip(Fit):
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
         given = (draft.body, draft.poses, referring.keypoints, draft.proposals)
-        return with_clip_drafted(edit, self.frames, *given)
+        return with_clip_drafted(edit, self.frames, *given, self.up_camera)
 
 
 def progress_of(progress: DraftProgress) -> tuple[float, str]:

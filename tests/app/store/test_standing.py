@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.jobs.track import Track
@@ -18,6 +19,7 @@ from keypose.app.store import runner
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.space import solved
@@ -28,6 +30,7 @@ from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
 
 LAST = 60
+KEYPOINTS = KeypointFile(file="keypoints-0123456789ab.npz", source="BlazePose", network="0")
 SHOWN, UP = walk()
 WHOLE = wandering(SHOWN.truth)
 MOTION = Trajectory(0, WHOLE.Rs_parent_part[: LAST + 1], WHOLE.ps_camera_root[: LAST + 1])
@@ -61,7 +64,8 @@ class Desk(StoreDesk):
         self.store._set(edit=replace(self.edit, results=results))
 
     def draft(self) -> None:
-        """Every frame between the keyframes is drafted, for no up; the second keyframe soft."""
+        """Every frame between the keyframes is drafted, for no up, and the second keyframe made of
+        a draft; the third one was posed and softened by hand."""
         drafts = tuple(
             Keyframe.of(self.edit.skeleton, MOTION.pose(frame), frame, frame / 30).model_copy(
                 update={"drafted": True}
@@ -69,10 +73,12 @@ class Desk(StoreDesk):
             for frame in range(1, 30)
         )
         keyframes = tuple(
-            k.model_copy(update={"soft": True}) if k.frame == KEYS[1] else k
+            k.model_copy(update={"soft": True, "drafted": k.frame == KEYS[1]})
+            if k.frame in KEYS[1:3]
+            else k
             for k in self.doc.keyframes
         )
-        made = {"drafts": drafts, "keyframes": keyframes,
+        made = {"drafts": drafts, "keyframes": keyframes, "keypoints": KEYPOINTS,
                 "drafted": Drafted(first_frame=0, last_frame=LAST)}  # fmt: skip
         self.store._set(edit=self.edit.with_doc(self.doc.model_copy(update=made)))
 
@@ -168,8 +174,28 @@ async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_
     assert all(draft.drafted for draft in at.doc.drafts)
     assert at.section("camera")["lifts"] is None
     assert at.edit.history.past[-1].label == "draft anew"
+    assert not Worker.newest.of(LearnDrafts)
     tracking = Worker.newest.of(Track)[-1]
     assert tracking.spans == [(0, 30), (30, 60)]
+
+
+NOTHING_TO_LIFT: dict[str, dict[str, Any]] = {
+    "all is posed": {"drafts": ()},
+    "the keypoints were imported": {"keypoints": KEYPOINTS.model_copy(update={"network": ""})},
+    "the keypoints are gone": {"keypoints": None},
+}
+
+
+@pytest.mark.parametrize("case", NOTHING_TO_LIFT)
+async def test_what_cannot_be_found_anew_is_not_offered(at: Desk, case: str) -> None:
+    at.draft()
+    at.do({"do": "exact_key", "frame": KEYS[1]})
+    at.do({"do": "level_camera"})
+    assert at.section("camera")["lifts"] is not None
+    at.store._set(edit=at.edit.with_doc(at.doc.model_copy(update=NOTHING_TO_LIFT[case])))
+    assert at.section("camera")["lifts"] is None
+    at.do({"do": "lift"})
+    assert not Worker.newest.fits
 
 
 async def test_drafts_that_are_as_up_has_them_are_not_found_anew(at: Desk) -> None:
