@@ -139,7 +139,7 @@ async def test_how_soles_lie_is_shown_beside_the_floor(at: Desk) -> None:
     at.know(results)
     words = at.section("floor")["soles"]
     assert words.startswith("Soles within ")
-    assert float(words.split()[2]) < 1.5
+    assert float(words.split()[2]) == abs(at.section("floor")["soles_off_cm"]) < 1.5
 
 
 async def test_upright_lines_set_what_is_up_or_say_that_there_are_too_few(at: Desk) -> None:
