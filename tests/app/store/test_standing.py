@@ -111,6 +111,35 @@ async def test_standing_is_one_step_that_undo_takes_back_whole(at: Desk) -> None
     assert at.doc == before
 
 
+async def test_what_stands_is_there_when_the_session_is_opened_again_and_so_is_its_undo(
+    path: Path,
+) -> None:
+    async with at_desk(path, Desk) as at:
+        at.track()
+        before = at.doc
+        at.do({"do": "stand"})
+        Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
+        stood = at.doc
+    async with at_desk(path, Desk) as at:
+        assert at.doc == stood
+        assert {k.soft for k in at.doc.keyframes} == {"depth"}
+        at.do({"do": "undo"})
+        assert {k.soft for k in at.doc.keyframes} == {False}
+        assert not at.doc.pins
+        at.do({"do": "redo"})
+        assert at.doc == stood
+
+
+async def test_standing_again_changes_no_pin(at: Desk) -> None:
+    at.track()
+    for _ in range(2):
+        at.do({"do": "stand"})
+        Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
+    pins = at.doc.pins
+    at.do({"do": "undo"})
+    assert at.doc.pins == pins
+
+
 async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing(at: Desk) -> None:
     at.track()
     at.do({"do": "stand"})
