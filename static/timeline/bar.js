@@ -104,7 +104,7 @@ const drawContradictions = () => strip('look', 'warn', `Pins contradict ${count(
   orStand('softKeys'));
 
 /** That, and first of all standing on the floor where it can be done. @param {import('../actions/actions.js').ActionId} id */
-const orStand = (id) => (whyNot('stand') ? [small(id, 'pri')] : [small(id, 'ghost'), small('stand', 'pri')]);
+const orStand = (id) => (whyNot('stand') ? [small(id, 'pri')] : [small(id, 'ghost also'), small('stand', 'pri')]);
 
 /** @param {import('../actions/actions.js').ActionId} id */
 const small = (id, kind) => html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;
