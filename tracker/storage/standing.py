@@ -107,12 +107,12 @@ def _levelled(
         return _with_up(session, lines.up_camera), "lines"
     rate = frames_per_second(session, longest)
     stances = [pin for pin in proposed_pins(skeleton, longest, rate, None) if pin.landmarks[1:]]
-    level = up_from_standing(skeleton, longest, stances)
-    if level is None:
+    up = up_from_standing(skeleton, longest, stances)
+    if up is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
         )
-    return _with_up(session, level.up_camera).model_copy(update={"up_from_feet": True}), "feet"
+    return _with_up(session, up).model_copy(update={"up_from_feet": True}), "feet"
 
 
 def _with_up(session: Session, up_camera: Array) -> Session:
