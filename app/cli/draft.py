@@ -139,7 +139,7 @@ def _save(
     )
     times_s = session.evidence.times_s(video.info.times_s)
     given = (draft.body, draft.poses, session.keypoints, draft.proposals, times_s)
-    done = drafted_session(session, frames, *given, only, rest)
+    done = drafted_session(session, frames, *given, session.up_camera, only, rest)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
     )

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
+from pathlib import Path
 
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
-from keypose.app.jobs.stand import lines_where_needed
+from keypose.app.jobs.find_up import upright_lines
+from keypose.app.jobs.stand import needs_lines
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.session import Session
@@ -15,22 +18,30 @@ from keypose.tracker.storage.files import load_session, open_video_of, save_sess
 from keypose.tracker.storage.results import Results, load_results, save_results
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
+from keypose.tracker.video.upright_lines import UprightLines
 
 
 def run(arguments: argparse.Namespace) -> int:
     path = arguments.session
-    with locked(path, "close it there first"):
+    # Reading it reports one that is not there.
+    held = path.is_file() and not arguments.dry_run
+    with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
         results = load_results(session, path)
-        with open_video_of(session, path) as video:
-            lines = lines_where_needed(session, video)
-        done = stand(session, results.fitting(session), lines)
+        done = stand(session, results.fitting(session), _lines(session, path))
         for stretch in results.unsolved(done.session):
             results = results.with_space(solved(done.session, stretch))
         if not arguments.dry_run:
             save_session(save_results(done.session, path, results), path)
     _print(done, results, arguments)
     return 0
+
+
+def _lines(session: Session, path: Path) -> UprightLines | None:
+    if not needs_lines(session):
+        return None
+    with open_video_of(session, path) as video:
+        return upright_lines(session, video)
 
 
 def _print(done: Standing, results: Results, arguments: argparse.Namespace) -> None:

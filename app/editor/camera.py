@@ -121,7 +121,7 @@ class Vertical(Edit):
     other: tuple[Spot, Spot] | None = None
 
     def apply(self, state: EditorState) -> Session:
-        if math.dist(self.a, self.b) < SHORTEST_PX:
+        if any(math.dist(*line) < SHORTEST_PX for line in ((self.a, self.b), self.other) if line):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
             return _with_up(state, self._up_of_both(state, self.other))

@@ -29,6 +29,7 @@ from keypose.tracker.session.annotations import LEARN_FRAMES
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.session.schema import MOST, Session
+from keypose.tracker.session.settings import Position
 
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal
@@ -85,11 +86,12 @@ def drafted_session(
     keypoints: KeypointFile | None,
     proposals: Sequence[Proposal],
     times_s: Array,
+    up_camera: Position | None,
     only: Collection[int] | None = None,
     rest: record.DraftRest | None = None,
 ) -> Session:
     """Replace the drafts from the first to the last of the frames by these, and what was found
-    besides: where nobody was, and which to confirm.
+    besides: where nobody was, and which to confirm. up_camera: what was known to be up.
 
     Keyframes stay, and so do imported keypoints; what was tracked ahead does not.
     only: the frames to replace drafts of, all where left out.  rest: what is left to draft; what
@@ -104,22 +106,24 @@ def drafted_session(
         for frame, pose in poses.items()
         if frame in taken and frame not in keyed
     ]
-    found = _record(doc, frames, taken, poses, proposals, rest)
+    found = _record(doc, frames, taken, poses, proposals, rest, up_camera)
     update: dict[str, object] = {"body": body, "drafted": found}
     update |= {} if doc.given_keypoints else {"keypoints": keypoints}
     return with_drafts(doc.model_copy(update=update), drafts)
 
 
 def is_lifted_otherwise(doc: Session) -> bool:
-    """Return whether drafts were found for another up than the session has by now."""
+    """Return whether drafts that nobody has posed were found for another up than the session has by
+    now, and can be found anew from their keypoints."""
     found = doc.drafted
-    return found is not None and doc.up_camera is not None and found.up_camera != doc.up_camera
+    if found is None or doc.up_camera is None or found.up_camera == doc.up_camera:
+        return False
+    return _has_found_keypoints(doc) and bool(to_lift(doc))
 
 
 def to_lift(doc: Session) -> frozenset[int]:
     """Frames of drafts, and of keyframes made of them, that nobody has posed."""
-    drafts = (draft.frame for draft in doc.drafts if draft.drafted)
-    return frozenset((*drafts, *(k.frame for k in doc.keyframes if k.soft is True)))
+    return frozenset(posed.frame for posed in (*doc.drafts, *doc.keyframes) if posed.drafted)
 
 
 def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
@@ -129,10 +133,10 @@ def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
 
     def lifted(posed: Keyframe) -> Keyframe:
         pose = poses.get(posed.frame)
-        if pose is None or not (posed.drafted or posed.soft is True):
+        if pose is None or not posed.drafted:
             return posed
         fresh = keyframe_of(state.skeleton, pose, posed.frame, state.times_s)
-        return fresh.model_copy(update={"drafted": posed.drafted, "soft": posed.soft})
+        return fresh.model_copy(update={"drafted": True, "soft": posed.soft})
 
     found = doc.drafted.model_copy(update={"up_camera": doc.up_camera})
     doc = with_keyframes(doc, [lifted(keyframe) for keyframe in doc.keyframes])
@@ -157,9 +161,13 @@ def _record(
     poses: Mapping[int, Pose],
     proposals: Sequence[Proposal],
     rest: record.DraftRest | None,
+    up_camera: Position | None,
 ) -> record.Drafted:
-    """Return what was found in the frames taken over, and before in others."""
+    """Return what was found in the frames taken over, and before in others: as long as there are
+    drafts of these, what is up is as they had it."""
     first, last = frames
+    if doc.drafted is not None and any(frame not in taken for frame in to_lift(doc)):
+        up_camera = doc.drafted.up_camera
     missing = set(taken) - set(poses)
     places = [
         record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts)
@@ -172,7 +180,7 @@ def _record(
     return record.Drafted(
         first_frame=first,
         last_frame=last,
-        up_camera=doc.up_camera,
+        up_camera=up_camera,
         missing=tuple(frame_runs(missing)),
         places=tuple(sorted(places, key=lambda place: place.frame)),
         rest=rest or _left_before(doc, taken),
@@ -195,7 +203,8 @@ def frame_runs(frames: Iterable[int]) -> Iterator[record.FrameRun]:
 
 def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
     """Frames of the keyframes that an edit has posed, where drafts of the film can learn from them;
-    none where it was undone or done again: drafts are then as they were."""
+    none where it was undone or done again: drafts are then as they were. A keyframe that was found
+    anew gives nothing."""
     was, doc = before.settled, after.settled
     history = (*before.history.past, *before.history.future)
     if was.keyframes is doc.keyframes or any(step.doc is doc for step in history):
@@ -204,14 +213,20 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
         return frozenset()
     known = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.keyframes}
     return frozenset(
-        k.frame for k in doc.keyframes if known.get(k.frame) != (k.root_m, k.rotations_wxyz)
+        k.frame
+        for k in doc.keyframes
+        if known.get(k.frame) != (k.root_m, k.rotations_wxyz)
+        and not (k.drafted and k.frame in known)
     )
 
 
 def _can_learn(doc: Session) -> bool:
     """Return whether there are drafts whose keypoints are known."""
-    found = doc.keypoints is not None and doc.given_keypoints is None
-    return found and any(draft.drafted for draft in doc.drafts)
+    return _has_found_keypoints(doc) and any(draft.drafted for draft in doc.drafts)
+
+
+def _has_found_keypoints(doc: Session) -> bool:
+    return doc.keypoints is not None and doc.given_keypoints is None
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:
@@ -258,10 +273,11 @@ def with_clip_drafted(
     poses: Mapping[int, Pose],
     keypoints: KeypointFile | None,
     proposals: Sequence[Proposal] = (),
+    up_camera: Position | None = None,
     only: Collection[int] | None = None,
     rest: record.DraftRest | None = None,
 ) -> EditorState:
     """Take over the drafts of a clip, as one step; see `drafted_session`."""
     given = (frames, body, poses, keypoints, proposals)
-    doc = drafted_session(state.doc, *given, state.times_s, only, rest)
+    doc = drafted_session(state.doc, *given, state.times_s, up_camera, only, rest)
     return state.with_step(doc, LABEL)

@@ -55,16 +55,17 @@ def with_key_added(state: EditorState, frame: int) -> Session:
         return state.doc
     require_before_camera(state.skeleton, stands.pose)
     keyframe = keyframe_of(state.skeleton, stands.pose, frame, state.times_s)
-    keyframe = softened(keyframe, _softness(state, frame, stands.source))
+    draft = draft_at(state, frame)
+    found = {"drafted": draft is not None and draft.drafted}
+    keyframe = softened(keyframe, _softness(draft, state, stands.source)).model_copy(update=found)
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.drafts, frame))
 
 
-def _softness(state: EditorState, frame: int, source: Source) -> Softness:
-    """Return how soft the pose shown at a frame is as a keyframe: one found in the film, which
+def _softness(draft: Keyframe | None, state: EditorState, source: Source) -> Softness:
+    """Return how soft the pose that is shown is as a keyframe: a draft found in the film, which
     nobody posed, or one as tracked, where the motion is smoothed in space anyway.
     """
-    draft = draft_at(state, frame)
     if draft is not None:
         return draft.is_found or draft.soft
     return "depth" if source == "tracked" and state.doc.settings.smooth else False
@@ -248,9 +249,15 @@ def _require_all(state: EditorState, frames: Iterable[int]) -> dict[int, Keyfram
 
 
 def _with_softness(state: EditorState, frames: set[int], soft: bool) -> Session:
-    """Set whether the motion need only come near the keyframes at these frames."""
-    changed = [softened(k, soft) if k.frame in frames else k for k in state.doc.keyframes]
-    return with_keyframes(state.doc, changed)
+    """Set whether the motion need only come near the keyframes at these frames; whoever has one met
+    exactly stands for its pose."""
+
+    def changed(keyframe: Keyframe) -> Keyframe:
+        drafted = keyframe.drafted and soft
+        return softened(keyframe, soft).model_copy(update={"drafted": drafted})
+
+    keyframes = [changed(k) if k.frame in frames else k for k in state.doc.keyframes]
+    return with_keyframes(state.doc, keyframes)
 
 
 def with_keyframes_placed(
@@ -283,9 +290,10 @@ def _listed(frames: list[int]) -> str:
 
 
 def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
-    """The keyframe at another frame; refused outside the video."""
+    """The keyframe at another frame, which is no draft of that; refused outside the video."""
     time_s = float(state.times_s[require_in_video(state, frame)])
-    return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
+    drafted = keyframe.drafted and frame == keyframe.frame
+    return keyframe.model_copy(update={"frame": frame, "time_s": time_s, "drafted": drafted})
 
 
 def _keyed(state: EditorState, doc: Session, keyframe: Keyframe, frame: int) -> Session:

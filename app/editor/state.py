@@ -22,7 +22,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
-from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, pose_at
@@ -174,7 +174,7 @@ class EditorState:
         known = self.results.space(self.settled)
         if not known:
             return self.proposed_pins
-        return tuple(pin for stretch in known for pin in stretch.proposed)
+        return pins_apart([pin for stretch in known for pin in stretch.proposed])
 
     def stamped(self, before: EditorState, now_s: float) -> EditorState:
         """The same with the time of the step that was made since `before`, seconds since 1970."""

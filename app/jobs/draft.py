@@ -31,6 +31,7 @@ from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import DraftRest as DraftLeft
 from keypose.tracker.session.annotations import FrameRun
+from keypose.tracker.session.settings import Position
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.pace import NETWORK_SHARE, keep_seconds_a_frame
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
@@ -174,6 +175,7 @@ class DraftClip(Fit):
 
     frames: first and last to draft.
     proportions: whether the body's limbs may be scaled to the person's.
+    up_camera: what is known to be up; drafts stay where that changes meanwhile.
     rest: runs of the frames to take over, where an earlier draft has left them; None: all.
     """
 
@@ -181,6 +183,7 @@ class DraftClip(Fit):
     box: Box
     frames: tuple[int, int]
     proportions: bool
+    up_camera: Position | None = None
     rest: tuple[FrameRun, ...] | None = None
 
     kind = "draft"
@@ -197,10 +200,11 @@ class DraftClip(Fit):
             rest = require_rest(doc)
             ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
             frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
-            return cls(*given, rest.frame, rest.box, frames, False, rest.frames)
+            return cls(*given, rest.frame, rest.box, frames, False, doc.up_camera, rest.frames)
         frames = (action.first or 0, last if action.last is None else action.last)
         require_draftable(doc, action.frame, action.box, frames)
-        return cls(*given, action.frame, action.box, frames, not keeps_proportions(doc))
+        box, proportions = action.box, not keeps_proportions(doc)
+        return cls(*given, action.frame, box, frames, proportions, doc.up_camera)
 
     def work(self, session: Session, context: Context) -> Drafted:
         began = time.monotonic()
@@ -240,8 +244,8 @@ class DraftClip(Fit):
         referring = save_keypoints(
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
-        given = (draft.body, draft.poses, referring.keypoints, draft.proposals, only, rest)
-        return with_clip_drafted(edit, self.frames, *given)
+        given = (draft.body, draft.poses, referring.keypoints, draft.proposals)
+        return with_clip_drafted(edit, self.frames, *given, self.up_camera, only, rest)
 
 
 def taken_and_left(

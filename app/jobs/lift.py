@@ -14,6 +14,7 @@ from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import lifted_words
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.sidecars import keypoints_of_session
@@ -45,30 +46,39 @@ class LiftDrafts(Fit):
     def of(cls, opened: OpenSession, edit: EditorState, _: Lift) -> Self:
         if not is_lifted_otherwise(edit.doc):
             raise ActionRefused("The drafts are as the up direction has them.")
-        return cls(*sent(opened, edit.doc, keyframes=()), to_lift(edit.doc))
+        return cls(*sent(opened, edit.doc), to_lift(edit.doc))
 
     def work(self, session: Session, context: Context) -> Lifted:
-        from keypose.tracker.fitting.draft import draft_from_keypoints  # loads what only this needs
+        from keypose.tracker.fitting.draft import (  # loads what only this needs
+            draft_from_keypoints,
+            refit_drafts,
+        )
 
         keypoints = keypoints_of_session(session, Path(self.folder))
         if keypoints is None:
             raise KeypointError("The keypoints of the drafts are gone: draft the film again.")
+        keypoints = keypoints.corrected(session.keypoint_corrections)
         places = session.drafted.places if session.drafted else ()
+        changes = [place.frame for place in places if place.reason == "person"]
 
         def report(progress: DraftProgress) -> None:
             share = progress.done / max(progress.expected, 1)
             context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
 
         found = draft_from_keypoints(
-            keypoints.corrected(session.keypoint_corrections),
+            keypoints,
             session.camera,
             session.body,
-            changes=[place.frame for place in places if place.reason == "person"],
+            changes=changes,
             proportions=False,
             up_camera=session.up_camera,
             report=DraftReporter(report, context.cancelled),
         )
-        return {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
+        anew = {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
+        skeleton = Skeleton.of(session.body)
+        posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame not in self.frames}
+        given = (keypoints, session.camera, session.body, anew, posed, posed, changes)
+        return {**anew, **refit_drafts(*given)}
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return doc.body, doc.camera, doc.up_camera, doc.keyframes, doc.drafts

@@ -14,7 +14,6 @@ from keypose.app.words.standing import standing_words
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.video import Video
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
     from keypose.tracker.storage.standing import Standing
-    from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
@@ -30,11 +28,9 @@ CHANGED: Final = ("keyframes", "pins", "settings", "up_camera", "up_from_feet", 
 """The session's fields that standing sets."""
 
 
-def lines_where_needed(session: Session, video: Video) -> UprightLines | None:
-    """Find upright lines where nobody has said what is up and the camera stands still."""
-    if session.up_camera is not None or not session.has_static_camera:
-        return None
-    return upright_lines(session, video)
+def needs_lines(session: Session) -> bool:
+    """Return whether upright lines are to say what is up, of a camera that stands still."""
+    return session.up_camera is None and session.has_static_camera
 
 
 @dataclass(frozen=True)
@@ -56,11 +52,13 @@ class StandOnFloor(Fit):
     def work(self, session: Session, context: Context) -> Standing:
         from keypose.tracker.storage.standing import stand  # loads what only this needs
 
-        lines = lines_where_needed(session, context.cache.video(session, self.video_path))
+        lines = None
+        if needs_lines(session):
+            lines = upright_lines(session, context.cache.video(session, self.video_path))
         return stand(session, self.fitting, lines, context.cancelled)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, *(getattr(doc, name) for name in CHANGED)
+        return doc.body, doc.camera, doc.part_keyframes, *(getattr(doc, name) for name in CHANGED)
 
     def apply(self, found: Standing, state: AppState) -> tuple[AppState, str]:
         edit = state.editing

@@ -55,7 +55,8 @@ def camera_words(up_camera: Sequence[float]) -> str:
 def lifted_words(drafts: int, keyframes: int) -> str:
     """Such as "280 drafts and 6 keyframes were found anew"."""
     keyed = f" and {_count(keyframes, 'keyframe')}" if keyframes else ""
-    return f"{_count(drafts, 'draft')}{keyed} were found anew."
+    was = "was" if drafts + keyframes == 1 else "were"
+    return f"{_count(drafts, 'draft')}{keyed} {was} found anew."
 
 
 def soles_words(soles: Soles) -> str:

@@ -1,6 +1,6 @@
 // Standing on the floor: when that can be done, and what finding drafts anew would change.
 
-import { count } from '../controls/words.js';
+import { count, joined } from '../controls/words.js';
 import { isSurface } from '../store/clip.js';
 import { server } from '../store/state.js';
 import { isFoot } from './pins.js';
@@ -8,21 +8,30 @@ import { isTracked } from './tracking.js';
 
 export function whyNotStand() {
   if (isSurface()) return 'A body fitted to surfaces stands where they do';
+  if (server.settings?.method === 'paper') return 'The published method has no pins';
   if (!server.body?.parts.some(isFoot)) return 'This body has no feet with heel and toe';
   return (server.segments ?? []).some(isTracked) ? '' : 'Track first';
+}
+
+export function whyNotFindUp() {
+  if (isSurface()) return 'Surfaces have no picture';
+  return server.camera ? '' : 'Open a video first';
 }
 
 /** What drafts for another up direction would change; null where there are none. */
 const lifts = () => server.camera?.lifts ?? null;
 
-export const whyNotLift = () => (lifts() ? '' : 'The drafts are as the up direction has them');
+export function whyNotLift() {
+  if (lifts()) return '';
+  return server.draft ? 'The drafts are as the up direction has them' : 'There are no drafts';
+}
 
 /** Such as "280 drafts and 6 keyframes that nobody posed change; 5 segments are tracked anew". */
 export function liftWords() {
   const { drafts = 0, keyframes = 0, segments = 0 } = lifts() ?? {};
-  const keyed = keyframes ? ` and ${count(keyframes, 'keyframe')}` : '';
+  const posed = joined([drafts && count(drafts, 'draft'), keyframes && count(keyframes, 'keyframe')].filter(Boolean));
   const tracked = segments ? `; ${count(segments, 'segment')} ${segments === 1 ? 'is' : 'are'} tracked anew` : '';
-  return `${count(drafts, 'draft')}${keyed} that nobody posed change${tracked}`;
+  return `${posed} that nobody posed ${drafts + keyframes === 1 ? 'changes' : 'change'}${tracked}`;
 }
 
 /** Such as "Looks down by 12°, leans 2° to the right". */
@@ -33,4 +42,4 @@ export function tiltWords() {
   return aside ? `${looks}, leans ${aside}° to the ${roll > 0 ? 'left' : 'right'}` : looks;
 }
 
-export const isUpKnown = () => server.camera?.up_origin !== 'camera';
+export const isUpKnown = () => Boolean(server.camera) && server.camera.up_origin !== 'camera';

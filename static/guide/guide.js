@@ -65,7 +65,7 @@ function offerGuide() {
 export function closeGuide() {
   if (!isOpen()) return false;
   const times = currentStep() ? timesClosed() + 1 : CLOSES_BEFORE_NOT_OFFERED;
-  if (currentStep()?.tool === 'box' && ui.tool === 'box') setUi('tool', 'select');
+  if (isDrawingTool(currentStep()?.tool) && isDrawingTool(ui.tool)) setUi('tool', 'select');
   setUi('guideStep', null);
   inBrowser.write(KEY, String(times));
   return true;
@@ -175,7 +175,7 @@ function poseByHand() {
 export function guideHints() {
   const { hints, done } = currentStep() ?? {};
   if (!isOpen() || !done || !hints) return null;
-  return [...hints, ['Enter', ui.box ? 'draft' : 'continue'], ['Esc', ui.tool === 'box' ? 'cancel' : 'close the guide']];
+  return [...hints, ['Enter', ui.box ? 'draft' : 'continue'], ['Esc', isDrawingTool(ui.tool) ? 'cancel' : 'close the guide']];
 }
 
 /** On to the next step, or to the end, once the tick was seen. */

@@ -14,6 +14,7 @@ import { section } from './section.js';
 /** @typedef {import('../store/shapes.js').SpaceFinding} SpaceFinding */
 
 const MOST = 3;
+const NEAR_CM = 2; // as far as soles that stand are off
 
 /** What mends a finding with one press; nothing where there is no such thing. */
 /** @type {Record<string, { label: string | ((found: SpaceFinding) => string), title?: string, act: (found: SpaceFinding) => void }>} */
@@ -61,8 +62,9 @@ export function space() {
 
 /** How the feet stand, and the press that makes them. */
 function soles() {
-  const words = server.floor?.soles;
-  return html`${words ? html`<p class="note good icons" role="status">${icon('check')}<span>${words}</span></p>` : nothing}
+  const { soles: words, soles_off_cm: off } = server.floor ?? {};
+  const isNear = off !== null && Math.abs(off) <= NEAR_CM;
+  return html`${words ? html`<p class=${`note icons ${isNear ? 'good' : 'warned'}`} role="status">${icon(isNear ? 'check' : 'warn')}<span>${words}</span></p>` : nothing}
     ${whyNot('stand') ? nothing : actionButton('stand', undefined, { name: undefined, kind: words ? 'full ghost' : 'full' })}`;
 }
 

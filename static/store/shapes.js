@@ -318,7 +318,9 @@
  * @property {string} problem
  */
 
-/** @typedef {{ height_m: number | null, has_feet: boolean, soles: string }} Floor  Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words. */
+/** @typedef {{ height_m: number | null, has_feet: boolean, soles: string, soles_off_cm: number | null }} Floor
+ *   Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words, and by how much they
+ *   are off at most, null without any. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 

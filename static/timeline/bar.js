@@ -2,7 +2,7 @@
 // next, how the segments stand.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
+import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
 import { applySizes, isPreview, outdatedWords } from '../actions/proposals.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
@@ -89,7 +89,7 @@ const interrupted = () => strip('', 'flag', `Review: ${placesToReview().length} 
 
 /** Pins wait to be accepted. */
 const drawProposals = () => strip('proposed', 'anchor', `${count(proposedPins().length, 'pin')} proposed.`, `The ${proposedWord()} still in these frames.`,
-  [small('dismissPins', 'ghost'), small('acceptPins', 'ghost'), small('stand', 'pri')]);
+  [small('dismissPins', 'ghost'), ...orStand('acceptPins')]);
 
 /** "feet stand", "left foot stands", "hands and feet stand". */
 function proposedWord() {
@@ -101,7 +101,10 @@ function proposedWord() {
 
 /** Pins hold a part where keyframes do not have it: the body jerks from one to the other. */
 const drawContradictions = () => strip('look', 'warn', `Pins contradict ${count(contradicted().length, 'keyframe')}.`, `${contradictions()[0].words}.`,
-  [small('softKeys', 'ghost'), small('stand', 'pri')]);
+  orStand('softKeys'));
+
+/** That, and first of all standing on the floor where it can be done. @param {import('../actions/actions.js').ActionId} id */
+const orStand = (id) => (whyNot('stand') ? [small(id, 'pri')] : [small(id, 'ghost also'), small('stand', 'pri')]);
 
 /** @param {import('../actions/actions.js').ActionId} id */
 const small = (id, kind) => html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;

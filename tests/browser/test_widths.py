@@ -86,7 +86,39 @@ def test_at_every_width_nothing_in_the_bars_overlaps_or_is_cut(page: Page) -> No
     feed(page, busy(page), {"layout": "main"})
     sizes = [(width, 800) for width in (*range(700, 1260, 20), 911, 1366)] + [(683, 313)]
     found = [complaint for size in sizes for complaint in complaints(page, size, BARS)]
-    assert found == []
+    assert found == [], "\n".join(found)
+
+
+def proposed() -> dict[str, Any]:
+    """Pins that wait to be accepted, or the feet to be stood: three buttons."""
+    pin = {"part": "left_foot", "label": "Left foot", "landmarks": ["left_heel", "left_toe"],
+           "first": 4, "last": 20}  # fmt: skip
+    return {"proposed_pins": [pin | {"first": n, "last": n + 1} for n in range(0, 24, 2)]}
+
+
+def contradicted() -> dict[str, Any]:
+    """Pins against which keyframes stand."""
+    found = {
+        "kind": "pin",
+        "part": "left_foot",
+        "first": 4,
+        "last": 20,
+        "go": 8,
+        "cm": 20.0,
+        "keyframes": [8, 20],
+        "words": "Left foot is pinned 20 cm from where keyframe 8 is",
+    }
+    return {"proposed_pins": [], "space": [found]}
+
+
+@pytest.mark.parametrize("waiting", [proposed, contradicted])
+def test_what_stands_beside_standing_on_the_floor_is_not_cut(page: Page, waiting: Any) -> None:
+    feed(page, {**busy(page), **waiting()}, {"layout": "main"})
+    assert page.locator("#tr .sug").get_by_role("button", name="Stand on the floor").count() == 1
+    sizes = [(width, 800) for width in (*range(700, 1260, 20), 911, 1366)] + [(683, 313)]
+    found = [complaint for size in sizes for complaint in complaints(page, size, BARS)]
+    feed(page, {"proposed_pins": [], "space": []}, {})
+    assert found == [], "\n".join(found)
 
 
 @pytest.mark.parametrize("layout", ["main", "quad"])

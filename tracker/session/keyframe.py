@@ -50,13 +50,13 @@ class Keyframe(Plain):
     drafted: bool = Field(
         default=False,
         exclude_if=operator.not_,
-        description="Of a draft: found by drafting the film, not changed by a person since. Left "
-        "out otherwise.",
+        description="Of a draft, and of a keyframe made of one as it was: found by drafting the "
+        "film, not posed by a person since. Left out otherwise.",
     )
 
     @property
     def is_found(self) -> bool:
-        """Return whether a draft is as it was found in the film: tracking replaces it."""
+        """Return whether it is as it was found in the film: tracking replaces such a draft."""
         return self.followed or self.drafted
 
     @field_validator("rotations_wxyz")

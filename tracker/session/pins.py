@@ -63,6 +63,10 @@ class Pin(Plain):
         sole = max(y for _, y, _ in self.points(body))
         return sole - point[1]
 
+    def holds_sole(self, body: Body) -> bool:
+        """Return whether it holds heel or toe of a foot."""
+        return bool(self.landmarks and sole_of(body.parts[body.index(self.part)]))
+
     def overlaps(self, other: Pin) -> bool:
         """Return whether both hold the same part at one frame."""
         within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame
@@ -88,6 +92,29 @@ def sole_of(part: Part) -> tuple[Name, ...]:
     """The landmarks heel and toe, by which a whole foot is held; of other parts none."""
     found = [name for end in ("heel", "toe") for name in part.landmarks if name.endswith(end)]
     return tuple(found) if len(found) == 2 else ()
+
+
+def pins_within(pins: Sequence[Pin], span: tuple[int, int]) -> tuple[Pin, ...]:
+    """The pins within a span, clipped to it; one that only touches it holds nothing there."""
+    spans = [(max(pin.first_frame, span[0]), min(pin.last_frame, span[1])) for pin in pins]
+    return tuple(
+        pin.model_copy(update={"first_frame": first, "last_frame": last})
+        for pin, (first, last) in zip(pins, spans, strict=True)
+        if first < last
+    )
+
+
+def pins_apart(pins: Sequence[Pin]) -> tuple[Pin, ...]:
+    """The pins, each after those before it that it overlaps: of motions that follow one another,
+    the keyframe between them belongs to both.
+    """
+    found: list[Pin] = []
+    for pin in pins:
+        ends = [other.last_frame for other in found if other.overlaps(pin)]
+        first = max(ends) + 1 if ends else pin.first_frame
+        if first <= pin.last_frame:
+            found.append(pin.model_copy(update={"first_frame": first}))
+    return tuple(found)
 
 
 def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:

@@ -84,12 +84,12 @@ MOST: Mapping[str, int] = {
     "drafts": 10_000,
     "ignore_masks": 10_000,
     "keypoint_corrections": 10_000,
-    "pins": 1_000,
+    "pins": 10_000,
     "notes": 1_000,
     "reviewed": 10_000,
     "ahead": 100,
 }
-"""Far above what a person sets in a session."""
+"""Far above what a person sets in a session, and above what standing on the floor pins."""
 
 POSES_AT_A_TIME = 500
 

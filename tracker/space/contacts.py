@@ -90,7 +90,7 @@ def still_ranges(
     least = LEAST_S * frames_per_second
     # the frames at both ends are where the foot lands and leaves
     kept = [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
-    return [_without_leaving(v, *span) for span in kept]
+    return [(a, b) for a, b in (_without_leaving(v, *span) for span in kept) if a < b]
 
 
 def _without_leaving(v: Array, first: int, last: int) -> tuple[int, int]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
@@ -155,7 +155,7 @@ def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
         if len(feet) and speed[row] < SLOW_M_S:
             lean[row] = _out_of_balance(middle[row], feet, up)
     leaning = np.nan_to_num(lean) > LEANS_RAD
-    for first, last in _runs(leaning):
+    for first, last in runs(leaning):
         if last - first >= 0.1 * judged.frames_per_second:
             row = first + int(np.argmax(lean[first : last + 1]))
             start = motion.first_frame
@@ -200,12 +200,6 @@ def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
             kind="shakes", part=judged.skeleton.body.names[0], first_frame=motion.first_frame,
             last_frame=motion.last_frame, go=motion.first_frame + row, amount=usual,
         )  # fmt: skip
-
-
-def _runs(there: Array) -> Iterator[tuple[int, int]]:
-    """First and last rows of the runs of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
-    yield from ((int(a), int(b) - 1) for a, b in edges.reshape(-1, 2))
 
 
 def _of_stance(kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:

@@ -9,7 +9,6 @@ degrees, most of all on the way, so that this is unknown, too.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -38,14 +37,6 @@ MOST_LEAN_RAD: Final = np.radians(45.0)
 LEVEL_CAMERA: Final = np.array([0.0, -1.0, 0.0])
 
 
-@dataclass(frozen=True, eq=False)
-class Level:
-    """up_camera: unit vector (3,).  sigma_rad: how well the tilt along the view is known."""
-
-    up_camera: Array
-    sigma_rad: float
-
-
 def up_from_places(p_camera: Array, up_camera: Array) -> Array:
     """Unit vector (3,) up, by places (N, 3) that lie on one level floor, metres, camera frame.
 
@@ -65,8 +56,8 @@ def up_from_places(p_camera: Array, up_camera: Array) -> Array:
 
 def up_from_standing(
     skeleton: Skeleton, motion: Trajectory, stances: Sequence[Pin]
-) -> Level | None:
-    """What is up while a person stands; None where nobody does.
+) -> Array | None:
+    """Unit vector (3,) up while a person stands; None where nobody does.
 
     motion: camera frame, metres.  stances: feet that stand still, whole, within it.
     """
@@ -96,8 +87,7 @@ def up_from_standing(
         step = np.linalg.lstsq(rows, off, rcond=None)[0]
         up, lean = up - step[:2] @ ways, lean - step[2]
         up = up / np.linalg.norm(up)
-    sigma = np.sqrt(np.linalg.inv(rows.T @ rows)[1, 1])
-    return Level(up, float(sigma))
+    return np.asarray(up)
 
 
 def leaning_rad(skeleton: Skeleton, motion: Trajectory, up_camera: Array) -> float:
@@ -111,9 +101,7 @@ def _standing(stances: Sequence[Pin], motion: Trajectory) -> NDArray[np.bool_]:
     """(N,) True where a foot stands."""
     there = np.zeros(len(motion), dtype=np.bool_)
     for stance in stances:
-        there[
-            stance.first_frame - motion.first_frame : stance.last_frame + 1 - motion.first_frame
-        ] = True
+        there[_rows(stance, motion.first_frame)] = True
     return there
 
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.pins import Pin, pins_within, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.space.result import SpaceResult
@@ -46,48 +45,46 @@ def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None
     """Measure how the pinned soles lie on the session's floor; None without any."""
     if session.floor_m is None or session.up_camera is None:
         return None
-    skeleton, up = Skeleton.of(session.body), np.array(session.up_camera)
-    found = []
-    for stretch in stretches:
-        motion = stretch.motion
-        span = motion.first_frame, motion.last_frame
-        pins = [
-            pin for pin in session.pins if span[0] <= pin.first_frame <= pin.last_frame <= span[1]
-        ]
-        measured = measured_soles(skeleton, motion, pins, up / np.linalg.norm(up), session.floor_m)
-        found += [measured] if measured else []
-    if not found:
-        return None
-    worst = max(found, key=lambda soles: abs(soles.off_m))
-    in_air = tuple(run for soles in found for run in soles.in_air)
-    return replace(worst, in_air=in_air)
+    up = np.array(session.up_camera)
+    motions = [stretch.motion for stretch in stretches]
+    return measured_soles(
+        Skeleton.of(session.body), motions, session.pins, up / np.linalg.norm(up), session.floor_m
+    )
 
 
 def measured_soles(
-    skeleton: Skeleton, motion: Trajectory, pins: Sequence[Pin], up_camera: Array, floor_m: float
+    skeleton: Skeleton,
+    motions: Sequence[Trajectory],
+    pins: Sequence[Pin],
+    up_camera: Array,
+    floor_m: float,
 ) -> Soles | None:
-    """Measure the pins on the floor; None without any. pins: within the motion."""
-    worst: tuple[float, Pin, int] | None = None
-    for pin in pins:
-        if not pin.floor:
-            continue
-        off = foot_heights(skeleton, motion, pin, up_camera) - floor_m
-        row, _ = np.unravel_index(int(np.abs(off).argmax()), off.shape)
-        most = float(off.flat[int(np.abs(off).argmax())])
-        if worst is None or abs(most) > abs(worst[0]):
-            worst = most, pin, pin.first_frame + int(row)
-    if worst is None:
+    """Measure the soles that are pinned on the floor; None without any. up_camera: unit vector."""
+    on_floor = [pin for pin in pins if pin.floor]
+    if not any(pin.holds_sole(skeleton.body) for pin in on_floor):
         return None
-    off_m, pin, frame = worst
-    in_air = tuple(_in_air(skeleton, motion, up_camera, floor_m))
-    return Soles(off_m, pin.part, frame, in_air)
+    found: list[Soles] = []
+    in_air: list[tuple[int, int]] = []
+    for motion in motions:
+        held = pins_within(on_floor, (motion.first_frame, motion.last_frame))
+        found += [_at_worst(skeleton, motion, pin, up_camera, floor_m)
+                  for pin in held if pin.holds_sole(skeleton.body)]  # fmt: skip
+        in_air += _in_air(skeleton, motion, held, up_camera, floor_m)
+    worst = max(found, key=lambda soles: abs(soles.off_m), default=None)
+    return None if worst is None else replace(worst, in_air=tuple(in_air))
+
+
+def _at_worst(
+    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array, floor_m: float
+) -> Soles:
+    off = foot_heights(skeleton, motion, pin, up_camera) - floor_m
+    row, end = np.unravel_index(int(np.abs(off).argmax()), off.shape)
+    return Soles(float(off[row, end]), pin.part, pin.first_frame + int(row), ())
 
 
 def foot_heights(skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array) -> Array:
     """(n, K) metres along up of the ends of its sole that a pin holds, over its frames."""
-    part = skeleton.body.parts[skeleton.body.index(pin.part)]
-    ends = pin.landmarks or sole_of(part)
-    return np.asarray(_ends(skeleton, motion, pin, ends) @ up_camera)
+    return np.asarray(_ends(skeleton, motion, pin) @ up_camera)
 
 
 def by_contact(
@@ -98,13 +95,14 @@ def by_contact(
     """
     if len(pin.landmarks) < 2:
         return (pin,)
-    ends = _ends(skeleton, motion, pin, pin.landmarks)
+    ends = _ends(skeleton, motion, pin)
     heel, toe = (_strays(ends[:, k]) for k in range(2))
     if heel > HEEL_M and toe < TOE_M:
         return (pin.model_copy(update={"landmarks": pin.landmarks[1:]}),)
     heel_high, toe_high = (ends @ up_camera).T
     tipped = toe_high - heel_high
-    flat = np.abs(tipped - np.median(tipped)) < TIPPED_M
+    usual = np.quantile(tipped, 0.5, method="nearest")
+    flat = np.abs(tipped - usual) < TIPPED_M
     rows = np.flatnonzero(flat)
     first, last = int(rows[0]), int(rows[-1])
     pieces = ((0, first - 1), (first, last), (last + 1, len(flat) - 1))
@@ -112,7 +110,7 @@ def by_contact(
     for a, b in pieces:
         held = pin.landmarks
         if (a, b) != (first, last):
-            heel_is_up = np.median(tipped[a : b + 1]) < np.median(tipped) if b >= a else False
+            heel_is_up = np.median(tipped[a : b + 1]) < usual if b >= a else False
             held = held[1:] if heel_is_up else held[:1]
         if b - a + 1 >= LEAST_FRAMES or (a, b) == (first, last):
             start = pin.first_frame
@@ -121,10 +119,10 @@ def by_contact(
     return tuple(found)
 
 
-def _ends(skeleton: Skeleton, motion: Trajectory, pin: Pin, ends: Sequence[str]) -> Array:
-    """(n, K, 3) where landmarks of a pin's part are over its frames."""
+def _ends(skeleton: Skeleton, motion: Trajectory, pin: Pin) -> Array:
+    """(n, K, 3) where the landmarks that a pin holds are over its frames."""
     part = skeleton.body.index(pin.part)
-    places = [skeleton.body.parts[part].landmarks[name] for name in ends]
+    places = [skeleton.body.parts[part].landmarks[name] for name in pin.landmarks]
     points = BodyPoints(skeleton, tuple(((part, place),) for place in places))
     first = motion.first_frame
     rows = slice(pin.first_frame - first, pin.last_frame + 1 - first)
@@ -137,15 +135,14 @@ def _strays(p: Array) -> float:
 
 
 def _in_air(
-    skeleton: Skeleton, motion: Trajectory, up_camera: Array, floor_m: float
+    skeleton: Skeleton, motion: Trajectory, held: Sequence[Pin], up_camera: Array, floor_m: float
 ) -> Iterator[tuple[int, int]]:
+    """Runs of frames in which no sole is near the floor, and nothing else is held on it."""
     feet = [(i, part.landmarks[name]) for i, part in enumerate(skeleton.body.parts)
             for name in sole_of(part)]  # fmt: skip
     points = BodyPoints(skeleton, tuple((foot,) for foot in feet))
     lowest = (points.at(motion.transforms(skeleton)) @ up_camera).min(axis=1)
-    yield from _runs(lowest > floor_m + AIR_M, motion.first_frame)
-
-
-def _runs(there: NDArray[np.bool_], first_frame: int) -> Iterator[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
-    yield from ((first_frame + int(a), first_frame + int(b) - 1) for a, b in edges.reshape(-1, 2))
+    first, high = motion.first_frame, lowest > floor_m + AIR_M
+    for pin in held:
+        high[pin.first_frame - first : pin.last_frame + 1 - first] = False
+    yield from ((first + a, first + b) for a, b in runs(high))

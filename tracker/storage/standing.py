@@ -13,7 +13,7 @@ from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe
-from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.level import leaning_rad, up_from_standing
@@ -70,8 +70,6 @@ def stand(
         raise SessionError("Nothing is tracked yet: track the motion first.")
     session, source = _levelled(session, motions, lines)
     pins = _contacts(session, motions)
-    if not any(_is_foot(session, pin) for pin in pins):
-        raise SessionError("No foot stands still anywhere: there is no floor to stand on.")
     taken = len(pins) - len(session.pins)
     pins, raised = _on_floor(session, pins, motions)
     softened = tuple(
@@ -109,12 +107,12 @@ def _levelled(
         return _with_up(session, lines.up_camera), "lines"
     rate = frames_per_second(session, longest)
     stances = [pin for pin in proposed_pins(skeleton, longest, rate, None) if pin.landmarks[1:]]
-    level = up_from_standing(skeleton, longest, stances)
-    if level is None:
+    up = up_from_standing(skeleton, longest, stances)
+    if up is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
         )
-    return _with_up(session, level.up_camera).model_copy(update={"up_from_feet": True}), "feet"
+    return _with_up(session, up).model_copy(update={"up_from_feet": True}), "feet"
 
 
 def _with_up(session: Session, up_camera: Array) -> Session:
@@ -132,19 +130,27 @@ def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin
         for pin in proposed_pins(skeleton, motion, rate, up):
             if not any(pin.overlaps(known) for known in session.pins):
                 pins += by_contact(skeleton, motion, pin, up)
-    return tuple(pins)
+    return pins_apart(pins)
 
 
 def _on_floor(
     session: Session, pins: Sequence[Pin], motions: Mapping[Span, Trajectory]
 ) -> tuple[tuple[Pin, ...], tuple[Pin, ...]]:
-    """All pins, feet on the floor but those far above most of them; and these."""
+    """All pins, feet on the floor but those far above most of them; and these. SessionError where
+    no foot stands."""
     skeleton, up = Skeleton.of(session.body), up_of(session)
     high: dict[int, float] = {}
     for place, pin in enumerate(pins):
-        motion = next((m for span, m in motions.items() if _within(pin, span)), None)
-        if motion is not None and _is_foot(session, pin):
-            high[place] = float(np.median(foot_heights(skeleton, motion, pin, up)))
+        heights = [
+            foot_heights(skeleton, motion, held, up)
+            for span, motion in motions.items()
+            for held in pins_within([pin], span)
+            if held.holds_sole(session.body)
+        ]
+        if heights:
+            high[place] = float(np.median(np.concatenate(heights)))
+    if not high:
+        raise SessionError("No foot stands still anywhere: there is no floor to stand on.")
     usual = float(np.median(list(high.values())))
     raised = {place for place, height in high.items() if height - usual > STEP_M}
     placed = tuple(
@@ -163,15 +169,6 @@ def _floor_m(
     tracked = {span: found.as_tracked for span, found in fitting.items()}
     found = [solved(session, run, cancelled).floor_m for run in stretches(session, tracked)]
     return round(float(np.median([height for height in found if height is not None])), 4)
-
-
-def _is_foot(session: Session, pin: Pin) -> bool:
-    body = session.body
-    return bool(pin.landmarks and sole_of(body.parts[body.index(pin.part)]))
-
-
-def _within(pin: Pin, span: Span) -> bool:
-    return span[0] <= pin.first_frame and pin.last_frame <= span[1]
 
 
 def _softened(keyframe: Keyframe) -> Keyframe:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.session.keyframe import Keyframe
-from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.pins import Pin, pins_within
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import Span
@@ -79,7 +79,7 @@ def _wanted(
         return
     for run in _runs(sorted(rows), session.pins):
         span = run[0].first, run[-1].last
-        pins = tuple(_clipped(session.pins, span))
+        pins = pins_within(session.pins, span)
         if pins or session.settings.smooth:
             yield _key(session, run, pins, span), run, pins
 
@@ -97,14 +97,6 @@ def _runs(rows: Sequence[Usable], pins: Sequence[Pin]) -> Iterator[list[Usable]]
         run = [one]
     if run:
         yield run
-
-
-def _clipped(pins: Sequence[Pin], span: Span) -> Iterator[Pin]:
-    """The pins within a span; one that only touches it holds nothing there."""
-    for pin in pins:
-        first, last = max(pin.first_frame, span[0]), min(pin.last_frame, span[1])
-        if first < last:
-            yield pin.model_copy(update={"first_frame": first, "last_frame": last})
 
 
 def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Span) -> str:

@@ -47,9 +47,11 @@ def up_from_lines(pictures: Sequence[NDArray[np.uint8]], camera: Camera) -> Upri
     """What is up in a camera that stands still, by some of its pictures, (H, W, 3) or grey; None
     where few lines agree. camera: with its distortion."""
     ends = np.concatenate([_steep_segments(picture) for picture in pictures])
+    normals = _planes(ends, camera)
+    seen = np.isfinite(normals).all(axis=1)
+    ends, normals = ends[seen], normals[seen]
     if len(ends) < LEAST_LINES:
         return None
-    normals = _planes(ends, camera)
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=-1)
     sigma = np.clip(END_PX / length, LEAST_OFF_RAD, MOST_OFF_RAD)
     up = _most_voted(normals, length, sigma)
@@ -91,10 +93,13 @@ def _steep_segments(picture: NDArray[np.uint8]) -> Array:
 
 
 def _planes(ends: Array, camera: Camera) -> Array:
-    """(K, 3) unit normals of the planes through the camera's centre and each segment."""
-    rays = camera.back_project(ends, 1.0)
+    """(K, 3) unit normals of the planes through the camera's centre and each segment; NaN where the
+    lens shows nothing, or both ends are one. A telephoto camera counts as its long lens."""
+    lens = camera.model_copy(update={"projection": "perspective", "telephoto_distance_m": None})
+    rays = lens.back_project(ends, 1.0)
     normals = np.cross(rays[:, 0], rays[:, 1])
-    return np.asarray(normals / np.linalg.norm(normals, axis=-1, keepdims=True))
+    size = np.linalg.norm(normals, axis=-1, keepdims=True)
+    return np.asarray(normals / np.where(size > 0, size, np.nan))
 
 
 def _most_voted(normals: Array, length: Array, sigma: Array) -> Array | None:

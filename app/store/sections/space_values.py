@@ -121,8 +121,12 @@ def floor(app_state: AppState) -> Json:
         return None
     has_feet = any(pin.floor or pin.landmarks for pin in doc.pins)
     soles = soles_of(edit.settled, edit.results.space(edit.settled))
-    words = "" if soles is None else soles_words(soles)
-    return {"height_m": doc.floor_m, "has_feet": has_feet, "soles": words}
+    return {
+        "height_m": doc.floor_m,
+        "has_feet": has_feet,
+        "soles": "" if soles is None else soles_words(soles),
+        "soles_off_cm": None if soles is None else round(100 * soles.off_m, 1),
+    }
 
 
 def _pin(body: Body, pin: Pin) -> dict[str, Json]:

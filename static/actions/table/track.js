@@ -3,14 +3,14 @@
 import { toggleSearch, toggleSheet } from '../../controls/dialogs.js';
 import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
-import { isSurface, words } from '../../store/clip.js';
+import { words } from '../../store/clip.js';
 import { draftLabel, draftMessage, draftTimeWords, restCount, whyNotDraft, whyNotDraftRest, whyNotDrawBox } from '../drafting.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
   answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
 } from '../review.js';
-import { liftWords, whyNotLift, whyNotStand } from '../standing.js';
+import { liftWords, whyNotFindUp, whyNotLift, whyNotStand } from '../standing.js';
 import {
   changedSegments, chosenSegments, chosenTail, namesOf, trackMessage, trackSegment, whyNotAhead,
   whyNotTrackChanged, whyNotTrackChosen, whyNotTrackThis,
@@ -81,7 +81,7 @@ export const TRACK = {
   },
   findUp: {
     also: 'horizon level tilt gravity vertical lines vanishing',
-    label: 'Find up by upright lines', icon: 'wand', off: () => (isSurface() ? 'Surfaces have no picture' : ''),
+    label: 'Find up by upright lines', icon: 'wand', off: whyNotFindUp,
     title: 'Walls, doors, poles and trees in the picture show how the camera tilts',
     message: () => ({ do: 'find_up' }),
   },

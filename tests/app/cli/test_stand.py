@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import locked
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results, save_results
 from tests.scenes import sample
@@ -59,6 +60,29 @@ def test_a_dry_run_says_the_same_and_writes_nothing(
     assert said["softened"] == [0, 30, 60]
     assert abs(said["soles_off_m"]) < 0.015
     assert said["session"] is None
+
+
+def test_the_film_is_looked_at_only_for_what_is_up(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    x, y, z = UP.tolist()
+    session = load_session(path)
+    save_session(session.model_copy(update={"up_camera": (x, y, z)}), path)
+    path.with_name(session.video.path).unlink()
+    assert main(["stand", str(path)]) == 0
+    assert "The camera looks" not in capsys.readouterr().out
+
+
+def test_a_dry_run_does_not_mind_that_the_session_is_open_and_no_session_leaves_nothing(
+    path: Path,
+) -> None:
+    with locked(path, "close it there first"):
+        assert main(["stand", str(path)]) == 2
+        assert main(["stand", str(path), "--dry-run"]) == 0
+    folder = path.parent.parent / "empty"
+    folder.mkdir()
+    assert main(["stand", str(folder / "session.json")]) == 2
+    assert not list(folder.iterdir())
 
 
 def test_what_is_not_tracked_is_refused_in_one_sentence(

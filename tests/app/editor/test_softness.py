@@ -78,6 +78,30 @@ def test_a_draft_becomes_as_soft_a_keyframe_as_it_was_posed(case: str) -> None:
     assert softness(keyed, 12) == soft
 
 
+DRAFTED: dict[str, tuple[list[dict[str, Any]], int, bool]] = {
+    "as it is": ([], 12, True),
+    "softened": ([{"do": "soften_key", "frame": 12}], 12, True),
+    "met exactly": ([{"do": "exact_key", "frame": 12}], 12, False),
+    "posed": ([RIGHT], 12, False),
+    "turned": (
+        [{"do": "key_angle", "frame": 12, "part": "head", "axis": "x", "deg": 9.0}], 12, False
+    ),
+    "at another frame": ([{"do": "move_key", "frame": 12, "to": 14}], 14, False),
+    "shifted with others": (
+        [{"do": "retime_keys", "frames": [12, 24], "to": [12, 26]}], 12, True
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", DRAFTED)
+def test_a_keyframe_made_of_a_draft_counts_as_one_until_somebody_poses_it(case: str) -> None:
+    messages, frame, found = DRAFTED[case]
+    keyed = after(drafted(), {"do": "add_key", "frame": 12}, *messages)
+    keyframe = find(keyed.doc.keyframes, frame)
+    assert keyframe is not None
+    assert keyframe.drafted == found
+
+
 def test_what_a_person_poses_from_nothing_is_exact() -> None:
     keyed = after(desk(), {"do": "go", "frame": 12}, RIGHT, {"do": "add_key", "frame": 12})
     assert softness(keyed, 12) is False

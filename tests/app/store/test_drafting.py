@@ -196,6 +196,21 @@ async def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(des
     assert desk.section("draft")["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
 
 
+async def test_a_draft_is_of_what_was_known_to_be_up_when_it_began(desk: Desk) -> None:
+    desk.do({"do": "draft", "frame": 3, "box": BOX, "last": 7})
+    desk.do({"do": "level_camera"})
+    desk.find(2, 3, 4)
+    assert desk.doc.drafted is not None
+    assert desk.doc.drafted.up_camera is None
+    assert desk.section("camera")["lifts"]["drafts"] == 3
+    desk.do({**DRAFT, "first": 8})
+    desk.find(9, 10)
+    assert desk.section("camera")["lifts"]["drafts"] == 5
+    desk.do(DRAFT)
+    desk.find(3, 4)
+    assert desk.section("camera")["lifts"] is None
+
+
 async def test_frames_that_are_tracked_lack_no_draft_and_show_what_was_tracked(desk: Desk) -> None:
     desk.do({"do": "add_key", "frame": 0}, {"do": "add_key", "frame": 6})
     desk.do({**DRAFT, "last": 12})

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.jobs.track import Track
@@ -18,6 +19,7 @@ from keypose.app.store import runner
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.space import solved
@@ -28,6 +30,7 @@ from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
 
 LAST = 60
+KEYPOINTS = KeypointFile(file="keypoints-0123456789ab.npz", source="BlazePose", network="0")
 SHOWN, UP = walk()
 WHOLE = wandering(SHOWN.truth)
 MOTION = Trajectory(0, WHOLE.Rs_parent_part[: LAST + 1], WHOLE.ps_camera_root[: LAST + 1])
@@ -61,7 +64,8 @@ class Desk(StoreDesk):
         self.store._set(edit=replace(self.edit, results=results))
 
     def draft(self) -> None:
-        """Every frame between the keyframes is drafted, for no up; the second keyframe soft."""
+        """Every frame between the keyframes is drafted, for no up, and the second keyframe made of
+        a draft; the third one was posed and softened by hand."""
         drafts = tuple(
             Keyframe.of(self.edit.skeleton, MOTION.pose(frame), frame, frame / 30).model_copy(
                 update={"drafted": True}
@@ -69,10 +73,12 @@ class Desk(StoreDesk):
             for frame in range(1, 30)
         )
         keyframes = tuple(
-            k.model_copy(update={"soft": True}) if k.frame == KEYS[1] else k
+            k.model_copy(update={"soft": True, "drafted": k.frame == KEYS[1]})
+            if k.frame in KEYS[1:3]
+            else k
             for k in self.doc.keyframes
         )
-        made = {"drafts": drafts, "keyframes": keyframes,
+        made = {"drafts": drafts, "keyframes": keyframes, "keypoints": KEYPOINTS,
                 "drafted": Drafted(first_frame=0, last_frame=LAST)}  # fmt: skip
         self.store._set(edit=self.edit.with_doc(self.doc.model_copy(update=made)))
 
@@ -105,6 +111,35 @@ async def test_standing_is_one_step_that_undo_takes_back_whole(at: Desk) -> None
     assert at.doc == before
 
 
+async def test_what_stands_is_there_when_the_session_is_opened_again_and_so_is_its_undo(
+    path: Path,
+) -> None:
+    async with at_desk(path, Desk) as at:
+        at.track()
+        before = at.doc
+        at.do({"do": "stand"})
+        Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
+        stood = at.doc
+    async with at_desk(path, Desk) as at:
+        assert at.doc == stood
+        assert {k.soft for k in at.doc.keyframes} == {"depth"}
+        at.do({"do": "undo"})
+        assert {k.soft for k in at.doc.keyframes} == {False}
+        assert not at.doc.pins
+        at.do({"do": "redo"})
+        assert at.doc == stood
+
+
+async def test_standing_again_changes_no_pin(at: Desk) -> None:
+    at.track()
+    for _ in range(2):
+        at.do({"do": "stand"})
+        Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
+    pins = at.doc.pins
+    at.do({"do": "undo"})
+    assert at.doc.pins == pins
+
+
 async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing(at: Desk) -> None:
     at.track()
     at.do({"do": "stand"})
@@ -133,7 +168,7 @@ async def test_how_soles_lie_is_shown_beside_the_floor(at: Desk) -> None:
     at.know(results)
     words = at.section("floor")["soles"]
     assert words.startswith("Soles within ")
-    assert float(words.split()[2]) < 1.5
+    assert float(words.split()[2]) == abs(at.section("floor")["soles_off_cm"]) < 1.5
 
 
 async def test_upright_lines_set_what_is_up_or_say_that_there_are_too_few(at: Desk) -> None:
@@ -168,8 +203,28 @@ async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_
     assert all(draft.drafted for draft in at.doc.drafts)
     assert at.section("camera")["lifts"] is None
     assert at.edit.history.past[-1].label == "draft anew"
+    assert not Worker.newest.of(LearnDrafts)
     tracking = Worker.newest.of(Track)[-1]
     assert tracking.spans == [(0, 30), (30, 60)]
+
+
+NOTHING_TO_LIFT: dict[str, dict[str, Any]] = {
+    "all is posed": {"drafts": ()},
+    "the keypoints were imported": {"keypoints": KEYPOINTS.model_copy(update={"network": ""})},
+    "the keypoints are gone": {"keypoints": None},
+}
+
+
+@pytest.mark.parametrize("case", NOTHING_TO_LIFT)
+async def test_what_cannot_be_found_anew_is_not_offered(at: Desk, case: str) -> None:
+    at.draft()
+    at.do({"do": "exact_key", "frame": KEYS[1]})
+    at.do({"do": "level_camera"})
+    assert at.section("camera")["lifts"] is not None
+    at.store._set(edit=at.edit.with_doc(at.doc.model_copy(update=NOTHING_TO_LIFT[case])))
+    assert at.section("camera")["lifts"] is None
+    at.do({"do": "lift"})
+    assert not Worker.newest.fits
 
 
 async def test_drafts_that_are_as_up_has_them_are_not_found_anew(at: Desk) -> None:

@@ -58,7 +58,7 @@ def test_a_session_without_pins_does_not_name_them() -> None:
         ([TIP, {**TIP, "first_frame": 5, "last_frame": 7}], "has two pins at frame 5; one is"),
         ([TIP, {"part": "left_hand", "first_frame": 4, "last_frame": 7}], "two pins at frame 4"),
         ([{**TIP, "first_frame": -1}], "first_frame"),
-        ([TIP] * 1001, "1,000|1000"),
+        ([TIP] * 10_001, "10001 are more than the 10000"),
     ],
     ids=["foreign part", "foreign landmark", "none there", "beyond", "backward", "both",
          "overlapping", "whole hand and tip", "negative", "too many"],

@@ -69,8 +69,8 @@ def test_a_person_who_walks_shows_how_the_camera_tilts(tilt: float, roll: float)
     ]
     found = up_from_standing(shown.skeleton, motion, stances)
     assert found is not None
-    assert angle_deg(found.up_camera, up) < 4
-    assert angle_deg(found.up_camera, CAMERA_UP) > tilt / 2 - 2
+    assert angle_deg(found, up) < 4
+    assert angle_deg(found, CAMERA_UP) > tilt / 2 - 2
 
 
 def test_of_somebody_who_never_stands_nothing_is_said() -> None:

@@ -14,6 +14,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
+from keypose.tracker.storage import stretches as solves
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
@@ -104,6 +105,51 @@ def test_what_is_up_is_what_was_set_or_else_what_lines_say_or_else_the_feet() ->
     assert np.degrees(np.arccos(np.array(feet.session.up_camera) @ UP)) < 5
 
 
+def test_a_hand_on_the_floor_stays_there_and_is_no_sole() -> None:
+    hand = Pin(part="left_hand", first_frame=3, last_frame=9, floor=True)
+    done = stood(known(pins=(hand,)))
+    assert done.session.pins[0] == hand
+    assert soles(done).part.endswith("foot")
+    alone = measured_soles(SHOWN.skeleton, [MOTION], [hand], UP, -1.7)
+    assert alone is None
+
+
+def test_a_foot_pinned_beyond_what_is_tracked_stands_on_the_floor_as_far_as_it_is() -> None:
+    pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=48, last_frame=80)
+    given = known(pins=(pin,))
+    whole = tracked(given, MOTION)
+    done = stand(given, {span: found for span, found in whole.items() if span[1] <= 60})
+    assert done.session.pins[0] == pin.model_copy(update={"floor": True})
+    assert done.softened == KEYS[:3]
+    untracked = pin.model_copy(update={"first_frame": 62})
+    other = pin.model_copy(
+        update={"part": "right_foot", "landmarks": ("right_heel", "right_toe"), "first_frame": 0}
+    )
+    given = known(pins=(untracked, other.model_copy(update={"last_frame": 90})))
+    only = {span: found for span, found in whole.items() if span[1] <= 30}
+    assert np.isfinite(stand(given, only).session.floor_m or np.nan)
+
+
+def test_without_a_foot_pinned_where_the_motion_is_tracked_there_is_no_floor() -> None:
+    hops = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=70, last_frame=80)
+    given, (R, t) = known(pins=(hops,)), MOTION.writable()
+    t[:, 0] += 0.1 * np.arange(len(t))
+    whole = tracked(given, type(MOTION)(0, R, t))
+    with pytest.raises(SessionError, match="No foot stands still"):
+        stand(given, {span: found for span, found in whole.items() if span[1] <= 60})
+
+
+def test_a_foot_that_stands_across_two_solves_is_pinned_once_at_the_frame_between(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(solves, "LONGEST", 40)
+    done = stood(known())
+    feet = [pin for pin in done.session.pins if pin.part == "right_foot"]
+    assert any(pin.last_frame == KEYS[1] for pin in feet)
+    assert any(pin.first_frame == KEYS[1] + 1 for pin in feet)
+    assert Session.model_validate_json(done.session.model_dump_json()) == done.session
+
+
 def test_a_foot_on_something_higher_is_left_there_and_named() -> None:
     pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=46, last_frame=56)
     R, t = MOTION.writable()
@@ -156,6 +202,6 @@ def test_frames_in_which_nothing_touches_the_floor_are_told() -> None:
     t[75:79] += 0.4 * UP
     pins = [pin for pin in done.session.pins if pin.last_frame < 75]
     raised = type(MOTION)(0, R, t)
-    measured = measured_soles(SHOWN.skeleton, raised, pins, UP, done.session.floor_m or 0.0)
+    measured = measured_soles(SHOWN.skeleton, [raised], pins, UP, done.session.floor_m or 0.0)
     assert measured is not None
     assert (75, 78) in measured.in_air

@@ -75,6 +75,23 @@ def test_a_blank_wall_and_lines_that_lean_every_way_say_nothing() -> None:
     assert up_from_lines([tangle], CAMERA) is None
 
 
+def test_what_the_lens_does_not_show_says_nothing_and_leaves_the_rest() -> None:
+    narrow = CAMERA.model_copy(update={"distortion": (-0.9, 0.0, 0.0, 0.0, 0.0)})
+    shown = picture(up_of(10.0, 2.0), slanted=9).copy()
+    cv2.line(shown, (6, 4), (6, 150), 255, 3)
+    assert not np.isfinite(narrow.back_project(np.array([6.0, 4.0]), 1.0)).all()
+    found = up_from_lines([shown], narrow)
+    assert found is None or np.isfinite(found.up_camera).all()
+
+
+def test_a_telephoto_camera_tilts_as_its_lens_does() -> None:
+    up = up_of(10.0, 2.0)
+    far = CAMERA.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 5.0})
+    found = up_from_lines([picture(up, slanted=9)], far)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 1.5
+
+
 def test_it_is_the_same_every_time() -> None:
     shown = [picture(up_of(9.0, 1.0), slanted=9)]
     one, other = (up_from_lines(shown, CAMERA) for _ in range(2))
@@ -98,5 +115,7 @@ def test_two_verticals_show_tilt_and_roll(camera: Camera) -> None:
 def test_one_line_drawn_twice_and_lines_that_lie_say_nothing() -> None:
     line = [(100.0, 40.0), (104.0, 300.0)]
     assert up_from_segments(np.array([line, line]), CAMERA) is None
+    spot = [(500.0, 40.0), (500.0, 40.0)]
+    assert up_from_segments(np.array([line, spot]), CAMERA) is None
     level = [[(20.0, 100.0), (600.0, 102.0)], [(20.0, 300.0), (600.0, 250.0)]]
     assert up_from_segments(np.array(level), CAMERA) is None

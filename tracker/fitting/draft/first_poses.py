@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import height, joint_moved, resized, with_height
@@ -133,9 +134,7 @@ def first_pose(joints: Joints, camera: Camera, uv: Array, sure: Array, p_hips: A
     where sure is not 0.
     """
     bones = _with_lengths_of(joints, p_hips)
-    known = sure > 0
-    R = onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
-    p = bones @ R.T
+    p = bones @ landmark_axes(camera, uv, sure > 0).T
     p = p + placed(camera, p, uv, sure)
     return _posed(joints, p)
 
@@ -161,6 +160,12 @@ def _trunk(joints: Joints, p: Array) -> Array:
     ours = joints.rest[_SHOULDERS].mean(0) - joints.rest[_HIPS].mean(0)
     theirs = p[_SHOULDERS].mean(0) - p[_HIPS].mean(0)
     return float(np.linalg.norm(ours)) * unit(theirs)
+
+
+def landmark_axes(camera: Camera, uv: Array, known: NDArray[np.bool_]) -> Array:
+    """(3, 3) the axes of a frame's landmarks in the camera: a network has a person as if in the
+    middle of the picture. uv (K, 2), known (K,): of its points."""
+    return onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
 
 
 def onto_ray(camera: Camera, uv: Array) -> Array:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.fitting.draft.first_poses import landmark_axes
 from keypose.tracker.fitting.draft.observed import POINTS, Joints, Observed, place_of
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
@@ -194,13 +195,21 @@ def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Traj
     columns, points = joints.ends
     root, depth = posed.ps_camera_root[:, 2], np.full((len(posed), len(columns)), np.nan)
     Ts = posed.transforms(scene.skeleton)
+    p = _in_camera(scene, observed)
     for k, ((part, _),) in enumerate(points.points):
         side, _, end = POINTS[columns[k]].partition("_")
         if end in FOOT_ENDS:
             ankle = place_of(side, "ankle")
-            from_ankle = observed.p_hips[:, columns[k], 2] - observed.p_hips[:, ankle, 2]
-            depth[:, k] = Ts[:, part, 2, 3] - root + from_ankle
+            depth[:, k] = Ts[:, part, 2, 3] - root + p[:, columns[k], 2] - p[:, ankle, 2]
     return depth
+
+
+def _in_camera(scene: Scene, observed: Observed) -> Array:
+    """(N, K, 3) the landmarks along the axes of the camera; NaN where nobody is seen."""
+    p, known = np.full_like(observed.p_hips, np.nan), observed.known
+    for n in np.flatnonzero(known.any(axis=1)):
+        p[n] = observed.p_hips[n] @ landmark_axes(scene.camera, observed.uv[n], known[n]).T
+    return p
 
 
 def _sigmas(

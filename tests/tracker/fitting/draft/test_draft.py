@@ -299,6 +299,28 @@ def test_a_body_with_clavicles_gets_the_drafts_of_the_body_without(proportions: 
         np.testing.assert_allclose(joints_of(draft.body, [draft.poses[frame]]), given, atol=1e-9)
 
 
+@pytest.mark.parametrize(("x_m", "facing_deg"), [(2.2, 90.0), (-2.2, 60.0)])
+def test_feet_point_ahead_at_the_edge_of_the_picture_too(x_m: float, facing_deg: float) -> None:
+    clip = walk(12, facing_deg, place=(x_m, 0.1, 4.5))
+    draft = draft_from_keypoints(clip.keypoints, CAMERA, clip.body, proportions=False)
+    off = [
+        np.einsum("ki,ki->k", _soles(clip.body, clip.poses[n]), _soles(draft.body, draft.poses[n]))
+        for n in range(12)
+    ]
+    assert np.degrees(np.arccos(np.min(off))) < 4.0
+
+
+def _soles(body: Body, pose: Pose) -> Array:
+    """(2, 3) unit vectors from heels to toes."""
+    Ts, found = pose_transforms(Skeleton.of(body), pose), []
+    for side in ("left", "right"):
+        foot = body.index(f"{side}_foot")
+        ends = body.parts[foot].landmarks
+        along = np.subtract(ends[f"{side}_toe"], ends[f"{side}_heel"])
+        found.append(Ts[foot, :3, :3] @ along / np.linalg.norm(along))
+    return np.array(found)
+
+
 # --- where up is known
 
 
