@@ -104,9 +104,19 @@ def test_proposals_are_reported_until_they_are_answered() -> None:
 
 
 def test_the_floor_is_reported_with_whether_pinned_feet_could_say_where_it_is() -> None:
-    assert reported(desk())["floor"] == {"height_m": None, "has_feet": False, "soles": ""}
+    assert reported(desk())["floor"] == {
+        "height_m": None,
+        "has_feet": False,
+        "soles": "",
+        "soles_off_cm": None,
+    }
     edit = after(desk(), FOOT, {"do": "floor", "height_m": -1.25})
-    assert reported(edit)["floor"] == {"height_m": -1.25, "has_feet": True, "soles": ""}
+    assert reported(edit)["floor"] == {
+        "height_m": -1.25,
+        "has_feet": True,
+        "soles": "",
+        "soles_off_cm": None,
+    }
 
 
 def test_soft_keyframes_and_smoothness_are_reported() -> None:
