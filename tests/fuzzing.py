@@ -160,7 +160,7 @@ def kinds(folder: Path) -> dict[str, Kind]:
         "OpenSim": Kind("m.osim", osim(), read_model),
         "names": Kind("n.json", _json({"theirs": "ours"}), load_names),
         "rig": Kind("rig.json", _json(cameras), Rig.open),
-        "body": Kind("b.json", (SAMPLES / "bodies/dog.json").read_bytes(), load_body),
+        "body": Kind("b.json", (SAMPLES / "bodies/box.json").read_bytes(), load_body),
         "session": Kind("session.json", session, load_session),
         "defaults": Kind("config.toml", defaults, _defaults),
         "network": Kind("n.onnx", tiny.maps(), _network),

@@ -129,6 +129,9 @@ export function pinTitle(part) {
 
 export const isSoft = (at = frame()) => Boolean(server.keys?.soft?.includes(at));
 
+/** Exact keyframes within a pin. @param {Pin} pin */
+export const exactWithin = ({ first, last }) => (server.keys?.frames ?? []).filter((at) => first <= at && at <= last && !isSoft(at));
+
 /** A soft keyframe's own pose, as a ghost beside the motion that passes it. */
 export function showOwnPose(at = frame()) {
   stopPlaying();

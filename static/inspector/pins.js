@@ -4,8 +4,9 @@ import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { actionBox, actionButton, actionIcon } from '../actions/buttons.js';
 import { keyOf } from '../actions/actions.js';
 import {
-  allPins, framesOf, isEnd, isFoot, onFloor, pinHere, pinMeant, pinPart, pinsOf, proposedPins, showPin, wholeFoot,
+  allPins, exactWithin, framesOf, isEnd, isFoot, onFloor, pinHere, pinMeant, pinPart, pinsOf, proposedPins, showPin, wholeFoot,
 } from '../actions/pins.js';
+import { isUpKnown } from '../actions/standing.js';
 import { button, checkbox, iconButton, segmented, shortNumber } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
@@ -79,7 +80,19 @@ function details(part, index) {
       label: 'Keep on the floor', on: pin.floor, title: `Of ${pin.label.toLowerCase()}, frames ${framesOf(pin)}`,
       act: (on) => (on ? onFloor(change({ floor: true }), part) : send(change({ floor: false }))),
     })}
+    ${pin.floor ? withoutEffect(pin) : nothing}
     ${pin.slides_cm === null ? nothing : html`<p class="note">Slides at most ${shortNumber(pin.slides_cm, 1)} cm in ${framesOf(pin)}.</p>`}`;
+}
+
+/** Why a foot may not come to the floor though it is to, and what to do about it. */
+function withoutEffect(pin) {
+  if (!isUpKnown()) {
+    return html`<p class="note warned">What is up is not known yet, so the floor has no effect.</p>${actionButton('findUp', undefined, { name: undefined })}`;
+  }
+  const exact = exactWithin(pin);
+  if (exact.length === 0) return nothing;
+  const words = exact.length === 1 ? `Keyframe ${exact[0]} is exact and holds` : `${exact.length} exact keyframes hold`;
+  return html`<p class="note warned">${words} the foot where it was posed.</p>${actionButton('softKeys', exact, { name: undefined })}`;
 }
 
 function holds(part, pin, change) {

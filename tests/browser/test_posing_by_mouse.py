@@ -547,10 +547,10 @@ def test_a_drawn_vertical_sets_what_is_up(at: Desk, tabs: Callable[[str], None])
     R = np.array(at.agreed("views")["front"])
     np.testing.assert_allclose(R[1], -np.array(at.served["camera"]["up"]), atol=0.3)
     assert abs(R[0][1]) > 0.05  # the front view stands upright, the camera does not
-    assert undo_steps(at) == 1
-    # a second one, which leans the other way, shows that the camera looks down
-    drag(at.page, on_picture(at.page, (120, 60)), on_picture(at.page, (150, 300)), steps=4)
-    until(lambda: abs(at.agreed("camera")["roll_deg"]) > 1, "both verticals")
+    # with a second one both tilt and roll are known
+    assert at.served["camera"]["tilt_deg"] == pytest.approx(0, abs=1.0)
+    drag(at.page, on_picture(at.page, (240, 150)), on_picture(at.page, (245, 300)), steps=4)
+    until(lambda: abs(at.agreed("camera")["tilt_deg"]) > 2, "both verticals")
     until(lambda: at.page.evaluate("() => window.keypose.ui.tool") != "vertical", "the tool")
     assert undo_steps(at) == 2
 
