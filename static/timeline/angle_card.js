@@ -13,9 +13,9 @@ import { server, watch } from '../store/state.js';
 import { GUTTER, frameAt, right, visible, x } from './draw/scale.js';
 import { line, runsOf } from './draw/series.js';
 
-const HEIGHT = 168;
+const HEIGHT = 144;
 const AIR = 14;
-const ABOVE_PX = 8;
+const RULER_PX = 24;
 const STEPS = [1, 2, 5, 10, 20, 30, 45, 60, 90, 180];
 
 let place = null;
@@ -33,14 +33,14 @@ function draw() {
   put();
 }
 
-/** As wide as the timeline, above it. */
+/** As wide as the timeline, over its lanes: the picture, and the frames, stay in sight. */
 function put() {
   const shown = place.firstElementChild;
   if (!shown) return;
   const box = drawing.getBoundingClientRect();
   shown.style.left = `${box.left}px`;
   shown.style.width = `${box.width}px`;
-  shown.style.top = `${Math.max(ABOVE_PX, box.top - shown.getBoundingClientRect().height - ABOVE_PX)}px`;
+  shown.style.top = `${Math.max(box.top + RULER_PX, box.bottom - shown.getBoundingClientRect().height)}px`;
 }
 
 function card(shown) {
