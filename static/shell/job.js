@@ -3,6 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, perform, whyNot } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
+import { progressBar } from '../controls/progress_bar.js';
 import { server, ui, setUi } from '../store/state.js';
 
 const STAYS_MS = 8000;
@@ -56,13 +57,7 @@ function runningJob(job) {
   const percent = Math.round(job.percent ?? 0);
   const left = timeLeft(job.seconds_left);
   const now = job.words ?? '';
-  return html`<div
-    class="job"
-    role="progressbar"
-    aria-label=${job.title}
-    aria-valuenow=${isFit ? nothing : percent}
-    aria-valuetext="${job.words} ${left}"
-  >
+  return html`<div class="job">
     <span class="spin">${icon('run')}</span><b class="num cut">${job.title}</b>
     <span class="mut num cut"
       >${now}${left
@@ -70,7 +65,7 @@ function runningJob(job) {
         : nothing}</span
     >
     <button class="btn ghost sm" title="Cancel" data-key=${keyOf('cancel')} @click=${cancelJob}>Cancel</button>
-    <span class="bar ${isFit ? 'sweep' : ''}" style="width:${isFit ? 30 : percent}%"></span>
+    ${progressBar(job.title, isFit ? null : percent, `${now} ${left}`)}
   </div>`;
 }
 
@@ -79,12 +74,12 @@ function runningJob(job) {
  * @param {{ label: string, title: string, words: string, done: number, of: number, cancel: () => void }} work
  */
 export function workUnderWay({ label, title, words, done, of, cancel }) {
-  const percent = of ? Math.round((100 * done) / of) : 0;
+  const percent = of ? Math.round((100 * done) / of) : null;
   return html`<div class="row sheetfoot">
-    <div class="job exjob" role="progressbar" aria-label=${label} aria-valuenow=${of ? percent : nothing} aria-valuetext=${words}>
+    <div class="job exjob">
       <span class="spin">${icon('run')}</span><b>${title}</b><span class="mut num cut">${words}</span><span class="sp"></span>
       <button type="button" class="btn ghost sm" @click=${cancel}>Cancel</button>
-      <span class="bar ${of ? '' : 'sweep'}" style="width:${of ? percent : 30}%"></span>
+      ${progressBar(label, percent, words)}
     </div>
   </div>`;
 }

@@ -4,6 +4,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { importFile, importOpenPose, isImported, isOpenPose } from '../actions/importing.js';
 import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
+import { progressBar } from '../controls/progress_bar.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { keyHeader } from '../store/storage.js';
@@ -46,16 +47,12 @@ export function uploadCard() {
   const { name, loaded, total } = ui.upload;
   const percent = total ? (100 * loaded) / total : 0;
   const isOver = loaded >= total;
-  return html`<div
-    class="job upload"
-    role="progressbar"
-    aria-label="Copying ${name}"
-    aria-valuenow=${Math.round(percent)}
-  >
+  const copied = isOver ? '' : `${bytes(loaded)} of ${bytes(total)}`;
+  return html`<div class="job upload">
     <span class="spin">${icon('run')}</span><b class="cut">${isOver ? 'Opening' : 'Copying'} ${name}</b>
-    <span class="mut num">${isOver ? '' : `${bytes(loaded)} of ${bytes(total)}`}</span>
+    <span class="mut num">${copied}</span>
     <button class="btn ghost sm" @click=${cancelUpload}>Cancel</button>
-    <span class="bar" style="width:${percent.toFixed(1)}%"></span>
+    ${progressBar(`Copying ${name}`, percent, copied)}
   </div>`;
 }
 

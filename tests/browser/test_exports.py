@@ -35,7 +35,7 @@ def saved(at: Desk, sheet: Locator) -> tuple[str, bytes]:
 def test_a_film_is_cancelled_and_made_as_it_is_asked_for(work: Desk) -> None:
     sheet = dialog(work, "Film")
     sheet.get_by_role("button", name="Export", exact=True).click()
-    sheet.get_by_role("progressbar").wait_for()
+    sheet.get_by_role("progressbar").wait_for(state="attached")
     sheet.get_by_role("button", name="Cancel").click()
     sheet.get_by_role("button", name="Export", exact=True).wait_for()
     sheet.get_by_label("Last frame").fill("99")
