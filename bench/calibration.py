@@ -1,4 +1,4 @@
-"""How well told errors are told: fitting their median, and reading it off again band by band."""
+"""Calibrate predicted errors: fit their median, and compare it with the measured one by bands."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.tracking.cues.joint_evidence import LEAST, LEAST_DRIFT, Weights
 
 BANDS_PX = (0.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0)
-"""Ends of what is told, px on a person 400 px tall."""
+"""Ends of predicted errors, px on a person 400 px tall."""
 FLOOR = 0.5 / TALL_PX
 """Errors count as no less."""
 CORNER = 2.4 / TALL_PX
 """Where a product of powers, a share of the height, begins to count in full."""
 LARGEST = (0.5, 0.75, 0.9, 0.97)
-"""Quantiles of what is told that part small errors from large ones."""
+"""Quantiles of predicted errors that part small errors from large ones."""
 ROUNDS, LEAST_AWAY = 60, 1e-3
 
 
@@ -45,7 +45,7 @@ def fitted(
 ) -> Weights:
     """Weights by which joints (J,) are expected to be off by the median of their errors.
 
-    Each clip counts alike for what is told to be off by about as much, as few clips show large
+    Each clip counts alike for errors predicted about as large, as few clips show large
     errors.
     """
     logs = (np.log(apart + LEAST), np.log(drift + LEAST_DRIFT), np.log(away + 1))
@@ -68,31 +68,31 @@ def fitted(
 
 
 class Band(NamedTuple):
-    """What was measured of joints told to be off by about so much; px on a person 400 px tall.
+    """What was measured of joints predicted to be off by about so much; px on a person 400 px tall.
 
-    under: share of them that is off by less than told.
+    under: share of them that is off by less than predicted.
     """
 
     name: str
     count: int
-    told_px: float
+    predicted_px: float
     measured_px: float
     under: float
 
     @property
-    def beside(self) -> float:
-        """By what share the measured median misses the told one."""
-        return abs(self.measured_px / self.told_px - 1)
+    def miscalibration(self) -> float:
+        """By what share the measured median misses the predicted one."""
+        return abs(self.measured_px / self.predicted_px - 1)
 
 
-def bands(told: Array, error: Array, fewest: int) -> Iterator[Band]:
-    """The bands of at least so many joints. told, error (J,): shares of the height."""
+def bands(predicted: Array, error: Array, fewest: int) -> Iterator[Band]:
+    """The bands of at least so many joints. predicted, error (J,): shares of the height."""
     for least, most in zip(BANDS_PX, (*BANDS_PX[1:], np.inf), strict=True):
-        at = (told * TALL_PX >= least) & (told * TALL_PX < most)
+        at = (predicted * TALL_PX >= least) & (predicted * TALL_PX < most)
         if at.sum() >= fewest:
             name = f"{least:g}–{most:g} px" if np.isfinite(most) else f"over {least:g} px"
-            medians = (float(np.median(each[at])) * TALL_PX for each in (told, error))
-            yield Band(name, int(at.sum()), *medians, float((error[at] < told[at]).mean()))
+            medians = (float(np.median(each[at])) * TALL_PX for each in (predicted, error))
+            yield Band(name, int(at.sum()), *medians, float((error[at] < predicted[at]).mean()))
 
 
 def auroc(wrong: NDArray[np.bool_], doubt: Array) -> float:

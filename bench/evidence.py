@@ -29,44 +29,47 @@ FITTED_BY: tuple[tuple[str, ...], ...] = (
     ("apart", "drift", "away", "visibility"),
 )
 """Evidence that is weighed anew, the first as the product does."""
+JUDGED_FROM_PX = 3.0
+"""Smaller predicted errors are not judged."""
 FEWEST = 60
 """Joints in a band of which anything is said."""
-GOOD_OFTEN, GOOD_TRUE, AUROC, NAMED, BESIDE_TOLD = 0.70, 0.97, 0.80, 0.70, 0.25
+GOOD_OFTEN, GOOD_TRUE, AUROC, NAMED, MISCALIBRATED = 0.70, 0.97, 0.80, 0.70, 0.25
 """Shares of right segments that are called good, and of good ones that are right; area under the
 curve of wrong joints; share of segments with a wrong joint whose named part is among the two worst;
-by how much the median measured may miss the one told."""
+by how much the median measured may miss the predicted one."""
 
 
 def evidence(report: Report) -> None:
     """The whole group."""
     seen = kept_evidence()
     known = [name for name in (*FILMED, *RENDERED) if (seen.clips == name).any()]
-    told = seen.of_joints(seen.told)
-    left_out = _left_out(told, FITTED_BY[0], known)
-    _calibrated(report, "as it is told", told.column("expected"), told)
-    _calibrated(report, "as it is told by weights of the other clips", left_out, told, BESIDE_TOLD)
-    columns = (told.column(name) for name in FITTED_BY[0])
-    weights = fitted(*columns, told.error, told.clip_of_joint)
+    rows = seen.of_joints(seen.predicted)
+    left_out = _left_out(rows, FITTED_BY[0], known)
+    _calibrated(report, "as predicted", rows.column("expected"), rows)
+    _calibrated(report, "predicted by weights of the other clips", left_out, rows, MISCALIBRATED)
+    columns = (rows.column(name) for name in FITTED_BY[0])
+    weights = fitted(*columns, rows.error, rows.clip_of_joint)
     report.note(f"fitted on all: {', '.join(f'{k} {v:.4g}' for k, v in weights._asdict().items())}")
-    _areas(report, told, known)
+    _areas(report, rows, known)
     _verdicts(report, seen, known)
 
 
 def _calibrated(
     report: Report, title: str, expected: Array, seen: Evidence, most: float | None = None
 ) -> None:
-    """By what is told, the median measured; with `most` by how much both may differ over 3 px."""
-    table = report.table(title, "joints", "told", "measured", "off by less")
+    """The median measured by bands of the predicted error; most: by how much both may differ."""
+    table = report.table(title, "joints", "predicted", "measured", "off by less")
     for band in bands(expected, seen.error, FEWEST):
-        judged = most is not None and band.told_px > 3.0
-        wanted = [Expected("beside", band.beside, most)] if judged and most is not None else []
-        row = band.count, band.told_px, band.measured_px, f"{band.under:.0%}"
+        wanted = []
+        if most is not None and band.predicted_px > JUDGED_FROM_PX:
+            wanted = [Expected("miscalibrated", band.miscalibration, most)]
+        row = band.count, band.predicted_px, band.measured_px, f"{band.under:.0%}"
         table.row(band.name, *row, expected=wanted)
 
 
 def _areas(report: Report, seen: Evidence, known: Sequence[str]) -> None:
-    """By clip how well wrong joints are told from right ones, as told and by weights left out."""
-    ways = {"as told": seen.column("expected")}
+    """By clip how well wrong joints are told from right ones, as predicted and by other clips."""
+    ways = {"as predicted": seen.column("expected")}
     ways |= {f"+ {names[-1]}": _left_out(seen, names, known) for names in FITTED_BY}
     table = report.table("area under the curve of wrong joints", *ways)
     wrong, clips = seen.error > WRONG, seen.clip_of_joint

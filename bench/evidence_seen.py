@@ -108,7 +108,7 @@ class Evidence:
         return without_marks(self.column("wrong_by"), mark[self.of])
 
     @property
-    def told(self) -> NDArray[np.bool_]:
+    def predicted(self) -> NDArray[np.bool_]:
         """(J,) of which an error is expected: not where keypoints lie on another body."""
         return np.isfinite(self.column("expected"))
 

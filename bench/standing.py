@@ -218,7 +218,7 @@ def _rendered(name: str, table: Table) -> None:
     motion = _motion(unknown.poses)
     stances = [pin for pin in proposed_pins(skeleton, motion, FPS, None) if pin.landmarks[1:]]
     level = up_from_standing(skeleton, motion, stances)
-    off = float("nan") if level is None else _angle_deg(level.up_camera, up)
+    off = float("nan") if level is None else _angle_deg(level, up)
     figures = _of_drafts(shown, Skeleton.of(known.body), _motion(known.poses))
     expected = [
         Expected("up", off, MOST_TILT_DEG, "°"),

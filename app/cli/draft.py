@@ -78,24 +78,25 @@ def run(arguments: argparse.Namespace) -> int:
         except Cancelled:
             print("Interrupted: nothing was written.", file=sys.stderr)
             return INTERRUPTED
-        draft, _, looked = found
+        draft, _, detected = found
         make_folder(arguments.out, error=SessionError)
         with locked(place, "close it there, or choose another --out"):
             written = _save(session, place, found, frames, at, box, video, arguments.overwrite)
-    _print(draft, frames, looked or frames, written, arguments.json)
-    if looked is None:
+    _print(draft, frames, detected or frames, written, arguments.json)
+    if detected is None:
         return DONE
     words = "the same command with --overwrite goes on from there"
-    print(f"Interrupted: frames {looked[0]}–{looked[1]} are drafted; {words}.", file=sys.stderr)
+    print(f"Interrupted: frames {detected[0]}–{detected[1]} are drafted; {words}.", file=sys.stderr)
     return INTERRUPTED
 
 
 def _say_how_long(session: Session, frames: tuple[int, int], as_json: bool) -> None:
     """Say what a draft will take, where it takes long: as known of this computer, else measured."""
-    network = session.settings.network_used
-    seconds = known_or_measured(network)
+    if as_json:
+        return
     count = frames[1] - frames[0] + 1
-    if (words := about_words(count * seconds)) and not as_json:
+    seconds = known_or_measured(session.settings.network_used)
+    if words := about_words(count * seconds):
         print(f"Drafting {count} frames takes {words}.", file=sys.stderr, flush=True)
 
 
@@ -132,8 +133,8 @@ def _save(
     video: Video, overwrite: bool,
 ) -> tuple[Path, Path]:  # fmt: skip
     """The session's file and that of the keypoints, both written."""
-    draft, network, looked = found
-    only, rest = taken_and_left(range(frames[0], frames[1] + 1), looked, at, box)
+    draft, network, detected = found
+    only, rest = taken_and_left(range(frames[0], frames[1] + 1), detected, at, box)
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
@@ -186,12 +187,12 @@ def _bar() -> Iterator[Callable[[DraftProgress], None]]:
 def _print(
     draft: ClipDraft,
     frames: tuple[int, int],
-    looked: tuple[int, int],
+    detected: tuple[int, int],
     written: tuple[Path, Path],
     as_json: bool,
 ) -> None:
     if as_json:
-        print_json(_facts(draft, frames, looked, written))
+        print_json(_facts(draft, frames, detected, written))
         return
     count = frames[1] - frames[0] + 1
     print(f"Drafts at {len(draft.poses)} of {count} frames.")
@@ -207,10 +208,10 @@ def _print(
 def _facts(
     draft: ClipDraft,
     frames: tuple[int, int],
-    looked: tuple[int, int],
+    detected: tuple[int, int],
     written: tuple[Path, Path],
 ) -> dict[str, Any]:
-    seen = set(range(looked[0], looked[1] + 1))
+    seen = set(range(detected[0], detected[1] + 1))
     missing, left = sorted(seen - set(draft.poses)), set(range(frames[0], frames[1] + 1)) - seen
     proposals = [
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals

@@ -124,13 +124,13 @@ class Vertical(Edit):
         if any(math.dist(*line) < SHORTEST_PX for line in ((self.a, self.b), self.other) if line):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
-            return _with_up(state, self._up_of_both(state, self.other))
+            return state.doc.with_up(self._up_of_both(state, self.other))
         up = up_from_vertical(state.doc.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
             )
-        return _with_up(state, up)
+        return state.doc.with_up(up)
 
     def _up_of_both(self, state: EditorState, other: tuple[Spot, Spot]) -> Array:
         if _crosses((self.a, self.b), other):
@@ -154,7 +154,7 @@ class LevelCamera(Edit):
     verb = "set the camera level"
 
     def apply(self, state: EditorState) -> Session:
-        return _with_up(state, np.array(CAMERA_UP))
+        return state.doc.with_up(CAMERA_UP)
 
 
 class ResetUp(Edit):
@@ -164,17 +164,12 @@ class ResetUp(Edit):
     verb = "reset the up direction"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.model_copy(update={"up_camera": None, "up_from_feet": False})
+        return state.doc.with_up(None)
 
 
 MESSAGES = (
     ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, LevelCamera, ResetUp,
 )  # fmt: skip
-
-
-def _with_up(state: EditorState, up_camera: Array) -> Session:
-    x, y, z = (float(v) for v in up_camera)
-    return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
 
 
 def _crosses(one: tuple[Spot, Spot], other: tuple[Spot, Spot]) -> bool:

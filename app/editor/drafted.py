@@ -112,7 +112,7 @@ def drafted_session(
     return with_drafts(doc.model_copy(update=update), drafts)
 
 
-def is_lifted_otherwise(doc: Session) -> bool:
+def has_drafts_for_other_up(doc: Session) -> bool:
     """Return whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
     found = doc.drafted

@@ -59,8 +59,8 @@ class UpFromFeet(Edit):
         places, apart = _places_of_feet(state)
         if apart < LEAST_APART_M:
             raise ActionRefused("Pin two steps first, at least half a metre apart.")
-        x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
-        levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})
+        up = up_from_places(places, np.array(up_of(state.doc)))
+        levelled = state.doc.with_up(up, from_feet=True)
         if levelled.floor_m is None:
             return levelled
         state = state.with_doc(levelled)
@@ -82,8 +82,7 @@ class Horizon(Edit):
         if math.dist(self.a, self.b) < SHORTEST_PX:
             raise ActionRefused("Draw a longer line along the horizon.")
         up = up_from_horizon(doc.camera.without_distortion(), self.a, self.b, up_of(doc))
-        x, y, z = (round(float(v), 6) for v in up)
-        levelled = doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+        levelled = doc.with_up(up)
         state = state.with_doc(levelled)
         if any(pin.landmarks for pin in doc.pins):
             return _with_floor(state, _height_of_pins(state))

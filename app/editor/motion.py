@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.shown import counts, find, shown_pose, stands
+from keypose.app.editor.shown import counts, find, is_met, shown_pose
 from keypose.app.editor.state import EditorState, up_of
 from keypose.app.posing import angle_curve_deg, angles_deg, handles
 from keypose.tracker.body.body import Body
@@ -56,7 +56,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     motions = list(_motions(edit, first, last))
     Rs, ps = (np.concatenate(arrays)[frames - first] for arrays in zip(*motions, strict=True))
     row_of = {frame: row for row, frame in enumerate(frames.tolist())}
-    for posed in _standing(edit, doc):
+    for posed in _met_poses(edit, doc):
         row = row_of.get(posed.frame)
         if row is not None:
             pose = posed.pose(skeleton)
@@ -64,9 +64,9 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     return KnownMotion(frames, part_transforms(skeleton, Rs, ps))
 
 
-def _standing(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
-    """The keyframes and drafts that the motion is as."""
-    yield from (keyframe for keyframe in doc.keyframes if stands(edit, keyframe))
+def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
+    """The keyframes and drafts that the motion meets."""
+    yield from (keyframe for keyframe in doc.keyframes if is_met(edit, keyframe))
     yield from (draft for draft in doc.drafts if counts(edit, draft))
 
 
@@ -268,7 +268,7 @@ def part_rotations(edit: EditorState, index: int) -> Array:
     """(F, 3, 3) of a part in its parent's frame, tracked or posed; NaN where nothing is known."""
     Rs = rotations(edit.fitting, edit.frame_count, index)
     name = edit.doc.body.names[index]
-    if poses := tuple(_standing(edit, edit.doc)):
+    if poses := tuple(_met_poses(edit, edit.doc)):
         wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
         Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     return Rs

@@ -69,7 +69,7 @@ def posed_at(state: EditorState, frame: int) -> ShownPose | None:
 
 def _keypose(state: EditorState, keyframe: Keyframe) -> Pose:
     """The pose at a keyframe: a soft one is shown as the motion passes it."""
-    passed = None if stands(state, keyframe) else state.tracked(keyframe.frame)
+    passed = None if is_met(state, keyframe) else state.tracked(keyframe.frame)
     return keyframe.pose(state.skeleton) if passed is None else passed
 
 
@@ -86,7 +86,7 @@ def counts(state: EditorState, draft: Keyframe) -> bool:
     return not draft.is_found or state.tracked(draft.frame) is None
 
 
-def stands(state: EditorState, keyframe: Keyframe) -> bool:
+def is_met(state: EditorState, keyframe: Keyframe) -> bool:
     """Return whether the motion is, at a keyframe, as that was posed: past a soft one it goes as it
     was solved for.
     """
@@ -99,7 +99,7 @@ def ghosts(state: EditorState) -> list[tuple[int, Pose]]:
     before = [key for key in state.keys if key < state.frame][-1:]
     after = [key for key in state.keys if key > state.frame][:1]
     here = find(state.settled.keyframes, state.frame)
-    own = [] if here is None or stands(state, here) else [state.frame]
+    own = [] if here is None or is_met(state, here) else [state.frame]
     found = ((frame, find(state.settled.keyframes, frame)) for frame in (*before, *after, *own))
     return [(frame, key.pose(state.skeleton)) for frame, key in found if key is not None]
 

@@ -27,11 +27,10 @@ def with_camera_file(session: Session, found: CameraFile) -> Session:
     old, new = session.camera, found.camera
     telephoto = {old.projection, new.projection} != {"perspective"}
     farther = 1.0 if telephoto else new.fx / old.fx
-    x, y, z = (round(float(v), DECIMALS) + 0.0 for v in found.up_camera)
     seen = session.model_copy(update={"lens_source": "calibration", "camera": new})
     if new.model_copy(update={"origin": old.origin}) == old:
         seen = seen.model_copy(update={"camera": old})
-    turned = seen.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+    turned = seen.with_up(found.up_camera)
     if turned_deg(session, turned) > SAME_DEG:
         seen = turned
     floor_m = found.floor_m

@@ -51,12 +51,12 @@ FEWEST_KEPT = STRETCH
 
 
 class Drafted(NamedTuple):
-    """The drafts, the fingerprint of the network, and which frames were looked at, first and last:
-    None where it was all."""
+    """The drafts, the fingerprint of the network, and first and last of the frames whose keypoints
+    were detected: None where these are all."""
 
     draft: ClipDraft
     network: str
-    looked: tuple[int, int] | None = None
+    detected: tuple[int, int] | None = None
 
 
 @dataclass
@@ -80,8 +80,8 @@ class DraftReporter:
 
 
 @dataclass
-class _Looked:
-    """Which frames the network has looked at: backward from the one of the box, then forward."""
+class _Detected:
+    """The frames whose keypoints were detected: backward from the one of the box, then forward."""
 
     at: int
     first: int
@@ -89,7 +89,7 @@ class _Looked:
     count: int = 0
 
     @classmethod
-    def at_box(cls, at: int) -> _Looked:
+    def at_box(cls, at: int) -> _Detected:
         return cls(at, at, at)
 
     def add(self, number: int) -> None:
@@ -97,7 +97,7 @@ class _Looked:
         self.count += 1
 
     def keep_pace(self, network: str, seconds: float) -> None:
-        """Keep how long a frame took, where enough were looked at to say so."""
+        """Keep how long a frame took, where enough were detected to say so."""
         if self.count >= FEWEST_KEPT:
             keep_seconds_a_frame(network, seconds / self.count)
 
@@ -124,7 +124,7 @@ def drafted(
 ) -> Drafted:
     """Drafts of these frames, first and last; see `draft_clip`.
 
-    Cancelled where it was left; but where the network has looked at enough frames by then these
+    Cancelled where it was left; but where enough keypoints were detected by then these frames
     are posed, and reported on the way.
     """
     from keypose.tracker.fitting.draft import (  # loads what only this needs
@@ -135,10 +135,10 @@ def drafted(
     from keypose.tracker.keypoints.model_files import find_model
     from keypose.tracker.storage.cache import Detections
 
-    looked = _Looked.at_box(at)
+    detected = _Detected.at_box(at)
 
     def picture(number: int) -> NDArray[np.uint8] | None:
-        looked.add(number)
+        detected.add(number)
         try:
             return video.frame(number)
         except MissingFrame:
@@ -154,10 +154,10 @@ def drafted(
             film=session.video.pictures, kept=kept,
         )  # fmt: skip
     except Cancelled:
-        part = looked.kept(frames) if reporter.reported < NETWORK_SHARE else None
+        part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
         if part is None:
             raise
-        looked.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
+        detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
         seed = Seed.of_box(at, box, camera.width, camera.height)
         keypoints = detect(picture, part, [seed], network, film=session.video.pictures, kept=kept)
         found = draft_from_keypoints(
@@ -165,7 +165,7 @@ def drafted(
             up_camera=session.up_camera, report=DraftReporter(report, never),
         )  # fmt: skip
         return Drafted(found, network.fingerprint, part)
-    looked.keep_pace(name, time.monotonic() - began)
+    detected.keep_pace(name, time.monotonic() - began)
     return Drafted(found, network.fingerprint)
 
 
@@ -231,10 +231,10 @@ class DraftClip(Fit):
     def taken(self, found: Drafted, edit: EditorState, path: Path) -> EditorState:
         """The state with the drafts, their keypoints written beside the session; KeyposeError where
         that is not possible. path: of the session's file."""
-        draft, network, looked = found
+        draft, network, detected = found
         first, last = self.frames
         asked = range(first, last + 1) if self.rest is None else frames_of(self.rest)
-        only, rest = taken_and_left(asked, looked, self.frame, self.box)
+        only, rest = taken_and_left(asked, detected, self.frame, self.box)
         make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
         seeds, keypoints = {self.frame}, draft.keypoints
         before = _keypoints_before(edit.doc, path, network)
@@ -249,12 +249,12 @@ class DraftClip(Fit):
 
 
 def taken_and_left(
-    asked: Iterable[int], looked: tuple[int, int] | None, at: int, box: Box
+    asked: Iterable[int], detected: tuple[int, int] | None, at: int, box: Box
 ) -> tuple[list[int], DraftLeft | None]:
     """Of the frames asked for those to take over, and what is left to draft, where these, first and
-    last, were looked at; None where all were."""
+    last, were detected; None where all were."""
     asked = list(asked)
-    start, end = looked or (min(asked), max(asked))
+    start, end = detected or (min(asked), max(asked))
     left = tuple(frame_runs(frame for frame in asked if not start <= frame <= end))
     rest = DraftLeft(frame=at, box=box, frames=left) if left else None
     return [frame for frame in asked if start <= frame <= end], rest

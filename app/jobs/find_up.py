@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "find the up direction"
-LOOKED_AT: Final = 3
+PICTURES: Final = 3
 """Pictures in which upright lines are looked for."""
 
 
@@ -30,7 +30,7 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
     """Find upright lines in one frame, or in some of the whole film; None where few agree."""
     from keypose.tracker.video.upright_lines import up_from_lines  # loads what only this needs
 
-    spread = np.linspace(0, session.video.frame_count - 1, LOOKED_AT).astype(int).tolist()
+    spread = np.linspace(0, session.video.frame_count - 1, PICTURES).astype(int).tolist()
     pictures = []
     for number in spread if frame is None else [frame]:
         try:
@@ -64,8 +64,7 @@ class FindUp(Fit):
     def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
         if found is None:
             return state, "Too few upright lines agree. Draw the horizon, or two verticals."
-        x, y, z = (round(float(v), 6) for v in found.up_camera)
-        fields = {"up_camera": (x, y, z), "up_from_feet": False}
         edit = state.editing
-        after = edit.with_step(edit.doc.model_copy(update=fields), LABEL)
-        return replace(state, edit=after), f"{camera_words((x, y, z))}, by upright lines."
+        after = edit.with_step(edit.doc.with_up(found.up_camera), LABEL)
+        words = f"{camera_words(found.up_camera.tolist())}, by upright lines."
+        return replace(state, edit=after), words

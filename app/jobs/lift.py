@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.drafted import is_lifted_otherwise, to_lift, with_lifted
+from keypose.app.editor.drafted import has_drafts_for_other_up, to_lift, with_lifted
 from keypose.app.jobs.draft import DraftReporter
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
@@ -44,7 +44,7 @@ class LiftDrafts(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Lift) -> Self:
-        if not is_lifted_otherwise(edit.doc):
+        if not has_drafts_for_other_up(edit.doc):
             raise ActionRefused("The drafts are as the up direction has them.")
         return cls(*sent(opened, edit.doc), to_lift(edit.doc))
 

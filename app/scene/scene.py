@@ -39,7 +39,7 @@ from keypose.tracker.geometry.rotations import Array, apply_transform, quaternio
 __all__ = ["Mode", "Role", "Scenery", "Stage", "Trail"]
 
 GHOST_COLOURS: tuple[Colour, ...] = ((134, 217, 147), (217, 213, 199), (240, 186, 96))
-"""Of the keyframe before, and of the one after."""
+"""Of the keyframe before, of the one after, and of a soft one's own pose."""
 BEFORE_COLOUR: Colour = (226, 226, 230)
 """Of the body that new sizes are compared with."""
 

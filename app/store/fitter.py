@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 from keypose.app.document.open import OpenSession
@@ -21,6 +21,7 @@ from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.store.runner import Runner
 from keypose.app.store.state import StateOwner
 from keypose.tracker.errors import KeyposeError
+from keypose.tracker.storage.fingerprints import Span
 
 Asking: TypeAlias = (
     do.FitHere
@@ -110,7 +111,7 @@ class Fitter:
 
     def _apply(self, job: Fit, found: Any) -> None:
         self._request = self._found = None
-        outdated = self._outdated_by(job)
+        tracked = self._tracked()
         try:
             after, words = job.apply(found, self._host.app_state)
             if words:
@@ -120,19 +121,13 @@ class Fitter:
             self._host.note("check", str(error))
         finally:
             self._resume_tracking()
-        if outdated():
+        if job.tracks_after and not tracked <= self._tracked():
             self._runner.track(*self._current(), "changed")
 
-    def _outdated_by(self, job: Fit) -> Callable[[], bool]:
-        """Return what tells whether a job that asks for it has outdated what was tracked."""
-        _, before = self._current()
-        tracked = {span for span, found in before.fitting.items() if found.finished}
-
-        def tells() -> bool:
-            edit = self._current()[1]
-            return job.tracks_after and not tracked <= set(edit.fitting)
-
-        return tells
+    def _tracked(self) -> set[Span]:
+        """The segments whose motion is as the session asks for it."""
+        _, edit = self._current()
+        return {span for span, found in edit.fitting.items() if found.finished}
 
     def _resume_tracking(self) -> None:
         self._request = self._found = None

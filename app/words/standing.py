@@ -45,11 +45,9 @@ def camera_words(up_camera: Sequence[float]) -> str:
     """Such as "The camera looks down by 12°"."""
     tilt, _ = tilt_and_roll(up_camera)
     deg = round(abs(tilt))
-    return (
-        f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
-        if deg
-        else ("The camera is level")
-    )
+    if not deg:
+        return "The camera is level"
+    return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
 
 
 def lifted_words(drafts: int, keyframes: int) -> str:

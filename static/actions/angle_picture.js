@@ -6,8 +6,10 @@ const WIDTH = 1600;
 const HEIGHT = 700;
 const ROOM = { left: 110, right: 40, top: 110, bottom: 80 };
 const COLOURS = { L: '#2563c9', R: '#d9730d', C: '#444' };
-const NAMES = { L: 'Left', R: 'Right', C: '' };
-const STEPS = [1, 2, 5, 10, 20, 30, 45, 60, 90, 180];
+/** What the sides are called. */
+export const SIDES = { L: 'Left', R: 'Right', C: '' };
+/** Degrees between two lines of a grid. */
+export const STEPS = [1, 2, 5, 10, 20, 30, 45, 60, 90, 180];
 const SECONDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 300, 600];
 
 /** Round values over a range, some of them. */
@@ -86,11 +88,11 @@ function title(pen, { label, positive, negative, sides }) {
   pen.textAlign = 'right';
   let at = WIDTH - ROOM.right;
   for (const { side } of [...sides].reverse()) {
-    if (!NAMES[side]) continue;
+    if (!SIDES[side]) continue;
     pen.fillStyle = COLOURS[side];
     pen.font = '600 26px Inter, sans-serif';
-    pen.fillText(NAMES[side], at, 42);
-    at -= pen.measureText(NAMES[side]).width + 32;
+    pen.fillText(SIDES[side], at, 42);
+    at -= pen.measureText(SIDES[side]).width + 32;
   }
 }
 

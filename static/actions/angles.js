@@ -5,11 +5,9 @@ import { isSurface } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { server } from '../store/state.js';
 import { hasMotion, saveBlob } from './exporting.js';
-import { drawAngleChart } from './angle_picture.js';
+import { drawAngleChart, SIDES } from './angle_picture.js';
 
 /** @typedef {import('../store/shapes.js').JointAngle} JointAngle */
-
-export const SIDES = { L: 'Left', R: 'Right', C: '' };
 
 /** Whether the angle of this joint is charted, or of any. @param {string} [joint] */
 export const isCharted = (joint) => Boolean(server.joint_angle) && (!joint || server.joint_angle?.joint === joint);

@@ -2,9 +2,9 @@
 // over the timeline's, a press or a drag moves the playhead.
 
 import { html, nothing, render, svg } from '../vendor/lit-html/lit-html.js';
-import { angleRange, ticksOf } from '../actions/angle_picture.js';
+import { angleRange, SIDES, STEPS, ticksOf } from '../actions/angle_picture.js';
 import {
-  chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable, SIDES,
+  chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable,
 } from '../actions/angles.js';
 import { frame, goTo, stopPlaying } from '../actions/playhead.js';
 import { button, dropdown, iconButton } from '../controls/fields.js';
@@ -16,7 +16,6 @@ import { line, runsOf } from './draw/series.js';
 const HEIGHT = 144;
 const AIR = 14;
 const RULER_PX = 24;
-const STEPS = [1, 2, 5, 10, 20, 30, 45, 60, 90, 180];
 
 let place = null;
 let drawing = null;

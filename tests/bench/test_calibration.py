@@ -1,4 +1,4 @@
-"""What is told of errors is fitted to their median, and read off again as it is."""
+"""Predicted errors are fitted to the measured median, and calibrated by bands."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def test_half_of_the_errors_are_under_what_is_told_in_every_band_whatever_their_
     away, clips = rng.uniform(1, 40, COUNT), rng.choice(["one", "two", "three"], COUNT)
     error = TRUE.median(apart, drift, away) * rng.lognormal(0.0, 0.7, COUNT)
     error[::50] *= 20.0  # a few are lost
-    told = fitted(apart, drift, away, error, clips).median(apart, drift, away)
-    found = list(bands(told, error, 200))
+    predicted = fitted(apart, drift, away, error, clips).median(apart, drift, away)
+    found = list(bands(predicted, error, 200))
     assert len(found) >= 7
     for band in found:
-        assert band.beside < 0.12, band
+        assert band.miscalibration < 0.12, band
         assert band.under == pytest.approx(0.5, abs=0.07), band
 
 
@@ -41,13 +41,13 @@ def test_what_marks_are_off_themselves_is_taken_out_and_leaves_nothing_below_it(
 
 
 def test_a_band_tells_what_was_told_and_measured() -> None:
-    told = np.full(100, 8.0 / TALL_PX)
-    (band,) = bands(told, np.linspace(0.0, 8.0, 100) / TALL_PX, 50)
+    predicted = np.full(100, 8.0 / TALL_PX)
+    (band,) = bands(predicted, np.linspace(0.0, 8.0, 100) / TALL_PX, 50)
     assert (band.name, band.count) == ("7–10 px", 100)
-    assert (band.told_px, band.measured_px) == (pytest.approx(8.0), pytest.approx(4.0))
-    assert band.beside == pytest.approx(0.5)
+    assert (band.predicted_px, band.measured_px) == (pytest.approx(8.0), pytest.approx(4.0))
+    assert band.miscalibration == pytest.approx(0.5)
     assert band.under == pytest.approx(0.99)
-    assert not list(bands(told, told, 101))
+    assert not list(bands(predicted, predicted, 101))
 
 
 def test_the_area_under_the_curve_is_one_where_all_wrong_joints_are_doubted_most() -> None:

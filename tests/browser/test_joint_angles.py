@@ -10,30 +10,15 @@ import pytest
 from playwright.sync_api import Page
 
 from keypose.tracker.body.joint_angles import joint_angles
-from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.session import Keyframe
-from keypose.tracker.storage.files import load_session, save_session
-from tests.app.serving import ROOT
+from keypose.tracker.storage.files import load_session
+from tests.browser.dense import PERSON, save_sample, true_poses
 from tests.browser.interaction import screen, section, until, until_counted, until_state
-
-PERSON = ROOT / "sample_videos" / "person"
 
 
 @pytest.fixture
 def sample(tmp_path: Path) -> Path:
     """The sample with its true motion as drafts."""
-    path = tmp_path / "person" / "session.json"
-    path.parent.mkdir()
-    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
-    session = load_session(PERSON / "session.json")
-    skeleton = Skeleton.of(session.body)
-    with np.load(PERSON / "truth.npz") as truth:
-        poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
-    drafts = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
-    given = {"keyframes": (), "drafts": tuple(drafts), "part_keyframes": (), "results": None}
-    save_session(session.model_copy(update=given), path)
-    return path
+    return save_sample(tmp_path, keyframes=(), drafts=tuple(true_poses()), results=None)
 
 
 def knees() -> dict[str, list[float]]:

@@ -5,35 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.session import Keyframe
-from keypose.tracker.storage.files import load_session, save_session
-from tests.app.serving import ROOT
+from tests.browser.dense import save_sample, true_poses
 from tests.browser.interaction import answered, screen, section, until, until_counted, until_state
-
-PERSON = ROOT / "sample_videos" / "person"
 
 
 @pytest.fixture
 def sample(tmp_path: Path) -> Path:
     """The sample with a draft at every frame but its first and last, which are keyframes."""
-    path = tmp_path / "person" / "session.json"
-    path.parent.mkdir()
-    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
-    session = load_session(PERSON / "session.json")
-    skeleton = Skeleton.of(session.body)
-    with np.load(PERSON / "truth.npz") as truth:
-        poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
-    dense = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
+    dense = true_poses()
     drafts = [draft.model_copy(update={"drafted": True}) for draft in dense[1:-1]]
-    given = {"keyframes": (dense[0], dense[-1]), "drafts": tuple(drafts), "part_keyframes": ()}
-    save_session(session.model_copy(update=given), path)
-    return path
+    return save_sample(tmp_path, keyframes=(dense[0], dense[-1]), drafts=tuple(drafts))
 
 
 def is_found(reported: Any) -> bool:

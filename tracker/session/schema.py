@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
@@ -303,6 +303,11 @@ class Session(Plain):
         """
         chosen, found = self.settings.static_camera, self.video.stands_still
         return bool(found if chosen is None else chosen)
+
+    def with_up(self, up_camera: Iterable[float] | None, *, from_feet: bool = False) -> Self:
+        """Set what is up, rounded to 1e-6; None where nobody knows."""
+        up = None if up_camera is None else tuple(round(float(v), 6) + 0.0 for v in up_camera)
+        return self.model_copy(update={"up_camera": up, "up_from_feet": from_feet})
 
     @property
     def given_keypoints(self) -> KeypointFile | None:

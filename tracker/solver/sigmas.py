@@ -175,8 +175,8 @@ SEEN_SHARE: Final = 0.003
 SEEN_ENDS_WIDER: Final = 4.0
 """How many times wider that is of heel and toe of a foot on the floor."""
 PIN_M, FLOOR_M = 0.001, 0.0005
-"""Of a pinned point about its place, and of that place about the floor. A floor is flat to some
-millimetres; a place has one such row for all its frames, whose noise is no frame's own."""
+"""Of a pinned point about its place, and of that place about the floor. A floor is uneven by
+some millimetres, but all frames of a place have one such residual, beside thousands of others."""
 KEY_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
 """Of a soft keyframe: turns, where it is seen, and its depth, a share of that."""
 EXACT_SEEN_SHARE: Final = 0.0003

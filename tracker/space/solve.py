@@ -5,7 +5,7 @@ the picture decided it. Along the view the picture decides little; there pins, a
 smoothness of bodies do. Unknown are all poses of the stretch, the places of its pins and the height
 of the floor:
 
-    E = Σ ρ(|π(T p) − uv| / 0.003 H) + Σ ρ(√w (inc − m)) + Σ (excess / 3°)² + Σ (Δinc)² / bend²
+    E = Σ ρ(|π(T p) − uv| / 0.003 H) + Σ ρ(√w (inc − m)) + Σ (excess / 2°)² + Σ (Δinc)² / bend²
         + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h − a_i) / 0.5 mm)²
         + Σ |Δ³x fps³ / σ|² + keyframes,
 

@@ -1,7 +1,7 @@
 """Keep how fast this computer drafts, in this user's cache folder: seconds a frame, by network.
 
-Measured by one look before the first draft, then by the drafts themselves. Whatever is wrong with
-the file, it is as if there was none.
+Measured by inference at noise before the first draft, then by the drafts themselves. Whatever is
+wrong with the file, it is as if there was none.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 
 NETWORK_SHARE: Final = 0.9
 """Of the time that a draft takes, the network's."""
-LOOKS: Final = 3
-"""At a picture of noise; the quickest counts, as the first has to get ready."""
+PASSES: Final = 3
+"""Inference passes at a picture of noise; the quickest counts, as the first has to get ready."""
 SIDE_PX: Final = 480
 MOST_BYTES: Final = 2**14
 SLOWEST_S: Final = 600.0
@@ -67,12 +67,12 @@ def known_or_measured(network: str) -> float:
 
 
 def measured_seconds_a_frame(detector: Detector) -> float:
-    """Measure how long a frame of a draft will take, by looks at noise."""
+    """Measure how long a frame of a draft will take, by inference at noise."""
     shape = (SIDE_PX, SIDE_PX, 3)
     noise = np.random.default_rng(0).integers(0, 256, shape).astype(np.uint8)
     region = Region.of_box((0.0, 0.0, float(SIDE_PX), float(SIDE_PX)), SIDE_PX, SIDE_PX)
     took = []
-    for _ in range(LOOKS):
+    for _ in range(PASSES):
         began = time.perf_counter()
         detector.infer(noise, region)
         took.append(time.perf_counter() - began)

@@ -11,7 +11,6 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.errors import SessionError
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
@@ -104,7 +103,7 @@ def _levelled(
             )
         return session, "known"
     if lines is not None:
-        return _with_up(session, lines.up_camera), "lines"
+        return session.with_up(lines.up_camera), "lines"
     rate = frames_per_second(session, longest)
     stances = [pin for pin in proposed_pins(skeleton, longest, rate, None) if pin.landmarks[1:]]
     up = up_from_standing(skeleton, longest, stances)
@@ -112,12 +111,7 @@ def _levelled(
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
         )
-    return _with_up(session, up).model_copy(update={"up_from_feet": True}), "feet"
-
-
-def _with_up(session: Session, up_camera: Array) -> Session:
-    x, y, z = (round(float(v), 6) for v in up_camera)
-    return session.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+    return session.with_up(up, from_feet=True), "feet"
 
 
 def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:

@@ -111,6 +111,7 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         [part.limits_deg for part in session.body.parts],  # no segment's key has them
         *_twists(session.body),
         *([{"soft in depth": in_depth}] if in_depth else []),
+        # which of the ways to solve for soles on the floor the motion was solved by
         *([{"soles on the floor": 2}] if any(pin.floor for pin in pins) else []),
         *([session.video.repeats.model_dump(mode="json")] if session.video.repeats else []),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],

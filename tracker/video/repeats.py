@@ -1,7 +1,8 @@
 """Find repeated frames: copies of the frame before, as a change of the frame rate leaves them.
 
-A copy is told by how little the picture changes to it, beside how much it changes right before and
-after. Where nothing moves for longer than a change of rate repeats a frame, the scene stands still.
+A copy is recognised by how little the picture changes to it, beside how much it changes right
+before and after. Where nothing moves for longer than a change of rate repeats a frame, the scene
+stands still.
 """
 
 from __future__ import annotations

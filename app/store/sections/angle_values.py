@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from keypose.app.editor.motion import part_rotations
 from keypose.app.posing import part_label
 from keypose.app.store.sections.json_value import Json, doc_of
@@ -29,9 +27,9 @@ def joint_angle(app_state: AppState) -> Json:
     sides = []
     for joint in own:
         found = angles_of(doc.body, joint, lambda part: part_rotations(edit, part))
-        values = np.round(found[angle.name], 1)
         side = joint.name.removesuffix(name_of(joint)).rstrip("_")
-        sides.append({"side": SIDES[side], "part": joint.part, "values": listed(values, 1)})
+        values = listed(found[angle.name], 1)
+        sides.append({"side": SIDES[side], "part": joint.part, "values": values})
     return {
         "joint": edit.display.joint,
         "angle": angle.name,

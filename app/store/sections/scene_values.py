@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from keypose.app.editor.drafted import is_lifted_otherwise, to_lift
+from keypose.app.editor.drafted import has_drafts_for_other_up, to_lift
 from keypose.app.editor.state import up_of
 from keypose.app.posing import tilt_and_roll, view_rotations
 from keypose.app.store.sections.evidence_values import surface_version
@@ -100,7 +100,7 @@ def camera(app_state: AppState) -> Json:
 def _lifts(app_state: AppState, doc: Session) -> Json:
     """Count what drafting anew would change; None where drafts are as the up direction has them."""
     edit = app_state.edit
-    if edit is None or not is_lifted_otherwise(doc):
+    if edit is None or not has_drafts_for_other_up(doc):
         return None
     keyed = {keyframe.frame for keyframe in doc.keyframes}
     keyframes = to_lift(doc) & keyed

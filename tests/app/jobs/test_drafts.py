@@ -50,8 +50,8 @@ def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> Draft
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
     *progress, end = reported(order(content))
     assert isinstance(end, Finished)
-    draft, network, looked = end.result
-    assert looked is None
+    draft, network, detected = end.result
+    assert detected is None
     assert sorted(draft.poses) == list(range(5))
     assert network
     shares = [report.share for report in progress if isinstance(report, Progress) and report.words]
@@ -78,7 +78,7 @@ def test_a_draft_that_is_cancelled_later_keeps_what_the_network_has_seen(
     *progress, end = reported(job, leave_at=30)
     assert isinstance(end, Finished)
     assert not end.cancelled
-    first, last = end.result.looked
+    first, last = end.result.detected
     assert first <= at <= last
     assert 16 <= last - first + 1 < 40
     assert {*end.result.draft.poses} <= {*range(first, last + 1)}

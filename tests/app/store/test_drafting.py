@@ -56,15 +56,15 @@ class Desk(StoreDesk):
         assert isinstance(order, DraftClip)
         return order
 
-    def find(self, *frames: int, looked: tuple[int, int] | None = None) -> None:
-        """The draft ends with poses at these frames. looked: at those alone, once cancelled."""
+    def find(self, *frames: int, detected: tuple[int, int] | None = None) -> None:
+        """The draft ends with poses at these frames. detected: in those alone, once cancelled."""
         pose = Pose.rest(Skeleton.of(BODY), (0.0, 0.0, 4.0))
         rows = np.full((5, len(JOINTS), 2), 7.0)
         keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
         proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
         judged: Any = None
         draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged)
-        Worker.newest.end(Drafted(draft, "abc", looked))
+        Worker.newest.end(Drafted(draft, "abc", detected))
 
     def move_drafts(self, by_m: float) -> None:
         """All drafts to the right."""
@@ -261,7 +261,7 @@ async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_draf
 ) -> None:
     count = desk.doc.video.frame_count
     desk.do({**DRAFT, "first": 2}, {"do": "cancel"})
-    desk.find(3, 4, 5, looked=(2, 20))
+    desk.find(3, 4, 5, detected=(2, 20))
     shown = desk.section("draft")
     assert shown["rest"] == [[21, count - 1]]
     assert (shown["drafted"], shown["missing"][0]) == (3, [2, 2])
@@ -270,7 +270,7 @@ async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_draf
     assert (desk.order.frame, desk.order.box) == (10, tuple(BOX))
     assert (desk.order.frames, desk.order.proportions) == ((10, count - 1), False)
     before = {draft.frame: draft for draft in desk.doc.drafts}
-    desk.find(*range(10, 30), looked=(10, 40))
+    desk.find(*range(10, 30), detected=(10, 40))
     assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5, *range(21, 30)]
     assert all(draft == before[draft.frame] for draft in desk.doc.drafts if draft.frame < 21)
     assert desk.section("draft")["rest"] == [[41, count - 1]]
@@ -285,7 +285,7 @@ async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_draf
 
 async def test_a_draft_of_other_frames_leaves_what_remains(desk: Desk) -> None:
     desk.do(DRAFT)
-    desk.find(3, looked=(0, 20))
+    desk.find(3, detected=(0, 20))
     desk.do({"do": "draft", "frame": 30, "box": BOX, "first": 21, "last": 40})
     desk.find(30)
     assert desk.section("draft")["rest"][0][0] == 41

@@ -19,13 +19,13 @@ def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 class Counting:
-    """A network that only counts its looks."""
+    """A network that only counts its inference passes."""
 
     fingerprint = "counting"
-    looks = 0
+    passes = 0
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
-        self.looks += 1
+        self.passes += 1
         assert region.is_within(*picture.shape[1::-1])
         return None  # type: ignore[return-value]
 
@@ -57,4 +57,4 @@ def test_a_time_that_cannot_be_is_not_kept(seconds: float) -> None:
 def test_a_few_looks_measure_it() -> None:
     network = Counting()
     assert pace.measured_seconds_a_frame(network) > 0
-    assert network.looks == pace.LOOKS
+    assert network.passes == pace.PASSES

@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from keypose.tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point, Twist
+from keypose.tracker.body.presets.animals import DOG, HORSE, make_animal
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -441,95 +442,6 @@ def make_objects() -> tuple[Body, ...]:
         )
         for name, shape in shapes.items()
     )
-
-
-@dataclass(frozen=True)
-class Quadruped:
-    """The estimated sizes of an animal, metres: its nose toward the camera, its trunk level.
-
-    trunk, head: low and high corners of boxes.  neck, tail: where they are joined, and their shape.
-    legs: front and hind, where they are joined on the left, lengths of upper and lower part, radii
-    at the top, the middle and the end.  end: what a leg ends in.
-    """
-
-    name: str
-    end: str
-    source: str
-    trunk: tuple[Point, Point]
-    head: tuple[Point, Point]
-    head_at: Point
-    neck: tuple[Point, Frustum]
-    tail: tuple[Point, Frustum]
-    legs: tuple[tuple[str, Point, float, float, Radii, Radii, Radii], ...]
-
-
-_KNEE = (0.030, 0.035)
-_PAW = (0.022, 0.025)
-DOG = Quadruped(
-    name="dog",
-    end="paw",
-    source="Estimated, not measured: a dog of about 0.65 m at the withers, its nose toward the "
-    "camera.",
-    trunk=((-0.1, -0.11, -0.3), (0.1, 0.13, 0.3)),
-    head=((-0.055, -0.08, -0.2), (0.055, 0.05, 0.07)),
-    head_at=(0.0, -0.2, 0.0),
-    neck=((0.0, -0.05, -0.25), Frustum(start_m=0.03, end_m=-0.22, start_radii_m=(0.075, 0.09),
-                                       end_radii_m=(0.055, 0.065))),
-    tail=((0.0, -0.08, 0.29), Frustum(start_m=-0.01, end_m=0.33, start_radii_m=(0.025, 0.025),
-                                      end_radii_m=(0.012, 0.012))),
-    legs=(
-        ("front", (0.075, 0.05, -0.21), 0.25, 0.25, (0.045, 0.0585), _KNEE, _PAW),
-        ("hind", (0.075, 0.05, 0.22), 0.26, 0.24, (0.055, 0.0715), _KNEE, _PAW),
-    ),
-)  # fmt: skip
-HORSE = Quadruped(
-    name="horse",
-    end="hoof",
-    source="Estimated, not measured: a horse of about 1.6 m at the withers, its nose toward the "
-    "camera.",
-    trunk=((-0.28, -0.3, -0.75), (0.28, 0.3, 0.75)),
-    head=((-0.12, -0.16, -0.5), (0.12, 0.12, 0.12)),
-    head_at=(0.0, -0.68, -0.08),
-    neck=((0.0, -0.15, -0.68), Frustum(start_m=0.1, end_m=-0.72, start_radii_m=(0.16, 0.28),
-                                       end_radii_m=(0.10, 0.15))),
-    tail=((0.0, -0.2, 0.74), Frustum(start_m=-0.02, end_m=0.75, start_radii_m=(0.05, 0.05),
-                                     end_radii_m=(0.06, 0.06))),
-    legs=(
-        ("front", (0.17, 0.1, -0.52), 0.55, 0.67, (0.11, 0.15), (0.065, 0.07), (0.055, 0.065)),
-        ("hind", (0.17, 0.05, 0.55), 0.62, 0.65, (0.14, 0.20), (0.07, 0.08), (0.055, 0.065)),
-    ),
-)  # fmt: skip
-
-
-def make_animal(animal: Quadruped) -> Body:
-    """The body of an animal, left and right alike."""
-    (low, high), (head_low, head_high) = animal.trunk, animal.head
-    (neck_at, neck), (tail_at, tail) = animal.neck, animal.tail
-    nose = {"nose": (0.0, 0.0, head_low[2])}
-    parts = [
-        _part("trunk", None, (0, 0, 0), Box(low_m=low, high_m=high), ALL_DOFS),
-        _part("neck", "trunk", neck_at, neck, ("rx", "ry", "rz")),
-        _part(
-            *("head", "neck", animal.head_at, Box(low_m=head_low, high_m=head_high), ("rx", "ry")),
-            landmarks=nose,
-        ),
-        _part("tail", "trunk", tail_at, tail, ("rx", "rz"), {"tail_tip": (0.0, tail.end_m, 0.0)}),
-    ]
-    for side, out in (("left", 1), ("right", -1)):
-        for leg, (x, y, z), upper, lower, top, knee, end in animal.legs:
-            name = f"{side}_{leg}"
-            thigh, shin = _frustum(-0.02, upper, top, knee), _frustum(-0.01, lower, knee, end)
-            foot = {f"{name}_{animal.end}": (0.0, lower, 0.0)}
-            above = f"{name}_upper_leg"
-            parts += [
-                _part(above, "trunk", (out * x, y, z), thigh, ("rx", "rz")),
-                _part(f"{name}_lower_leg", above, (0, upper, 0), shin, ("rx",), foot),
-            ]
-    limbs = [f"{leg[0]}_{half}_leg" for leg in animal.legs for half in ("upper", "lower")]
-    pairs = tuple((f"left_{limb}", f"right_{limb}") for limb in limbs)
-    parts = [part.model_copy(update={"limits_deg": {}, "twist": None}) for part in parts]
-    body = Body(name=animal.name, parts=tuple(parts), mirror_pairs=pairs, source=animal.source)
-    return Body.model_validate(_rounded(body.model_dump()))
 
 
 if __name__ == "__main__":

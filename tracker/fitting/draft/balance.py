@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from keypose.tracker.fitting.draft.first_poses import onto_ray
+from keypose.tracker.fitting.draft.first_poses import landmark_axes
 from keypose.tracker.fitting.draft.observed import SIDES, Observed, place_of, unit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
@@ -47,10 +47,10 @@ def _leans(observed: Observed, camera: Camera, up_camera: Array) -> tuple[Array,
     leans, axes = np.full(len(observed), np.nan), np.zeros((len(observed), 3))
     hips = [place_of(side, "hip") for side in SIDES]
     for n in np.flatnonzero(observed.usable):
-        p, uv = observed.p_hips[n, : len(JOINTS)], observed.uv[n, hips]
+        p = observed.p_hips[n, : len(JOINTS)]
         if not (np.isfinite(p).all() and observed.known[n, hips].all()):
             continue
-        up = onto_ray(camera, uv.mean(axis=0)).T @ up_camera
+        up = landmark_axes(camera, observed.uv[n], observed.known[n]).T @ up_camera
         axis = unit(np.cross(up, (0.0, 0.0, 1.0)))
         axes[n] = axis
         middle, feet = _middle(p), _support(p, up)

@@ -165,10 +165,10 @@ def _trunk(joints: Joints, p: Array) -> Array:
 def landmark_axes(camera: Camera, uv: Array, known: NDArray[np.bool_]) -> Array:
     """(3, 3) the axes of a frame's landmarks in the camera: a network has a person as if in the
     middle of the picture. uv (K, 2), known (K,): of its points."""
-    return onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
+    return _onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
 
 
-def onto_ray(camera: Camera, uv: Array) -> Array:
+def _onto_ray(camera: Camera, uv: Array) -> Array:
     """The rotation that turns the camera's axis onto the ray through a pixel, x kept level."""
     if camera.telephoto_distance_m is not None:
         return np.eye(3)

@@ -20,7 +20,7 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
-from keypose.tracker.fitting.draft.observed import Bone, Joints, Observed
+from keypose.tracker.fitting.draft.observed import SIDES, Bone, Joints, Observed, place_of
 from keypose.tracker.fitting.draft.proposals import FrameRange, Proposal, proposed
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -169,7 +169,7 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
     numbers = tuple((rows + motion.first_frame).tolist())
     begins: Reason = "person" if seen.jumped[0] else "start"
     whole = (FrameRange(numbers[0], numbers[-1], begins),) if numbers else ()
-    hips = [JOINTS.index(f"{side}_hip") for side in ("left", "right")]
+    hips = [place_of(side, "hip") for side in SIDES]
     from_hips = (p - p[:, hips].mean(axis=1, keepdims=True)) / height(skeleton.body)
     return JudgedDrafts(
         numbers, whole, (), own[rows], hidden[rows], flips[rows], from_hips[rows]

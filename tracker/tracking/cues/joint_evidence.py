@@ -8,11 +8,11 @@ joint lies from its keypoint, how well that is seen, how fast the joint is, and 
 nothing besides on clips left out: brightness puts many a joint right whose keypoint is elsewhere.
 Where keypoints alone were followed there is nothing else.
 
-What is expected is the median: half of the joints of which it is told are off by less. It is a
+What is expected is the median: half of the joints of which it is predicted are off by less. It is a
 product of powers of the three. Of ten rendered and four filmed clips, each judged by the others,
 with what marks by hand are off themselves taken out, the median measured is 0.8 to 1.1 times the
-one told in every band from 3 to 40 px on a person 400 px tall; on a single clip, over 3 px, 0.6 to
-1.4 times (`python -m bench evidence`).
+predicted one in every band from 3 to 40 px on a person 400 px tall; on a single clip, over 3 px,
+0.6 to 1.4 times (`python -m bench evidence`).
 """
 
 from __future__ import annotations

@@ -1,0 +1,34 @@
+"""The person sample with its true motion at every frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session import Keyframe
+from keypose.tracker.storage.files import load_session, save_session
+from tests.app.serving import ROOT
+
+PERSON = ROOT / "sample_videos" / "person"
+
+
+def true_poses() -> list[Keyframe]:
+    """The true pose of every frame."""
+    skeleton = Skeleton.of(load_session(PERSON / "session.json").body)
+    with np.load(PERSON / "truth.npz") as truth:
+        poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
+    return [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
+
+
+def save_sample(folder: Path, **fields: Any) -> Path:
+    """Save the sample beside its film, with these fields of its session; return its path."""
+    path = folder / "person" / "session.json"
+    path.parent.mkdir()
+    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
+    session = load_session(PERSON / "session.json")
+    save_session(session.model_copy(update={"part_keyframes": (), **fields}), path)
+    return path
