@@ -9,7 +9,7 @@ from __future__ import annotations
 import resource
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -65,16 +65,13 @@ GROWTH = 1.1
 
 @dataclass(frozen=True)
 class Steps:
-    """Surfaces out of a list."""
+    """Surfaces that no camera cuts off, from wherever they are read."""
 
-    meshes: Sequence[SurfaceMesh]
+    frame_count: int
+    mesh: Callable[[int], SurfaceMesh]
 
-    @property
-    def frame_count(self) -> int:
-        return len(self.meshes)
-
-    def mesh(self, frame: int) -> SurfaceMesh:
-        return self.meshes[frame]
+    def cut_by(self, _: int) -> tuple[str, ...]:
+        return ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +219,11 @@ def _long(report: Report) -> None:
         with MeshSequence.open(Path(folder)) as sequence:
             began = time.perf_counter()
             tracker = SurfaceTracker(
-                sequence, walk.body, {0: walk.poses[0]}, 0, Options().at("preview")
+                Steps(sequence.frame_count, sequence.mesh),
+                walk.body,
+                {0: walk.poses[0]},
+                0,
+                Options().at("preview"),
             )
 
             def note(done: int) -> None:
@@ -254,7 +255,9 @@ def _fitted(
 ) -> Outcome:
     """From one keyframe at the first step; joints as far as `truth` (F, J, 3) tells them."""
     began = time.perf_counter()
-    tracker = SurfaceTracker(Steps(steps), body, {0: poses[0]}, 0, options or Options())
+    tracker = SurfaceTracker(
+        Steps(len(steps), steps.__getitem__), body, {0: poses[0]}, 0, options or Options()
+    )
     result = tracker.run_segment((0, len(steps) - 1), lambda step, number: None)
     ms = 1e3 * (time.perf_counter() - began) / (len(steps) - 1)
     path = result.trajectory

@@ -11,7 +11,9 @@ from typing import Final
 
 from bench.rigs.material import SECONDS, Written, installed
 from bench.table import Expected, Report
-from keypose.app.export.motion_formats import FORMATS, Bones, MotionFormat
+from keypose.app.export.motion_files import motion_files
+from keypose.app.export.motion_formats import FORMATS, MotionFormat
+from keypose.app.orders.motion import MotionOrder
 
 SCRIPT: Final = Path(__file__).with_name("in_readers.py")
 READERS: Final[tuple[tuple[str, str, MotionFormat], ...]] = (
@@ -41,8 +43,7 @@ def readers(report: Report) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for module, packages, name in READERS:
             path = Path(folder) / FORMATS[name].names[0]
-            content = FORMATS[name].write(recording, Bones())[0]
-            path.write_bytes(content.encode() if isinstance(content, str) else content)
+            path.write_bytes(motion_files(name, recording, MotionOrder())[path.name])
             frames, first_s = _opened(module, packages, path)
             off_s = first_s - (recording.times_s[0] if FORMATS[name].timed else 0.0)
             table.row(
