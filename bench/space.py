@@ -184,14 +184,14 @@ def _balance(report: Report) -> None:
     """The bundled clip, with its own keyframes."""
     here = clip("person")
     session = load_session(ROOT / "sample_videos" / "balance" / "session.json")
-    skeleton = Skeleton.of(session.body)
-    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+    skeleton = Skeleton.of(session.subject.body)
+    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     with Video.open(Path(ROOT / "sample_videos" / "balance" / "balance.mp4")) as video:
         tracker = Tracker(
-            video, session.camera, skeleton, poses, static_camera=True,
-            keypoints=DetectedKeypoints(video, session.camera),
+            video, session.view.camera, skeleton, poses, static_camera=True,
+            keypoints=DetectedKeypoints(video, session.view.camera),
         )  # fmt: skip
-        motion = _motion(tracker, session.camera, 60.0, cues=("brightness", "keypoints"))
+        motion = _motion(tracker, session.view.camera, 60.0, cues=("brightness", "keypoints"))
     theirs = _reference(here, 0, 60)
     title = "balance: acceleration m/s² RMS, the reference's "
     table = report.table(title + "/".join(f"{a:.1f}" for a in theirs), *ACCELERATED, "slide_mm")

@@ -64,7 +64,7 @@ class Stood:
 
     @property
     def skeleton(self) -> Skeleton:
-        return Skeleton.of(self.session.body)
+        return Skeleton.of(self.session.subject.body)
 
 
 def standing(report: Report) -> None:
@@ -96,9 +96,9 @@ def _film(name: str, table: Table) -> None:
         before = _loaded(path)
         _run("stand", str(path))
         after = _loaded(path)
-    pins = after.session.pins
-    assert after.session.up_camera is not None
-    up = np.array(after.session.up_camera)
+    pins = after.session.subject.pins
+    assert after.session.world.up_world is not None
+    up = np.array(after.session.world.up_world)
     tracked = _figures(here, before, pins, up)
     table.row(f"{name}, tracked", *tracked)
     found = _figures(here, after, pins, up)
@@ -119,14 +119,14 @@ def _drafted(here: Clip, name: str, path: Path) -> None:
         "--out", str(path.parent),
     )  # fmt: skip
     session = load_session(path)
-    frames = [draft.frame for draft in session.drafts]
+    frames = [draft.frame for draft in session.subject.drafts]
     keys = {*frames[::EVERY], frames[-1]}
     accepted = [
         softened(draft.model_copy(update={"drafted": False}), True)
-        for draft in session.drafts
+        for draft in session.subject.drafts
         if draft.frame in keys
     ]
-    rest = [draft for draft in session.drafts if draft.frame not in keys]
+    rest = [draft for draft in session.subject.drafts if draft.frame not in keys]
     save_session(with_drafts(with_keyframes(session, accepted), rest), path)
     _run("track", str(path))
 
@@ -178,7 +178,7 @@ def _turn(skeleton: Skeleton, motion: Trajectory) -> float:
 
 def _marks_px(here: Clip, stood: Stood) -> float:
     """Mean distance of all marked joints."""
-    uv = stood.session.camera.project(
+    uv = stood.session.view.camera.project(
         Joints.of(stood.skeleton).points.at(stood.motion.transforms(stood.skeleton))
     )
     away = [

@@ -45,7 +45,7 @@ from tests.tracker.formats.test_reading_recovered import PARAMS, plain_pt
 from tests.tracker.keypoints import tiny_networks as tiny
 
 SAMPLES = Path(sample_videos.__file__).parent
-SKELETON = Skeleton.of(recordings.session("person").body)
+SKELETON = Skeleton.of(recordings.session("person").subject.body)
 LONGEST_SENTENCE = 800
 NUMBERS = (
     *("nan", "inf", "-inf", "1e999", "-1", "0", "-0.0", "1e-320", "1.5", "", "²", "٣", "0x10"),

@@ -54,7 +54,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
             if arguments.out is None:
                 save_session(session, place)
             else:
-                write_copy(session.model_copy(update={"results": None}), arguments)
+                write_copy(session.changed({"results": None}), arguments)
     _print(found, str(place), arguments.json)
     if stop.is_set():
         return INTERRUPTED

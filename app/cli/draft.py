@@ -64,11 +64,11 @@ def run(arguments: argparse.Namespace) -> int:
         session = as_taken(new_session(video, place), taken)
         session = with_settings(session, order_of(DraftOrder, arguments))
         if body is not None:
-            session = session.model_copy(update={"body": body})
+            session = session.changed({"body": body})
         if arguments.field_of_view is not None:
             given = {"camera": _camera(session, arguments), "lens_source": "person"}
-            session = session.model_copy(update=given)
-        frames = arguments.frames or (0, session.video.frame_count - 1)
+            session = session.changed(given)
+        frames = arguments.frames or (0, session.view.video.frame_count - 1)
         at = frames[0] if arguments.frame is None else arguments.frame
         require_draftable(session, at, box, frames)
         session = with_repeats(session, video, *frames)
@@ -101,7 +101,7 @@ def _say_how_long(session: Session, frames: tuple[int, int], as_json: bool) -> N
 
 
 def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
-    video = session.video
+    video = session.view.video
     angle = math.radians(arguments.field_of_view)
     return Camera.from_field_of_view(video.width, video.height, angle)
 
@@ -139,13 +139,13 @@ def _save(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
     times_s = session.evidence.times_s(video.info.times_s)
-    given = (draft.body, draft.poses, session.keypoints, draft.proposals, times_s)
-    done = drafted_session(session, frames, *given, session.up_camera, only, rest)
+    given = (draft.body, draft.poses, session.view.keypoints, draft.proposals, times_s)
+    done = drafted_session(session, frames, *given, session.world.up_world, only, rest)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
     )
-    assert done.keypoints is not None
-    return place, place.with_name(done.keypoints.file)
+    assert done.view.keypoints is not None
+    return place, place.with_name(done.view.keypoints.file)
 
 
 # --- what is printed

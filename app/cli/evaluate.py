@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     with reading_apart(load_reference) as read:
         session = load_session(session_path)
-        skeleton, camera = Skeleton.of(session.body), session.camera
+        skeleton, camera = Skeleton.of(session.subject.body), session.view.camera
         reference = read(reference_path, skeleton)
     estimate = load_trajectory(session, session_path)
     note(outdated_words(session, estimate))

@@ -69,8 +69,8 @@ def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None
             return session.evidence.times_s(video.info.times_s), video.info.timecode
     if session.evidence.fps is not None:
         return session.evidence.times_s(None), None
-    frames = [keyframe.frame for keyframe in session.keyframes]
-    times_s = [keyframe.time_s for keyframe in session.keyframes]
+    frames = [keyframe.frame for keyframe in session.subject.keyframes]
+    times_s = [keyframe.time_s for keyframe in session.subject.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:
         raise FormatError("Without the video, two keyframes with ascending times are needed.")
-    return np.interp(np.arange(session.video.frame_count), frames, times_s), None
+    return np.interp(np.arange(session.view.video.frame_count), frames, times_s), None

@@ -52,7 +52,7 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
         return open_video_of(session, session_path)
     if session.evidence.has_surface:  # and the session knows the pace
         return video_if_there(session, session_path, "the body is filmed without its surface")
-    paced = len(session.keyframes) > 1
+    paced = len(session.subject.keyframes) > 1
     pace = (
         "the film's rate is that of the keyframes' times"
         if paced

@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     session = _with_meshes(_session(arguments), arguments)
     require_trackable(session, arguments.session)
     surface = _surface(session, arguments)
-    session = session.model_copy(update={"surface": surface})
+    session = session.changed({"surface": surface})
     return track_and_save(
         session, with_settings(session, TrackOrder(quality=arguments.quality)), arguments
     )
@@ -52,7 +52,7 @@ def _session(arguments: argparse.Namespace) -> Session:
             f"`keypose open {shlex.quote(str(arguments.meshes))}`."
         )
     session = load_session(path)
-    if session.surface is None:
+    if session.view.surface is None:
         raise SessionError(
             f"{path.name} is about a video: track it with keypose track, or begin a session about "
             "the meshes with `keypose open MESHES`."
@@ -66,14 +66,16 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
     if meshes is None or meshes.resolve() == video_path(session, path).resolve():
         return session
     with MeshSequence.open(meshes) as sequence:
-        is_own = session.video.fingerprint in ("", sequence.fingerprint())
+        is_own = session.view.video.fingerprint in ("", sequence.fingerprint())
     if not is_own:
         raise SessionError(
             f"{str(meshes)!r} holds other meshes than those that {path.name} was posed in: begin a "
             f"session of their own with `keypose open {shlex.quote(str(meshes))}`."
         )
-    video = session.video.model_copy(update={"path": path_from(meshes, path.absolute().parent)})
-    return session.model_copy(update={"video": video})
+    video = session.view.video.model_copy(
+        update={"path": path_from(meshes, path.absolute().parent)}
+    )
+    return session.changed({"video": video})
 
 
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:

@@ -95,15 +95,15 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
     motion = found.fit.trajectory
     saved = save_first_motion(session, arguments.session, motion, file, made.matched)
     save_session(saved, arguments.session)
-    assert saved.first_motion is not None
-    written = arguments.session.parent / saved.first_motion.file
+    assert saved.subject.first_motion is not None
+    written = arguments.session.parent / saved.subject.first_motion.file
     _print_motion(_facts(made, written), arguments.json)
     for words in note_words(found.notes):
         note(words)
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
-    if len(session.keyframes) < LEAST_TRACKED:
+    if len(session.subject.keyframes) < LEAST_TRACKED:
         note(
             f"keypose reduce {arguments.session} makes keyframes of it, to edit and to track from."
         )
@@ -168,7 +168,7 @@ def _keep_drafts(session: Session, found: DraftImport, arguments: argparse.Names
 def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
     drafts, frames, names = found.drafts, found.frames, names_of(found.known, found.names)
     made = {draft.keyframe.frame for draft in drafts}
-    posed = {k.frame for k in (*session.keyframes, *session.drafts)}
+    posed = {k.frame for k in (*session.subject.keyframes, *session.subject.drafts)}
     kept = [frame for frame in frames if frame in posed]
     empty = [frame for frame in frames if frame not in posed and frame not in made]
     if arguments.json:

@@ -19,14 +19,14 @@ def import_camera(arguments: argparse.Namespace) -> None:
     path: Path = arguments.session
     with reading_apart(load_camera) as read:
         session = load_session(path)
-        found = read(arguments.file, (session.camera.width, session.camera.height))
+        found = read(arguments.file, (session.view.camera.width, session.view.camera.height))
     made = with_camera_file(session, found)
     save_session(made, path)
-    camera = made.camera
+    camera = made.view.camera
     if arguments.json:
         lens = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
-        up = list(made.up_camera or CAMERA_UP)
-        print_json({"written": str(path), **lens, "up_camera": up, "floor_m": made.floor_m})
+        up = list(made.world.up_world or CAMERA_UP)
+        print_json({"written": str(path), **lens, "up_camera": up, "floor_m": made.world.floor_m})
         return
     facts = camera_facts(session, made, found)
     focal, across, turned = facts["focal_mm"], facts["across_deg"], facts["turned_deg"]

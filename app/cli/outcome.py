@@ -91,7 +91,7 @@ def _say_what_was_found(session: Session) -> None:
 
 def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> None:
     """Say what was asked for in this run and cannot be had."""
-    shown = session.has_static_camera or is_persons(session.body)
+    shown = session.has_static_camera or is_persons(session.subject.body)
     if "silhouette" in (getattr(arguments, "cues", None) or ()) and not shown:
         words = (
             "The camera does not stand still and the body is no person's: the silhouette is left "
@@ -160,7 +160,7 @@ def _write(
     make_folder(arguments.out, error=SessionError)
 
     def refer(results: Results | None) -> None:
-        write_copy(session.model_copy(update={"results": results}), arguments)
+        write_copy(session.changed({"results": results}), arguments)
 
     return save_tracks_beside(asked, _session_path_to_write(arguments), found.found, refer)
 

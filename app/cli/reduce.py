@@ -46,7 +46,7 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
         limbs=arguments.limb,
         replacing=arguments.replace_keyframes,
     )
-    skeleton, camera = Skeleton.of(session.body), session.camera
+    skeleton, camera = Skeleton.of(session.subject.body), session.view.camera
     with _progress() as progress:
         reduction = reduce_motion(
             skeleton, camera, found.motion, arguments.goal, found.required, found.parts,
@@ -119,7 +119,7 @@ def _off(facts: dict[str, Any]) -> str:
 
 
 def _facts(session: Session, found: Reducible, reduction: Reduction) -> dict[str, Any]:
-    posed = session.keyframes if found.parts is None else session.part_keyframes
+    posed = session.subject.keyframes if found.parts is None else session.subject.part_keyframes
     own, tolerance = {keyframe.frame for keyframe in posed}, reduction.tolerance
     return {
         "source": found.source,

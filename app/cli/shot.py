@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _require_size(session: Session, order: PictureOrder) -> None:
-    pixels = session.video.width * session.video.height * order.scale**2
+    pixels = session.view.video.width * session.view.video.height * order.scale**2
     if order.scale > 1 and pixels > MOST_PIXELS:
         raise FormatError(
             f"A scale of {order.scale:g} makes a picture of {pixels / 1e6:.0f} million pixels; "
@@ -54,9 +54,9 @@ def _poses(session: Session, session_path: Path, frame: int, order: PictureOrder
     tracked.
     """
     require_frame(session, frame)
-    skeleton = Skeleton.of(session.body)
-    keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    if frame in keys and not (order.has_floor and session.results):
+    skeleton = Skeleton.of(session.subject.body)
+    keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
+    if frame in keys and not (order.has_floor and session.subject.results):
         return KnownPoses(skeleton, keys, None)
     tracks = load_tracks(session, session_path)
     if frame not in keys:

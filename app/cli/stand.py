@@ -67,9 +67,9 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
         "pins_on_floor": done.on_floor,
         "pins_taken": done.taken,
         "softened": list(done.softened),
-        "up_camera": session.up_camera,
+        "up_camera": session.world.up_world,
         "up_from": done.up_from,
-        "floor_m": session.floor_m,
+        "floor_m": session.world.floor_m,
         "soles_off_m": None if soles is None else soles.off_m,
         "in_air": [] if soles is None else [list(run) for run in soles.in_air],
     }

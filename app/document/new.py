@@ -46,7 +46,7 @@ def new_session(video: Video, session_path: Path) -> Session:
     defaults = read_defaults()
     stands_still = still_camera(video).still
     info = video.info  # only now: reading frames may have corrected it
-    return Session(
+    return Session.begin(
         video=VideoReference(
             path=path_from(info.path, session_path.parent),
             fingerprint=video.fingerprint(),
@@ -94,7 +94,7 @@ def new_surface_session(
         )
     body = _as_tall(preset(read_defaults().body), found.height_m)
     surface = found.surface if cameras is None else with_cameras_fingerprint(found.surface, cameras)
-    session = Session(video=video, camera=found.camera, body=body, surface=surface)
+    session = Session.begin(video=video, camera=found.camera, body=body, surface=surface)
     return session, found.guesses
 
 
@@ -143,17 +143,17 @@ def open_with_reading(
     meshes = path
     if session_path.exists():
         session = load_session(session_path)
-        if session.surface is None:
+        if session.view.surface is None:
             raise SessionError(f"{session_path.name} is about a video, not about meshes.")
         meshes = video_path(session, session_path)
-        if _is_read_so(session.surface, reading) and cameras is None:
+        if _is_read_so(session.view.surface, reading) and cameras is None:
             return session_path, ()
-        if session.keyframes or session.drafts:
+        if session.subject.keyframes or session.subject.drafts:
             raise SessionError(
                 f"{session_path.name} has poses already: open it without --units, --up and "
                 "--cameras, and change units and up under Fit, where the poses follow."
             )
-        reading, cameras = _filled(session.surface, session_path, reading, cameras)
+        reading, cameras = _filled(session.view.surface, session_path, reading, cameras)
     new, news = new_surface_session(meshes, session_path, reading, cameras)
     if session_path.exists():
         new = _read_anew(session, new)
@@ -178,7 +178,7 @@ def _read_anew(session: Session, new: Session) -> Session:
     surface, read = surface_of(session), surface_of(new)
     names = ("units", "up", "p_camera_surface", "cameras", "cameras_fingerprint")
     surface = surface.model_copy(update={name: getattr(read, name) for name in names})
-    return session.model_copy(update={"surface": surface, "camera": new.camera})
+    return session.changed({"surface": surface, "camera": new.view.camera})
 
 
 def _is_read_so(surface: Surface, reading: Reading) -> bool:

@@ -83,7 +83,7 @@ class OpenSession:
 
     def film(self) -> str:
         """Equal for the same video only; reads a little of the file."""
-        return self.session.video.fingerprint or self.video.fingerprint()
+        return self.session.view.video.fingerprint or self.video.fingerprint()
 
 
 def open_for_editing(path: Path, session_for: Callable[[Path], Path]) -> OpenSession:
@@ -133,16 +133,16 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         results, problem = load_results(session, opened.session_path), ""
     except SessionError as error:
         results, problem = Results(), f"{error} The keyframes are all there: track again."
-    opening = opening_pose(session.body, session.camera, up_of(session))
+    opening = opening_pose(session.subject.body, session.view.camera, up_of(session))
     state = EditorState(
-        doc=session.model_copy(update={"results": None}),
-        skeleton=Skeleton.of(session.body),
+        doc=session.changed({"results": None}),
+        skeleton=Skeleton.of(session.subject.body),
         file_times_s=opened.video.info.times_s,
-        opening=_STANDING.of(session)(opening, session.body, opened.video),
+        opening=_STANDING.of(session)(opening, session.subject.body, opened.video),
         results=results,
         history=opened.history,
-        frame=session.keyframes[0].frame if session.keyframes else 0,
-        selected=session.body.parts[0].name,
+        frame=session.subject.keyframes[0].frame if session.subject.keyframes else 0,
+        selected=session.subject.body.parts[0].name,
         timecode=opened.video.info.timecode,
     )
     return with_kept_motion(state, opened.session_path), problem
@@ -151,10 +151,10 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
 def with_kept_motion(state: EditorState, session_path: Path) -> EditorState:
     """The state with the motion from before it was reduced, as the document names it; without one
     where that cannot be read: tracking, which starts from it, says why."""
-    reference, kept = state.doc.first_motion, None
+    reference, kept = state.doc.subject.first_motion, None
     if reference is not None and reference.own:
         with suppress(SessionError):
-            kept = load_first_motion(session_path.parent / reference.file, state.doc.body)
+            kept = load_first_motion(session_path.parent / reference.file, state.doc.subject.body)
     return replace(state, kept=kept)
 
 
@@ -180,9 +180,7 @@ def _open(path: Path) -> OpenSession:
     moment, news = found.moment, _news(opened)
     if not _is_one_file(video_path(session, path), video.info.path):
         place = path_from(video.info.path, path.parent)
-        session = session.model_copy(
-            update={"video": session.video.model_copy(update={"path": place})}
-        )
+        session = session.changed({"video": session.view.video.model_copy(update={"path": place})})
         moment = of_film(moment, session)
         news = (*news, f"The {session.evidence.words.noun_was} found again at {place}.")
     seen = with_present_fingerprints(session, path, video)
@@ -263,7 +261,7 @@ def copy_session(path: Path, out: Path) -> Path:
         return target
     make_folder(out)
     carry_beside(session, path.parent, out)
-    save_session(with_paths_from(session, path, out).model_copy(update={"results": None}), target)
+    save_session(with_paths_from(session, path, out).changed({"results": None}), target)
     return target
 
 
@@ -274,4 +272,4 @@ def with_paths_from(session: Session, session_path: Path, folder: Path) -> Sessi
         place = session_path.absolute().parent / path
         return str(place) if Path(path).is_absolute() else path_from(place, folder)
 
-    return session.model_copy(update=session.evidence.with_paths(from_there))
+    return session.changed(session.evidence.with_paths(from_there))

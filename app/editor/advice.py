@@ -198,7 +198,7 @@ ALL_GOOD = Suggestion(None, "All good", "Add a keyframe only where the motion lo
 def followed_suggestion(session: Session) -> Suggestion | None:
     """The last frame that can be trusted of what was tracked ahead: its pose is all but a keyframe.
     None where nothing was, or so little that a keyframe there is no gain."""
-    found = [one for one in session.ahead if _is_worth_keying(session, one)]
+    found = [one for one in session.subject.ahead if _is_worth_keying(session, one)]
     if not found:
         return None
     record = max(found, key=lambda one: one.is_forward)
@@ -218,7 +218,7 @@ def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> 
     Where a keyframe is asked for and the film was drafted, what lies beyond has poses already.
     """
     about_a_frame = found.kind in ("key", "look")
-    if not keys or found.kind == "track" or (about_a_frame and session.drafted is not None):
+    if not keys or found.kind == "track" or (about_a_frame and session.subject.drafted is not None):
         return found
     way = _way(keys, session)
     return found if way is None else replace(found, ahead=way)
@@ -226,8 +226,8 @@ def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> 
 
 def _way(keys: Sequence[int], session: Session) -> Direction | None:
     """Forward before backward; not again where it led to next to nothing."""
-    tried = {one.is_forward for one in session.ahead if stands(session, one)}
-    after, before = session.video.frame_count - 1 - keys[-1], keys[0]
+    tried = {one.is_forward for one in session.subject.ahead if stands(session, one)}
+    after, before = session.view.video.frame_count - 1 - keys[-1], keys[0]
     if after >= SHORT_FRAMES and True not in tried:
         return "forward"
     if before >= SHORT_FRAMES and False not in tried:
@@ -338,14 +338,14 @@ def _next_of_film(keys: Sequence[int], session: Session, known: JudgedSegments) 
     followed = followed_suggestion(session)
     if followed is not None:
         return followed
-    if not keys and not session.drafts and is_persons(session.body):
+    if not keys and not session.subject.drafts and is_persons(session.subject.body):
         return Suggestion(None, *_BOX_OR_POSE, "pose")
-    found = suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
+    found = suggestion(keys, session.view.video.frame_count, known.tracks, known.parts, known)
     return with_way_ahead(found, keys, session)
 
 
 def _missing_of_film(session: Session) -> str:
-    few = bool(session.keyframes)
+    few = bool(session.subject.keyframes)
     return "Add a second keyframe first." if few else "Add two keyframes first."
 
 
@@ -354,7 +354,7 @@ def _next_of_surfaces(keys: Sequence[int], session: Session, known: JudgedSegmen
 
 
 def _missing_of_surfaces(session: Session) -> str:
-    if session.video.frame_count < 2:
+    if session.view.video.frame_count < 2:
         return "Nothing to fit: there is only one mesh."
     return "Add a keyframe first: pose the body in one of the meshes."
 

@@ -85,13 +85,13 @@ LABEL = "track ahead"
 def start_frame(doc: Session, direction: Direction) -> int:
     """The keyframe to track ahead from, the last one or, backward, the first; Refused where that
     leads nowhere."""
-    if doc.surface is not None:
+    if doc.view.surface is not None:
         raise ActionRefused("Surfaces are fitted from one keyframe on: press Fit.")
-    if not doc.keyframes:
+    if not doc.subject.keyframes:
         raise ActionRefused("Pose a frame and add it as a keyframe first.")
     forward = direction == "forward"
-    frame = doc.keyframes[-1 if forward else 0].frame
-    if frame == (doc.video.frame_count - 1 if forward else 0):
+    frame = doc.subject.keyframes[-1 if forward else 0].frame
+    if frame == (doc.view.video.frame_count - 1 if forward else 0):
         end = "last frame" if forward else "first frame"
         raise ActionRefused(f"The keyframe at {frame} is the video's {end}: nothing lies beyond.")
     return frame
@@ -110,25 +110,27 @@ def followed_session(
 
     What a person posed stays, and so do keyframes. Drafts of the whole film do not.
     """
-    skeleton = Skeleton.of(doc.body)
+    skeleton = Skeleton.of(doc.subject.body)
     first, last = min(frame, to_frame), max(frame, to_frame)
-    doc = _without(doc, [record for record in doc.ahead if _same_way(record, frame, to_frame)])
-    own = {k.frame for k in doc.keyframes}
-    if doc.drafted is None:
-        own |= {draft.frame for draft in doc.drafts}
+    doc = _without(
+        doc, [record for record in doc.subject.ahead if _same_way(record, frame, to_frame)]
+    )
+    own = {k.frame for k in doc.subject.keyframes}
+    if doc.subject.drafted is None:
+        own |= {draft.frame for draft in doc.subject.drafts}
     fresh = [
         keyframe_of(skeleton, motion.pose(at), at, times_s).model_copy(update={"followed": True})
         for at in range(first, last + 1)
         if at not in own
     ]
     replaced = {draft.frame for draft in fresh}
-    doc = with_drafts(doc, [*fresh, *(d for d in doc.drafts if d.frame not in replaced)])
-    keyframe = next(k for k in doc.keyframes if k.frame == frame)
+    doc = with_drafts(doc, [*fresh, *(d for d in doc.subject.drafts if d.frame not in replaced)])
+    keyframe = next(k for k in doc.subject.keyframes if k.frame == frame)
     if stop is None or to_frame == frame:
         return doc
     record = Ahead(from_frame=frame, to_frame=to_frame, stop=stop, key=ahead_key(doc, keyframe))
-    ordered = sorted((*doc.ahead, record), key=lambda one: one.from_frame)
-    return doc.model_copy(update={"ahead": tuple(ordered)})
+    ordered = sorted((*doc.subject.ahead, record), key=lambda one: one.from_frame)
+    return doc.changed({"ahead": tuple(ordered)})
 
 
 def followed_so_far(state: EditorState, frame: int, motion: Trajectory) -> Session:
@@ -147,34 +149,34 @@ def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
 def up_to_date(doc: Session) -> Session:
     """Without what was followed from a keyframe that is posed otherwise now, or is no longer the
     last one, or the first, that way."""
-    outdated = [record for record in doc.ahead if not stands(doc, record)]
+    outdated = [record for record in doc.subject.ahead if not stands(doc, record)]
     return _without(doc, outdated) if outdated else doc
 
 
 def without_followed(doc: Session) -> Session:
     """Without anything that was tracked ahead."""
-    return _without(doc, list(doc.ahead))
+    return _without(doc, list(doc.subject.ahead))
 
 
 def stands(doc: Session, record: Ahead) -> bool:
     """Return whether what was followed still leads on from where the keyframes end."""
-    if not doc.keyframes:
+    if not doc.subject.keyframes:
         return False
-    keyframe: Keyframe = doc.keyframes[-1 if record.is_forward else 0]
+    keyframe: Keyframe = doc.subject.keyframes[-1 if record.is_forward else 0]
     return keyframe.frame == record.from_frame and record.key == ahead_key(doc, keyframe)
 
 
 def _without(doc: Session, records: list[Ahead]) -> Session:
     if not records:
         return doc
-    kept = tuple(record for record in doc.ahead if record not in records)
+    kept = tuple(record for record in doc.subject.ahead if record not in records)
     spans = [record.span for record in records]
     drafts = [
         draft
-        for draft in doc.drafts
+        for draft in doc.subject.drafts
         if not (draft.followed and any(a <= draft.frame <= b for a, b in spans))
     ]
-    return with_drafts(doc.model_copy(update={"ahead": kept}), drafts)
+    return with_drafts(doc.changed({"ahead": kept}), drafts)
 
 
 def _same_way(record: Ahead, frame: int, to_frame: int) -> bool:

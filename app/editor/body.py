@@ -53,7 +53,9 @@ class Shape(Edit):
 
     def apply(self, state: EditorState) -> Session:
         linked = state.display.link
-        return with_body(state, with_shape(state.doc.body, self.part, self.kind, linked=linked))
+        return with_body(
+            state, with_shape(state.doc.subject.body, self.part, self.kind, linked=linked)
+        )
 
 
 class Size(Edit):
@@ -65,7 +67,7 @@ class Size(Edit):
 
     def apply(self, state: EditorState) -> Session:
         linked = state.display.link
-        body = with_size(state.doc.body, self.part, self.key, self.cm, linked=linked)
+        body = with_size(state.doc.subject.body, self.part, self.key, self.cm, linked=linked)
         return with_body(state, body)
 
 
@@ -80,7 +82,7 @@ class Joint(Edit):
     z: Centimetres | None = None
 
     def apply(self, state: EditorState) -> Session:
-        body, wanted = state.doc.body, (self.x, self.y, self.z)
+        body, wanted = state.doc.subject.body, (self.x, self.y, self.z)
         was = body.parts[body.index(self.part)].joint_m
         x, y, z = (100 * a if b is None else b for a, b in zip(was, wanted, strict=True))
         linked = state.display.link
@@ -95,7 +97,7 @@ class Height(Edit):
     cm: Centimetres
 
     def apply(self, state: EditorState) -> Session:
-        return with_body(state, with_height(state.doc.body, self.cm))
+        return with_body(state, with_height(state.doc.subject.body, self.cm))
 
 
 class Preset(Edit):
@@ -106,7 +108,7 @@ class Preset(Edit):
     name: Name
 
     def apply(self, state: EditorState) -> Session:
-        return with_body(state, _as_jointed(state.doc.body, preset(self.name)))
+        return with_body(state, _as_jointed(state.doc.subject.body, preset(self.name)))
 
 
 class SetBody(Edit):
@@ -129,7 +131,7 @@ class AddPart(Edit):
     name: Name
 
     def apply(self, state: EditorState) -> Session:
-        return with_body(state, with_new_part(state.doc.body, self.parent, self.name))
+        return with_body(state, with_new_part(state.doc.subject.body, self.parent, self.name))
 
 
 class DeletePart(Edit):
@@ -140,7 +142,7 @@ class DeletePart(Edit):
     part: Name
 
     def apply(self, state: EditorState) -> Session:
-        body = state.doc.body
+        body = state.doc.subject.body
         if body.parts[body.index(self.part)].parent is None:
             raise ActionRefused(
                 "The first part carries all others and stays. Choose another body instead."
@@ -160,12 +162,12 @@ class RenamePart(Edit):
         doc = state.doc
         left_out = self._renamed(doc.settings.left_out)
         update = {
-            "body": with_renamed_part(doc.body, self.part, self.name),
+            "body": with_renamed_part(doc.subject.body, self.part, self.name),
             "settings": doc.settings.model_copy(update={"left_out": left_out}),
-            "pins": tuple(map(self._of_part, doc.pins)),
-            "reviewed": tuple(map(self._of_part, doc.reviewed)),
+            "pins": tuple(map(self._of_part, doc.subject.pins)),
+            "reviewed": tuple(map(self._of_part, doc.subject.reviewed)),
         }
-        return with_poses(doc.model_copy(update=update), self._posed)
+        return with_poses(doc.changed(update), self._posed)
 
     def _renamed(self, names: Iterable[str]) -> tuple[str, ...]:
         return tuple(self.name if name == self.part else name for name in names)
@@ -189,10 +191,10 @@ class ResetBody(Edit):
     verb = "reset the body"
 
     def apply(self, state: EditorState) -> Session:
-        name = state.doc.body.name
+        name = state.doc.subject.body.name
         if name not in PRESETS:
             raise ActionRefused("This body is not based on a preset.")
-        return with_body(state, _as_jointed(state.doc.body, preset(name)))
+        return with_body(state, _as_jointed(state.doc.subject.body, preset(name)))
 
 
 class Clavicles(Edit):
@@ -204,7 +206,7 @@ class Clavicles(Edit):
     on: bool
 
     def apply(self, state: EditorState) -> Session:
-        body = state.doc.body
+        body = state.doc.subject.body
         if not self.on:
             return with_body(_with_arms_turned(state), without_clavicles(body))
         if not can_have_clavicles(body) and not has_clavicles(body):
@@ -221,7 +223,7 @@ class Tracked(Edit):
     dofs: Annotated[tuple[Dof, ...], Field(max_length=6)]
 
     def apply(self, state: EditorState) -> Session:
-        body = state.doc.body
+        body = state.doc.subject.body
         part = body.parts[body.index(self.part)]
         changed = Part.model_validate({**part.model_dump(), "tracked": self.dofs})
         return with_body(state, body.with_part(changed))
@@ -240,7 +242,7 @@ def _as_jointed(old: Body, body: Body) -> Body:
 
 def _with_arms_turned(state: EditorState) -> EditorState:
     """Every upper arm turned as its clavicle is, so that it points the same way without it."""
-    skeleton = Skeleton.of(state.doc.body)
+    skeleton = Skeleton.of(state.doc.subject.body)
 
     def turned(keyframe: Keyframe) -> Keyframe:
         pose = keyframe.pose(skeleton)
@@ -251,7 +253,7 @@ def _with_arms_turned(state: EditorState) -> EditorState:
         made = Keyframe.of(skeleton, Pose(Rs, pose.p_camera_root), keyframe.frame, keyframe.time_s)
         return keyframe.model_copy(update={"rotations_wxyz": made.rotations_wxyz})
 
-    has = has_clavicles(state.doc.body)
+    has = has_clavicles(state.doc.subject.body)
     return replace(state, doc=with_poses(state.doc, turned)) if has else state
 
 
@@ -266,13 +268,13 @@ def with_body(state: EditorState, body: Body) -> Session:
         "settings": settings.model_copy(update={"left_out": left_out}),
         "part_keyframes": tuple(_with_parts(state.doc, known)),
     }
-    doc = with_poses(state.doc.model_copy(update=update), lambda each: _fitted(each, known))
+    doc = with_poses(state.doc.changed(update), lambda each: _fitted(each, known))
     return require_all_before_camera(doc, Skeleton.of(body))
 
 
 def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
     """Refused where a pin would lose its part."""
-    lost = [pin.part for pin in state.doc.pins if pin.part not in known]
+    lost = [pin.part for pin in state.doc.subject.pins if pin.part not in known]
     if lost:
         raise ActionRefused(
             f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first."
@@ -281,7 +283,7 @@ def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
 
 def _with_parts(doc: Session, known: set[str]) -> Iterator[PartKeyframe]:
     """The part keyframes of which any part is left."""
-    for keyframe in doc.part_keyframes:
+    for keyframe in doc.subject.part_keyframes:
         parts = tuple(name for name in keyframe.parts if name in known)
         if parts:
             yield keyframe.model_copy(update={"parts": parts})
@@ -309,7 +311,7 @@ def with_sizes_fitted(
     """Take over this body and camera, and the keyframes posed for them; what is posed as it was
     stays to the last digit.
     """
-    skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
+    skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.view.camera.fx
 
     def fitted(known: Keyframe) -> Keyframe:
         pose, own = keyposes[known.frame], known.pose(state.skeleton)
@@ -318,9 +320,9 @@ def with_sizes_fitted(
             return known
         return softened(keyframe_of(skeleton, pose, known.frame, state.times_s), known.soft)
 
-    source = "fitted" if nearer != 1.0 else state.doc.lens_source
-    doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).model_copy(
-        update={"body": body, "camera": camera, "lens_source": source}
+    source = "fitted" if nearer != 1.0 else state.doc.view.lens_source
+    doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).changed(
+        {"body": body, "camera": camera, "lens_source": source}
     )
-    doc = with_keyframes(doc, map(fitted, state.doc.keyframes))
+    doc = with_keyframes(doc, map(fitted, state.doc.subject.keyframes))
     return state.with_step(require_all_before_camera(doc, skeleton), "fit the sizes")

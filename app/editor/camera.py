@@ -17,7 +17,8 @@ from keypose.app.posing.gesture import Spot
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.references import FramesPerSecond
-from keypose.tracker.session.schema import LensSource, Session
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.views import LensSource
 from keypose.tracker.video.upright_lines import up_from_segments
 
 STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -55,7 +56,7 @@ class Intrinsics(Edit):
     def apply(self, state: EditorState) -> Session:
         changes = self.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
         doc = _with_camera(state, {**changes, "origin": "intrinsics"})
-        return doc.model_copy(update={"lens_source": "calibration"})
+        return doc.changed({"lens_source": "calibration"})
 
 
 class FieldOfView(Edit):
@@ -66,7 +67,7 @@ class FieldOfView(Edit):
     deg: Annotated[FiniteFloat, Field(ge=1, le=170)]
 
     def apply(self, state: EditorState) -> Session:
-        old = state.doc.camera
+        old = state.doc.view.camera
         new = Camera.from_field_of_view(old.width, old.height, math.radians(self.deg))
         return _with_lens(state, new.model_copy(update={"distortion": old.distortion}), "person")
 
@@ -84,12 +85,12 @@ class Lens(Edit):
     bent: bool | None = None
 
     def apply(self, state: EditorState) -> Session:
-        size = (state.doc.camera.width, state.doc.camera.height)
+        size = (state.doc.view.camera.width, state.doc.view.camera.height)
         if self.mm is None:
             camera = Camera.guess(*size)
         else:
             camera = Camera.from_focal_length(*size, self.mm)
-        bent = {True: BENT, False: STRAIGHT, None: state.doc.camera.distortion}[self.bent]
+        bent = {True: BENT, False: STRAIGHT, None: state.doc.view.camera.distortion}[self.bent]
         known = "guess" if self.mm is None else self.known
         return _with_lens(state, camera.model_copy(update={"distortion": bent}), known)
 
@@ -105,7 +106,7 @@ class Distortion(Edit):
 
     def apply(self, state: EditorState) -> Session:
         wanted = (self.k1, self.k2, self.p1, self.p2, self.k3)
-        old = state.doc.camera.distortion
+        old = state.doc.view.camera.distortion
         values = tuple(a if b is None else b for a, b in zip(old, wanted, strict=True))
         return _with_camera(state, {"distortion": values})
 
@@ -125,7 +126,7 @@ class Vertical(Edit):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
             return state.doc.with_up(self._up_of_both(state, self.other))
-        up = up_from_vertical(state.doc.camera, self.a, self.b)
+        up = up_from_vertical(state.doc.view.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
@@ -138,7 +139,7 @@ class Vertical(Edit):
                 "These lines cross in the picture: they are not both upright. Draw them along two "
                 "walls, doors or poles."
             )
-        up = up_from_segments(np.array([(self.a, self.b), other]), state.doc.camera)
+        up = up_from_segments(np.array([(self.a, self.b), other]), state.doc.view.camera)
         if up is None:
             raise ActionRefused(
                 "These lines do not say what is up. Draw them along two upright things that are "
@@ -187,11 +188,11 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
 
     file_times_s: not needed where a rate is named.
     """
-    if doc.surface is not None:
+    if doc.view.surface is not None:
         raise ActionRefused(
             "This session has surfaces, not a video: it has no recording rate or fields."
         )
-    doc = doc.model_copy(update={"video": doc.video.model_copy(update=dict(named))})
+    doc = doc.changed({"video": doc.view.video.model_copy(update=dict(named))})
     if "recorded_fps" not in named:
         return doc
     return with_times(doc, doc.evidence.times_s(file_times_s))
@@ -201,14 +202,14 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     """Change the lens. What was posed keeps its place in the picture: a longer lens shows it as
     large as before from farther away.
     """
-    old = state.doc.camera
+    old = state.doc.view.camera
     names = ("fx", "fy", "cx", "cy", "distortion", "origin")
     changes = {name: getattr(lens, name) for name in names}
     doc = _with_camera(state, changes)
     farther = 1.0 if old.telephoto_distance_m is not None else lens.fx / old.fx
-    return moved_away(doc.model_copy(update={"lens_source": source}), state.skeleton, farther)
+    return moved_away(doc.changed({"lens_source": source}), state.skeleton, farther)
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:
-    camera = valid(Camera, {**state.doc.camera.model_dump(), **changes})
-    return state.doc.model_copy(update={"camera": camera})
+    camera = valid(Camera, {**state.doc.view.camera.model_dump(), **changes})
+    return state.doc.changed({"camera": camera})

@@ -125,7 +125,7 @@ def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
     """The keyframes at some frames; of none the pose shown at the present frame."""
     if not frames:
         return Copied.pose_of(state.skeleton, shown_pose(state).pose)
-    found = [find(state.doc.keyframes, frame) for frame in sorted(set(frames))]
+    found = [find(state.doc.subject.keyframes, frame) for frame in sorted(set(frames))]
     keyframes = [keyframe for keyframe in found if keyframe is not None]
     if len(keyframes) < len(found):
         raise ActionRefused("One of these frames is not a keyframe any more.")
@@ -156,11 +156,11 @@ class PastePose(Edit):
             return posed(state.doc, state.skeleton, poses[0], state.frame, state.times_s)
         frames = [state.frame + key.after for key in copied.keys]
         _require_room(state, frames[-1] - frames[0])
-        stay = state.doc.keyframes
+        stay = state.doc.subject.keyframes
         if self.replace:
             stay = tuple(keyframe for keyframe in stay if keyframe.frame not in set(frames))
         else:
-            require_free((*stay, *state.doc.part_keyframes), frames)
+            require_free((*stay, *state.doc.subject.part_keyframes), frames)
         placed = []
         for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
             require_before_camera(state.skeleton, pose)

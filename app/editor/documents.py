@@ -47,20 +47,20 @@ def require_in_video(state: EditorState, frame: int) -> int:
 def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
     """Set these keyframes, sorted by frame, in the place of part keyframes of the same frames."""
     keyed = tuple(sorted(keyframes, key=_frame))
-    doc = doc.model_copy(update={"keyframes": keyed})
+    doc = doc.changed({"keyframes": keyed})
     frames = {keyframe.frame for keyframe in keyed}
-    parts = tuple(each for each in doc.part_keyframes if each.frame not in frames)
-    return doc if len(parts) == len(doc.part_keyframes) else with_part_keyframes(doc, parts)
+    parts = tuple(each for each in doc.subject.part_keyframes if each.frame not in frames)
+    return doc if len(parts) == len(doc.subject.part_keyframes) else with_part_keyframes(doc, parts)
 
 
 def with_part_keyframes(doc: Session, keyframes: Iterable[PartKeyframe]) -> Session:
     """Set these part keyframes, sorted by frame."""
-    return doc.model_copy(update={"part_keyframes": tuple(sorted(keyframes, key=_frame))})
+    return doc.changed({"part_keyframes": tuple(sorted(keyframes, key=_frame))})
 
 
 def with_drafts(doc: Session, drafts: Iterable[Keyframe]) -> Session:
     """Set these drafts, sorted by frame."""
-    return doc.model_copy(update={"drafts": tuple(sorted(drafts, key=_frame))})
+    return doc.changed({"drafts": tuple(sorted(drafts, key=_frame))})
 
 
 def without(poses: Iterable[Posed], frame: int) -> tuple[Posed, ...]:
@@ -79,10 +79,10 @@ def posed(
     """Set this pose at a frame: in its keyframe, or else as a draft."""
     require_before_camera(skeleton, pose)
     keyframe = softened(keyframe_of(skeleton, pose, frame, times_s), soft)
-    if any(known.frame == frame for known in doc.keyframes):
-        doc = with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
-        return with_drafts(doc, without(doc.drafts, frame))  # it would be shown instead
-    return with_drafts(doc, (*without(doc.drafts, frame), keyframe))
+    if any(known.frame == frame for known in doc.subject.keyframes):
+        doc = with_keyframes(doc, (*without(doc.subject.keyframes, frame), keyframe))
+        return with_drafts(doc, without(doc.subject.drafts, frame))  # it would be shown instead
+    return with_drafts(doc, (*without(doc.subject.drafts, frame), keyframe))
 
 
 def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Keyframe:
@@ -124,13 +124,13 @@ def _frame(keyframe: Keyframe) -> int:
 
 def poses_of(doc: Session) -> tuple[Keyframe, ...]:
     """All that is posed: keyframes, part keyframes and drafts."""
-    return (*doc.keyframes, *doc.part_keyframes, *doc.drafts)
+    return (*doc.subject.keyframes, *doc.subject.part_keyframes, *doc.subject.drafts)
 
 
 def with_poses(doc: Session, change: Callable[[Keyframe], Keyframe]) -> Session:
     """Change each of `poses_of`."""
     names = ("keyframes", "part_keyframes", "drafts")
-    return doc.model_copy(update={name: tuple(map(change, getattr(doc, name))) for name in names})
+    return doc.changed({name: tuple(map(change, doc.value(name))) for name in names})
 
 
 def require_all_before_camera(doc: Session, skeleton: Skeleton) -> Session:

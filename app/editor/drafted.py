@@ -26,9 +26,10 @@ from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import annotations as record
 from keypose.tracker.session.annotations import LEARN_FRAMES
+from keypose.tracker.session.counts import MOST
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.references import KeypointFile
-from keypose.tracker.session.schema import MOST, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Position
 
 if TYPE_CHECKING:
@@ -42,10 +43,10 @@ KEYPOINT_SOURCE = "BlazePose"
 def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int]) -> None:
     """Refused, or KeypointError, in one sentence where a draft of these frames, first and last,
     from a box on one of them cannot be had."""
-    count = doc.video.frame_count
-    if doc.surface is not None:
+    count = doc.view.video.frame_count
+    if doc.view.surface is not None:
         raise ActionRefused("Drafts are made from a video, not from surfaces.")
-    if len(points_on_body(doc.body, JOINTS).indices) < len(JOINTS):
+    if len(points_on_body(doc.subject.body, JOINTS).indices) < len(JOINTS):
         raise ActionRefused(f"Drafts need a person's body: choose {listed(PEOPLE)} first.")
     first, last = frames
     if not 0 <= first <= last < count:
@@ -60,12 +61,12 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
         raise ActionRefused(
             f"A session holds at most {MOST['drafts']} drafts: draft fewer frames at a time."
         )
-    Region.of_box(box, doc.video.width, doc.video.height)
+    Region.of_box(box, doc.view.video.width, doc.view.video.height)
 
 
 def require_rest(doc: Session) -> record.DraftRest:
     """What a draft was cancelled before; refused where nothing is left."""
-    rest = None if doc.drafted is None else doc.drafted.rest
+    rest = None if doc.subject.drafted is None else doc.subject.drafted.rest
     if rest is None:
         raise ActionRefused("No frames are left to draft.")
     return rest
@@ -75,7 +76,9 @@ def keeps_proportions(doc: Session) -> bool:
     """Return whether somebody has sized the body: keyframes are posed with it, or it is no
     preset's.
     """
-    return bool(doc.keyframes) or without_clavicles(doc.body) not in map(preset, PRESETS)
+    return bool(doc.subject.keyframes) or without_clavicles(doc.subject.body) not in map(
+        preset, PRESETS
+    )
 
 
 def drafted_session(
@@ -98,9 +101,9 @@ def drafted_session(
     an earlier one was cancelled before where left out.
     """
     doc = without_followed(doc)
-    skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.keyframes}
+    skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.subject.keyframes}
     taken = frozenset(range(frames[0], frames[1] + 1) if only is None else only)
-    drafts = [draft for draft in doc.drafts if draft.frame not in taken]
+    drafts = [draft for draft in doc.subject.drafts if draft.frame not in taken]
     drafts += [
         keyframe_of(skeleton, pose, frame, times_s).model_copy(update={"drafted": True})
         for frame, pose in poses.items()
@@ -108,28 +111,30 @@ def drafted_session(
     ]
     found = _record(doc, frames, taken, poses, proposals, rest, up_camera)
     update: dict[str, object] = {"body": body, "drafted": found}
-    update |= {} if doc.given_keypoints else {"keypoints": keypoints}
-    return with_drafts(doc.model_copy(update=update), drafts)
+    update |= {} if doc.view.given_keypoints else {"keypoints": keypoints}
+    return with_drafts(doc.changed(update), drafts)
 
 
 def has_drafts_for_other_up(doc: Session) -> bool:
     """Return whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
-    found = doc.drafted
-    if found is None or doc.up_camera is None or found.up_camera == doc.up_camera:
+    found = doc.subject.drafted
+    if found is None or doc.world.up_world is None or found.up_camera == doc.world.up_world:
         return False
     return _has_found_keypoints(doc) and bool(to_lift(doc))
 
 
 def to_lift(doc: Session) -> frozenset[int]:
     """Frames of drafts, and of keyframes made of them, that nobody has posed."""
-    return frozenset(posed.frame for posed in (*doc.drafts, *doc.keyframes) if posed.drafted)
+    return frozenset(
+        posed.frame for posed in (*doc.subject.drafts, *doc.subject.keyframes) if posed.drafted
+    )
 
 
 def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
     """Take over drafts found for another up, as one step: what nobody has posed."""
     doc = state.doc
-    assert doc.drafted is not None
+    assert doc.subject.drafted is not None
 
     def lifted(posed: Keyframe) -> Keyframe:
         pose = poses.get(posed.frame)
@@ -138,10 +143,10 @@ def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
         fresh = keyframe_of(state.skeleton, pose, posed.frame, state.times_s)
         return fresh.model_copy(update={"drafted": True, "soft": posed.soft})
 
-    found = doc.drafted.model_copy(update={"up_camera": doc.up_camera})
-    doc = with_keyframes(doc, [lifted(keyframe) for keyframe in doc.keyframes])
-    doc = with_drafts(doc, [lifted(draft) for draft in doc.drafts])
-    return state.with_step(doc.model_copy(update={"drafted": found}), LIFTED)
+    found = doc.subject.drafted.model_copy(update={"up_camera": doc.world.up_world})
+    doc = with_keyframes(doc, [lifted(keyframe) for keyframe in doc.subject.keyframes])
+    doc = with_drafts(doc, [lifted(draft) for draft in doc.subject.drafts])
+    return state.with_step(doc.changed({"drafted": found}), LIFTED)
 
 
 def frames_of(runs: Iterable[record.FrameRun]) -> list[int]:
@@ -166,17 +171,17 @@ def _record(
     """Return what was found in the frames taken over, and before in others: as long as there are
     drafts of these, what is up is as they had it."""
     first, last = frames
-    if doc.drafted is not None and any(frame not in taken for frame in to_lift(doc)):
-        up_camera = doc.drafted.up_camera
+    if doc.subject.drafted is not None and any(frame not in taken for frame in to_lift(doc)):
+        up_camera = doc.subject.drafted.up_camera
     missing = set(taken) - set(poses)
     places = [
         record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts)
         for p in proposals
         if p.frame in taken
     ]
-    if doc.drafted is not None:
-        missing |= {f for f in missing_frames(doc.drafted) if f not in taken}
-        places += [p for p in doc.drafted.places if p.frame not in taken]
+    if doc.subject.drafted is not None:
+        missing |= {f for f in missing_frames(doc.subject.drafted) if f not in taken}
+        places += [p for p in doc.subject.drafted.places if p.frame not in taken]
     return record.Drafted(
         first_frame=first,
         last_frame=last,
@@ -189,7 +194,7 @@ def _record(
 
 def _left_before(doc: Session, taken: Collection[int]) -> record.DraftRest | None:
     """Return what an earlier draft was cancelled before and this one has not taken over."""
-    rest = None if doc.drafted is None else doc.drafted.rest
+    rest = None if doc.subject.drafted is None else doc.subject.drafted.rest
     left = [] if rest is None else [frame for frame in frames_of(rest.frames) if frame not in taken]
     return rest.model_copy(update={"frames": tuple(frame_runs(left))}) if rest and left else None
 
@@ -207,14 +212,14 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
     anew gives nothing."""
     was, doc = before.settled, after.settled
     history = (*before.history.past, *before.history.future)
-    if was.keyframes is doc.keyframes or any(step.doc is doc for step in history):
+    if was.subject.keyframes is doc.subject.keyframes or any(step.doc is doc for step in history):
         return frozenset()
-    if doc.body is not was.body or not _can_learn(doc):
+    if doc.subject.body is not was.subject.body or not _can_learn(doc):
         return frozenset()
-    known = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.keyframes}
+    known = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.subject.keyframes}
     return frozenset(
         k.frame
-        for k in doc.keyframes
+        for k in doc.subject.keyframes
         if known.get(k.frame) != (k.root_m, k.rotations_wxyz)
         and not (k.drafted and k.frame in known)
     )
@@ -222,11 +227,11 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
 
 def _can_learn(doc: Session) -> bool:
     """Return whether there are drafts whose keypoints are known."""
-    return _has_found_keypoints(doc) and any(draft.drafted for draft in doc.drafts)
+    return _has_found_keypoints(doc) and any(draft.drafted for draft in doc.subject.drafts)
 
 
 def _has_found_keypoints(doc: Session) -> bool:
-    return doc.keypoints is not None and doc.given_keypoints is None
+    return doc.view.keypoints is not None and doc.view.given_keypoints is None
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:
@@ -234,9 +239,9 @@ def near_frames(doc: Session, around: Collection[int]) -> Session:
     first, last = min(around) - LEARN_FRAMES - 1, max(around) + LEARN_FRAMES + 1
     near = {
         name: tuple(pose for pose in poses if first <= pose.frame <= last)
-        for name, poses in (("drafts", doc.drafts), ("keyframes", doc.keyframes))
+        for name, poses in (("drafts", doc.subject.drafts), ("keyframes", doc.subject.keyframes))
     }
-    return doc.model_copy(update={**near, "part_keyframes": (), "results": None})
+    return doc.changed({**near, "part_keyframes": (), "results": None})
 
 
 def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -> EditorState:
@@ -247,19 +252,19 @@ def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -
     where a keyframe that gave it is gone.
     """
     doc, first, last = state.doc, min(poses, default=0), max(poses, default=-1)
-    learned_from = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
-    if doc.body is not used.body or not {id(k) for k in learned_from} <= {
-        id(k) for k in doc.keyframes
+    learned_from = [k for k in used.subject.keyframes if first - 1 <= k.frame <= last + 1]
+    if doc.subject.body is not used.subject.body or not {id(k) for k in learned_from} <= {
+        id(k) for k in doc.subject.keyframes
     }:
         return state
-    own = {id(draft) for draft in used.drafts}
+    own = {id(draft) for draft in used.subject.drafts}
     drafts = [
         keyframe_of(state.skeleton, poses[draft.frame], draft.frame, state.times_s).model_copy(
             update={"drafted": True}
         )
         if draft.frame in poses and draft.drafted and id(draft) in own
         else draft
-        for draft in doc.drafts
+        for draft in doc.subject.drafts
     ]
     after = with_drafts(doc, drafts)
     require_sound(doc, after, LABEL)

@@ -45,7 +45,7 @@ class Floor(Edit):
             return _with_floor(state, _height_of_pins(state))
         if self.under is None:
             return _with_floor(state, self.height_m)
-        foot = _here(state, self.under, default_landmarks(state.doc.body, self.under))
+        foot = _here(state, self.under, default_landmarks(state.doc.subject.body, self.under))
         return _with_floor(state, foot_height(state, foot, state.frame))
 
 
@@ -61,7 +61,7 @@ class UpFromFeet(Edit):
             raise ActionRefused("Pin two steps first, at least half a metre apart.")
         up = up_from_places(places, np.array(up_of(state.doc)))
         levelled = state.doc.with_up(up, from_feet=True)
-        if levelled.floor_m is None:
+        if levelled.world.floor_m is None:
             return levelled
         state = state.with_doc(levelled)
         return _with_floor(state, _height_of_pins(state))
@@ -81,10 +81,10 @@ class Horizon(Edit):
         doc = state.doc
         if math.dist(self.a, self.b) < SHORTEST_PX:
             raise ActionRefused("Draw a longer line along the horizon.")
-        up = up_from_horizon(doc.camera.without_distortion(), self.a, self.b, up_of(doc))
+        up = up_from_horizon(doc.view.camera.without_distortion(), self.a, self.b, up_of(doc))
         levelled = doc.with_up(up)
         state = state.with_doc(levelled)
-        if any(pin.landmarks for pin in doc.pins):
+        if any(pin.landmarks for pin in doc.subject.pins):
             return _with_floor(state, _height_of_pins(state))
         feet = _feet_here(state) if shown_pose(state).source != "rest" else ()
         if not feet:
@@ -104,7 +104,7 @@ def uneven_feet_m(state: EditorState) -> float | None:
     """Return by how much pinned feet differ in height while nobody has said what is up, metres;
     None where that is no more than where one stands on a slope.
     """
-    if state.doc.up_camera is not None or not state.doc.pins:
+    if state.doc.world.up_world is not None or not state.doc.subject.pins:
         return None
     places, apart = _places_of_feet(state)
     rise = float(np.ptp(places @ np.array(up_of(state.doc)))) if len(places) else 0.0
@@ -113,13 +113,13 @@ def uneven_feet_m(state: EditorState) -> float | None:
 
 def _places_of_feet(state: EditorState) -> tuple[Array, float]:
     """(feet, 3) where the pinned ones stand, camera frame, and how far apart they are, metres."""
-    places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
+    places = np.array([_middle(state, pin) for pin in state.doc.subject.pins if pin.landmarks])
     return places, float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0
 
 
 def _feet_here(state: EditorState) -> list[Pin]:
     """The soles of the body at the present frame, as if they were pinned there."""
-    soles = [(part.name, sole_of(part)) for part in state.doc.body.parts]
+    soles = [(part.name, sole_of(part)) for part in state.doc.subject.body.parts]
     return [_here(state, name, sole) for name, sole in soles if sole]
 
 
@@ -135,8 +135,8 @@ def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
 
 def _height_of_pins(state: EditorState) -> float:
     """The median height of what is pinned to the floor, or else of all pinned feet."""
-    feet = [pin for pin in state.doc.pins if pin.landmarks]
-    pins = [pin for pin in state.doc.pins if pin.floor] or feet
+    feet = [pin for pin in state.doc.subject.pins if pin.landmarks]
+    pins = [pin for pin in state.doc.subject.pins if pin.floor] or feet
     if not pins:
         raise ActionRefused("No foot is pinned yet. Pin one that stands on the floor first.")
     return float(np.median([foot_height(state, pin, _middle_frame(pin)) for pin in pins]))
@@ -154,11 +154,11 @@ def _middle_frame(pin: Pin) -> int:
 def _points_at(state: EditorState, pin: Pin, frame: int) -> Array:
     """(points, 3) camera frame, metres."""
     T = part_at(state, pin.part, frame)
-    return np.asarray(np.array(pin.points(state.doc.body)) @ T[:3, :3].T + T[:3, 3])
+    return np.asarray(np.array(pin.points(state.doc.subject.body)) @ T[:3, :3].T + T[:3, 3])
 
 
 def _with_floor(state: EditorState, height_m: float | None) -> Session:
     if height_m is not None and abs(height_m) < LEAST_M:
         raise ActionRefused("The floor would go through the camera. Set it lower.")
     rounded = None if height_m is None else round(height_m, 4)
-    return state.doc.model_copy(update={"floor_m": rounded})
+    return state.doc.changed({"floor_m": rounded})

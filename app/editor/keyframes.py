@@ -58,8 +58,8 @@ def with_key_added(state: EditorState, frame: int) -> Session:
     draft = draft_at(state, frame)
     found = {"drafted": draft is not None and draft.drafted}
     keyframe = softened(keyframe, _softness(draft, state, stands.source)).model_copy(update=found)
-    doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
-    return with_drafts(doc, without(doc.drafts, frame))
+    doc = with_keyframes(state.doc, (*without(state.doc.subject.keyframes, frame), keyframe))
+    return with_drafts(doc, without(doc.subject.drafts, frame))
 
 
 def _softness(draft: Keyframe | None, state: EditorState, source: Source) -> Softness:
@@ -96,7 +96,7 @@ class MoveKey(Edit):
         doc = _keyed(state, _without(state.doc, keyframe), keyframe, to)
         if isinstance(keyframe, PartKeyframe):
             return doc
-        return doc.model_copy(update=doc.evidence.with_key_moved(self.frame, to))
+        return doc.changed(doc.evidence.with_key_moved(self.frame, to))
 
 
 class DuplicateKey(Edit):
@@ -118,9 +118,9 @@ class DeleteDraft(Edit):
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        if find(state.doc.drafts, self.frame) is None:
+        if find(state.doc.subject.drafts, self.frame) is None:
             raise ActionRefused(f"Frame {self.frame} has no draft.")
-        return with_drafts(state.doc, without(state.doc.drafts, self.frame))
+        return with_drafts(state.doc, without(state.doc.subject.drafts, self.frame))
 
 
 class DeleteKeys(Edit):
@@ -129,7 +129,9 @@ class DeleteKeys(Edit):
 
     def apply(self, state: EditorState) -> Session:
         gone = _require_all(state, self.frames)
-        return with_keyframes(state.doc, [k for k in state.doc.keyframes if k.frame not in gone])
+        return with_keyframes(
+            state.doc, [k for k in state.doc.subject.keyframes if k.frame not in gone]
+        )
 
     def label(self, state: EditorState) -> str:
         return f"delete {_count(self.frames)}"
@@ -157,15 +159,15 @@ class RetimeKeys(Edit):
         if self.frames == self.to:
             return state.doc
         taken = _require_all(state, self.frames)
-        stay = [k for k in state.doc.keyframes if self.copy_them or k.frame not in taken]
-        require_free((*stay, *state.doc.part_keyframes), self.to)
+        stay = [k for k in state.doc.subject.keyframes if self.copy_them or k.frame not in taken]
+        require_free((*stay, *state.doc.subject.part_keyframes), self.to)
         placed = [_at_frame(state, taken[a], b) for a, b in zip(self.frames, self.to, strict=True)]
         doc = with_keyframes_placed(state.doc, stay, placed)
         if self.copy_them:
             return doc
         moved = zip(self.frames, self.to, strict=True)
         fields = [doc.evidence.with_key_moved(frame, to) for frame, to in moved]
-        return doc.model_copy(update={name: value for one in fields for name, value in one.items()})
+        return doc.changed({name: value for one in fields for name, value in one.items()})
 
     def label(self, state: EditorState) -> str:
         is_shift = len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
@@ -187,7 +189,7 @@ class KeyAngle(Edit):
         soft = require_keyframe(state, self.frame).soft
         pose = shown_pose(state, self.frame).pose
         wanted = {self.axis: self.deg}
-        shown_deg = angle_curve(state, state.doc.body.index(self.part))[self.frame]
+        shown_deg = angle_curve(state, state.doc.subject.body.index(self.part))[self.frame]
         pose = with_angles(
             state.skeleton, pose, self.part,
             wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
@@ -244,7 +246,7 @@ def _count(frames: Collection[int]) -> str:
 
 def _require_all(state: EditorState, frames: Iterable[int]) -> dict[int, Keyframe]:
     """The keyframes at these frames, by frame; refused where there is none at one of them."""
-    known = {keyframe.frame: keyframe for keyframe in state.doc.keyframes}
+    known = {keyframe.frame: keyframe for keyframe in state.doc.subject.keyframes}
     return {frame: known.get(frame) or require_keyframe(state, frame) for frame in frames}
 
 
@@ -256,7 +258,7 @@ def _with_softness(state: EditorState, frames: set[int], soft: bool) -> Session:
         drafted = keyframe.drafted and soft
         return softened(keyframe, soft).model_copy(update={"drafted": drafted})
 
-    keyframes = [changed(k) if k.frame in frames else k for k in state.doc.keyframes]
+    keyframes = [changed(k) if k.frame in frames else k for k in state.doc.subject.keyframes]
     return with_keyframes(state.doc, keyframes)
 
 
@@ -268,7 +270,7 @@ def with_keyframes_placed(
     """
     frames = {keyframe.frame for keyframe in placed}
     doc = with_keyframes(doc, (*stay, *placed))
-    return with_drafts(doc, (draft for draft in doc.drafts if draft.frame not in frames))
+    return with_drafts(doc, (draft for draft in doc.subject.drafts if draft.frame not in frames))
 
 
 def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
@@ -299,21 +301,21 @@ def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
 def _keyed(state: EditorState, doc: Session, keyframe: Keyframe, frame: int) -> Session:
     """Set one more keyframe at a frame, in the place of what may be drafted there. Refused where
     there is one already."""
-    require_free((*state.doc.keyframes, *state.doc.part_keyframes), [frame])
+    require_free((*state.doc.subject.keyframes, *state.doc.subject.part_keyframes), [frame])
     placed = _at_frame(state, keyframe, frame)
     if not isinstance(placed, PartKeyframe):
-        return with_keyframes_placed(doc, doc.keyframes, [placed])
+        return with_keyframes_placed(doc, doc.subject.keyframes, [placed])
     require_correctable(state, frame)
-    doc = with_part_keyframes(doc, (*doc.part_keyframes, placed))
-    return with_drafts(doc, without(doc.drafts, frame))
+    doc = with_part_keyframes(doc, (*doc.subject.part_keyframes, placed))
+    return with_drafts(doc, without(doc.subject.drafts, frame))
 
 
 def _without(doc: Session, keyframe: Keyframe) -> Session:
     if isinstance(keyframe, PartKeyframe):
-        return with_part_keyframes(doc, without(doc.part_keyframes, keyframe.frame))
-    return with_keyframes(doc, without(doc.keyframes, keyframe.frame))
+        return with_part_keyframes(doc, without(doc.subject.part_keyframes, keyframe.frame))
+    return with_keyframes(doc, without(doc.subject.keyframes, keyframe.frame))
 
 
 def _require(state: EditorState, frame: int) -> Keyframe:
     """The keyframe of a frame, or its part keyframe."""
-    return find(state.doc.part_keyframes, frame) or require_keyframe(state, frame)
+    return find(state.doc.subject.part_keyframes, frame) or require_keyframe(state, frame)

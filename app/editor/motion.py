@@ -40,7 +40,11 @@ class KnownMotion:
 def settled_skeleton(edit: EditorState) -> Skeleton:
     """The layout of the body without the gesture under way."""
     doc = edit.settled
-    return edit.skeleton if doc.body is edit.doc.body else Skeleton.of(doc.body)
+    return (
+        edit.skeleton
+        if doc.subject.body is edit.doc.subject.body
+        else Skeleton.of(doc.subject.body)
+    )
 
 
 def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) -> KnownMotion:
@@ -51,7 +55,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     ends. Where somebody posed the body, it stands as posed.
     """
     doc, skeleton = edit.settled, settled_skeleton(edit)
-    keys = [k.frame for k in doc.keyframes if first <= k.frame <= last]
+    keys = [k.frame for k in doc.subject.keyframes if first <= k.frame <= last]
     frames = np.union1d(np.arange(first, last + 1, stride), np.array(keys, dtype=np.int64))
     motions = list(_motions(edit, first, last))
     Rs, ps = (np.concatenate(arrays)[frames - first] for arrays in zip(*motions, strict=True))
@@ -66,8 +70,8 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
 
 def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
     """The keyframes and drafts that the motion meets."""
-    yield from (keyframe for keyframe in doc.keyframes if is_met(edit, keyframe))
-    yield from (draft for draft in doc.drafts if counts(edit, draft))
+    yield from (keyframe for keyframe in doc.subject.keyframes if is_met(edit, keyframe))
+    yield from (draft for draft in doc.subject.drafts if counts(edit, draft))
 
 
 def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
@@ -81,7 +85,7 @@ def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
         inside = motion_between(edit, first, last, 1 + (last - first) // most)
     outside = {
         posed.frame: posed
-        for posed in (*doc.keyframes, *doc.drafts)
+        for posed in (*doc.subject.keyframes, *doc.subject.drafts)
         if not ends or not first <= posed.frame <= last
     }
     frames = sorted(outside)[:: 1 + len(outside) // most]
@@ -124,7 +128,7 @@ def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
     if found is not None:
         return found
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
-    known = (find(edit.settled.keyframes, frame) for frame in (start, end))
+    known = (find(edit.settled.subject.keyframes, frame) for frame in (start, end))
     pose = next(keyframe.pose(skeleton) for keyframe in known if keyframe is not None)
     return interpolate(pose, pose, start, end)
 
@@ -157,10 +161,10 @@ def end_trail(edit: EditorState) -> EndTrail | None:
     skeleton = settled_skeleton(edit)
     first, last = _reach(edit.frame, ends)
     motion = motion_between(edit, first, last)
-    part = edit.selected or doc.body.parts[0].name
-    index = joint_names(skeleton).index(_far_end(doc.body, part))
+    part = edit.selected or doc.subject.body.parts[0].name
+    index = joint_names(skeleton).index(_far_end(doc.subject.body, part))
     joints = joint_positions(skeleton, motion.Ts_camera_part)
-    keys = tuple(k.frame for k in doc.keyframes if first <= k.frame <= last)
+    keys = tuple(k.frame for k in doc.subject.keyframes if first <= k.frame <= last)
     return EndTrail(part, tuple(range(first, last + 1)), joints[:, index], keys)
 
 
@@ -203,7 +207,7 @@ def feet_paths(edit: EditorState) -> FeetPaths:
     """Trace the feet over all that is known of the motion; the floor as it was set, or guessed from
     the motion.
     """
-    floor_m = edit.settled.floor_m
+    floor_m = edit.settled.world.floor_m
     skeleton, up = settled_skeleton(edit), up_of(edit.settled)
     motion = known_motion(edit, MOST_MOMENTS)
     if motion is None:
@@ -255,10 +259,10 @@ _AT_REST = (1.0, 0.0, 0.0, 0.0)
 def angle_curve(edit: EditorState, index: int) -> Array:
     """(F, 3) degrees of a part by frame, without jumps; NaN where nothing is known."""
     Rs = part_rotations(edit, index)
-    keys = [keyframe.frame for keyframe in edit.doc.keyframes]
+    keys = [keyframe.frame for keyframe in edit.doc.subject.keyframes]
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
-    part = edit.doc.body.parts[index]
+    part = edit.doc.subject.body.parts[index]
     up = up_of(edit.doc)
     angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys), up)
     return angles
@@ -267,7 +271,7 @@ def angle_curve(edit: EditorState, index: int) -> Array:
 def part_rotations(edit: EditorState, index: int) -> Array:
     """(F, 3, 3) of a part in its parent's frame, tracked or posed; NaN where nothing is known."""
     Rs = rotations(edit.fitting, edit.frame_count, index)
-    name = edit.doc.body.names[index]
+    name = edit.doc.subject.body.names[index]
     if poses := tuple(_met_poses(edit, edit.doc)):
         wxyz = [posed.rotations_wxyz.get(name, _AT_REST) for posed in poses]
         Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
@@ -277,4 +281,4 @@ def part_rotations(edit: EditorState, index: int) -> Array:
 def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     """Every part's [x, y, z] in degrees."""
     values = angles_deg(state.skeleton, pose, up_of(state.doc)).round(3).tolist()
-    return dict(zip(state.doc.body.names, values, strict=True))
+    return dict(zip(state.doc.subject.body.names, values, strict=True))

@@ -41,11 +41,11 @@ class _OfKeypoint(Edit):
 
     def _with(self, state: EditorState, correction: KeypointCorrection | None) -> Session:
         _require_counting(state.doc, self.joint)
-        place, known = (self.frame, self.joint), state.doc.keypoint_corrections
+        place, known = (self.frame, self.joint), state.doc.view.keypoint_corrections
         every = [each for each in known if _frame_and_joint(each) != place]
         every += [] if correction is None else [correction]
         corrections = tuple(sorted(every, key=_frame_and_joint))
-        return state.doc.model_copy(update={"keypoint_corrections": corrections})
+        return state.doc.changed({"keypoint_corrections": corrections})
 
 
 class CorrectKeypoint(_OfKeypoint):
@@ -56,7 +56,7 @@ class CorrectKeypoint(_OfKeypoint):
     at: Spot
 
     def apply(self, state: EditorState) -> Session:
-        uv = _in_video(state.doc.camera, self.at)
+        uv = _in_video(state.doc.view.camera, self.at)
         return self._with(state, KeypointCorrection(frame=self.frame, joint=self.joint, uv=uv))
 
 
@@ -169,7 +169,7 @@ class Rename(Edit):
         title = " ".join(self.title.split())
         if not title.isprintable():
             raise ActionRefused("A name has letters, digits and signs only.")
-        return state.doc.model_copy(update={"title": title})
+        return state.doc.changed({"title": title})
 
 
 MESSAGES = (
@@ -184,9 +184,9 @@ def _frame_and_joint(each: KeypointCorrection) -> tuple[int, str]:
 
 def _require_counting(doc: Session, joint: str) -> None:
     """Refused where tracking has no use for such a keypoint."""
-    if doc.surface is not None:
+    if doc.view.surface is not None:
         raise ActionRefused("Keypoints are found in a video, not in surfaces.")
-    if not len(points_on_body(doc.body, [joint]).indices):
+    if not len(points_on_body(doc.subject.body, [joint]).indices):
         raise ActionRefused(f"This body has no keypoint {part_label(joint).lower()}.")
 
 
@@ -205,7 +205,7 @@ def _with_note(state: EditorState, instead_of: int, note: Note | None) -> Sessio
     """Put this note instead of the one at a frame, sorted by frame."""
     others = [other for other in state.doc.notes if other.frame != instead_of]
     notes = [*others, *([] if note is None else [note])]
-    return state.doc.model_copy(update={"notes": tuple(sorted(notes, key=lambda n: n.frame))})
+    return state.doc.changed({"notes": tuple(sorted(notes, key=lambda n: n.frame))})
 
 
 def _at(state: EditorState, frame: int) -> Note | None:
@@ -222,7 +222,7 @@ def _require(state: EditorState, frame: int) -> Note:
 def _answered(doc: Session, place: Place, answer: Answer) -> Session:
     """Put an answer in place of older ones about the same part and frames."""
     x, y, z = (float(value) for value in place.end_m)
-    part = place.part or doc.body.names[0]
+    part = place.part or doc.subject.body.names[0]
     first, last = min(place.frames[0], place.frame), max(place.frames[1], place.frame)
     given = Reviewed(
         part=part, frame=place.frame, first_frame=first, last_frame=last, answer=answer,
@@ -230,7 +230,7 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
     )  # fmt: skip
     others = [
         old
-        for old in doc.reviewed
+        for old in doc.subject.reviewed
         if old.part != part or old.last_frame < first or old.first_frame > last
     ]
-    return doc.model_copy(update={"reviewed": (*others, given)})
+    return doc.changed({"reviewed": (*others, given)})

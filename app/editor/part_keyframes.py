@@ -53,7 +53,7 @@ class KeyParts(Edit):
             if state.selected is None:
                 raise ActionRefused("Select a limb, or move one, to key it alone.")
             parts = (state.selected,)
-        limbs = limbs_of(state.doc.body, parts)
+        limbs = limbs_of(state.doc.subject.body, parts)
         return _with_parts(state, frame, shown_pose(state, frame).pose, limbs)
 
 
@@ -66,12 +66,12 @@ class UnkeyParts(Edit):
     parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
 
     def apply(self, state: EditorState) -> Session:
-        known = find(state.doc.part_keyframes, self.frame)
+        known = find(state.doc.subject.part_keyframes, self.frame)
         if known is None:
             raise ActionRefused(f"Frame {self.frame} is not a part keyframe.")
-        gone = set(limbs_of(state.doc.body, self.parts))
+        gone = set(limbs_of(state.doc.subject.body, self.parts))
         left = tuple(part for part in known.parts if part not in gone)
-        rest = without(state.doc.part_keyframes, self.frame)
+        rest = without(state.doc.subject.part_keyframes, self.frame)
         if left:
             rest = (*rest, known.model_copy(update={"parts": left}))
         return with_part_keyframes(state.doc, rest)
@@ -90,7 +90,7 @@ def with_limbs_posed(state: EditorState, pose: Pose) -> Session | None:
     moved = moved_parts(state.skeleton, before, pose)
     if moved is None:
         return None
-    return _with_parts(state, state.frame, pose, limbs_of(state.doc.body, moved))
+    return _with_parts(state, state.frame, pose, limbs_of(state.doc.subject.body, moved))
 
 
 def moved_parts(skeleton: Skeleton, before: Pose, after: Pose) -> tuple[str, ...] | None:
@@ -143,7 +143,7 @@ def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
         return ()
     drafted = shown_pose(state, frame).pose
     moved = moved_parts(state.skeleton, pose_behind(state, frame).pose, drafted)
-    if moved is None and state.selected in (None, state.doc.body.names[0]):
+    if moved is None and state.selected in (None, state.doc.subject.body.names[0]):
         raise ActionRefused(WHOLE_BODY)
     return moved or ()
 
@@ -151,22 +151,22 @@ def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
 def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]) -> Session:
     """These parts keyed as the pose has them, beside those that were."""
     require_before_camera(state.skeleton, pose)
-    known = find(state.doc.part_keyframes, frame)
+    known = find(state.doc.subject.part_keyframes, frame)
     keyed = {*parts, *(known.parts if known is not None else ())}
     whole = Keyframe.of(state.skeleton, pose, frame, float(state.times_s[frame]))
     made = PartKeyframe(
-        **whole.model_dump(), parts=tuple(n for n in state.doc.body.names if n in keyed)
+        **whole.model_dump(), parts=tuple(n for n in state.doc.subject.body.names if n in keyed)
     )
-    rest = without(state.doc.part_keyframes, frame)
+    rest = without(state.doc.subject.part_keyframes, frame)
     doc = with_part_keyframes(state.doc, (*rest, made))
-    return with_drafts(doc, without(doc.drafts, frame))
+    return with_drafts(doc, without(doc.subject.drafts, frame))
 
 
 def require_correctable(state: EditorState, frame: int) -> None:
     """Refused where there is no motion that a part keyframe could correct."""
-    if state.doc.surface is not None:
+    if state.doc.view.surface is not None:
         raise ActionRefused("A body is fitted to surfaces as a whole. Press K to key all of it.")
-    if find(state.doc.keyframes, frame) is not None:
+    if find(state.doc.subject.keyframes, frame) is not None:
         raise ActionRefused(f"Frame {frame} is already a keyframe of the whole body.")
     if not any(first < frame < last for first, last in state.doc.spans):
         raise ActionRefused("A part keyframe corrects tracking: it goes between two keyframes.")

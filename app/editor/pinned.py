@@ -25,10 +25,10 @@ def corner_near(
     state: EditorState, part: str, frame: int, uv: tuple[float, float]
 ) -> tuple[float, float, float]:
     """The vertex of a part, in its frame, that is seen nearest to a pixel; the nearer of two."""
-    body, T = state.doc.body, part_at(state, part, frame)
+    body, T = state.doc.subject.body, part_at(state, part, frame)
     vertices = np.asarray(body.parts[body.index(part)].shape.mesh().vertices)
     p = vertices @ T[:3, :3].T + T[:3, 3]
-    off = np.linalg.norm(state.doc.camera.project(p) - uv, axis=1) + p[:, 2]
+    off = np.linalg.norm(state.doc.view.camera.project(p) - uv, axis=1) + p[:, 2]
     x, y, z = vertices[int(np.nanargmin(off))].tolist()
     return x, y, z
 
@@ -41,13 +41,13 @@ def shares_points(one: Pin, other: Pin) -> bool:
 
 def pins_at(session: Session, frame: int) -> tuple[Pin, ...]:
     """The pins that hold something at a frame."""
-    return tuple(pin for pin in session.pins if pin.first_frame <= frame <= pin.last_frame)
+    return tuple(pin for pin in session.subject.pins if pin.first_frame <= frame <= pin.last_frame)
 
 
 def pinned_ends(session: Session, frame: int) -> frozenset[str]:
     """Names of the handles, hands and feet, that are pinned at a frame."""
     parts = {pin.part for pin in pins_at(session, frame)}
-    known = handles(session.body) if parts else ()
+    known = handles(session.subject.body) if parts else ()
     return frozenset(
         handle.name for handle in known if handle.kind == "end" and handle.part in parts
     )
@@ -55,7 +55,7 @@ def pinned_ends(session: Session, frame: int) -> frozenset[str]:
 
 def open_proposals(state: EditorState) -> tuple[Pin, ...]:
     """Return what is proposed and neither pinned in some way nor dismissed."""
-    answered = (*state.doc.pins, *state.dismissed_pins)
+    answered = (*state.doc.subject.pins, *state.dismissed_pins)
     return tuple(
         pin for pin in state.proposals if not any(pin.overlaps(known) for known in answered)
     )
@@ -109,8 +109,8 @@ def still_range(
 
 def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Array:
     """(stop − start, points, 3) camera frame, metres; NaN where nothing is tracked."""
-    held = np.array(pin.points(state.doc.body))
-    part = state.doc.body.index(pin.part)
+    held = np.array(pin.points(state.doc.subject.body))
+    part = state.doc.subject.body.index(pin.part)
     points = np.full((stop - start, len(held), 3), np.nan)
     for (first, last), found in state.fitting.items():
         begin, end = max(first, start), min(last + 1, stop)

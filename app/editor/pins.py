@@ -56,7 +56,7 @@ class SetPin(Edit):
         frame = min(self.frame, state.frame_count - 1)
         here = self._here(state, frame)
         _require_held(state, here)
-        taken = next((pin for pin in state.doc.pins if pin.overlaps(here)), None)
+        taken = next((pin for pin in state.doc.subject.pins if pin.overlaps(here)), None)
         if taken is not None:
             raise ActionRefused(f"{part_label(self.part)} is already pinned in {_frames(taken)}.")
         first, last = range_to_pin(state, here, frame)
@@ -66,16 +66,16 @@ class SetPin(Edit):
                 "last_frame": last if self.last is None else max(self.last, frame),
             }
         )
-        pins = (*state.doc.pins, _beside_neighbours(state, pin, frame))
+        pins = (*state.doc.subject.pins, _beside_neighbours(state, pin, frame))
         return _with_pins(state, pins, _floor_under(state, pin, frame) if self.floor else {})
 
     def _here(self, state: EditorState, frame: int) -> Pin:
         """The pin at this frame alone."""
         point_m, landmarks = self.point_m, self.landmarks
-        if self.corner is not None and self.part in state.doc.body.names:
+        if self.corner is not None and self.part in state.doc.subject.body.names:
             point_m = corner_near(state, self.part, frame, self.corner)
         if landmarks is None and point_m is None:
-            landmarks = default_landmarks(state.doc.body, self.part)
+            landmarks = default_landmarks(state.doc.subject.body, self.part)
         at = {"first_frame": frame, "last_frame": frame, "floor": self.floor}
         held = {"part": self.part, "landmarks": landmarks or (), "point_m": point_m}
         return valid(Pin, {**held, **at})
@@ -98,7 +98,7 @@ class ChangePin(Edit):
         if self.landmarks is not None:
             pin = pin.model_copy(update={"landmarks": self.landmarks, "point_m": None})
             _require_held(state, pin)
-            others = _without(state.doc.pins, self.index)
+            others = _without(state.doc.subject.pins, self.index)
             taken = next((other for other in others if other.overlaps(pin)), None)
             if taken is not None:
                 raise ActionRefused(
@@ -108,7 +108,7 @@ class ChangePin(Edit):
         if self.floor is not None:
             pin = pin.model_copy(update={"floor": self.floor})
             floor = _floor_under(state, pin, pin.first_frame) if self.floor else {}
-        pins = list(state.doc.pins)
+        pins = list(state.doc.subject.pins)
         pins[self.index] = pin
         return _with_pins(state, pins, floor)
 
@@ -136,7 +136,7 @@ class DeletePin(Edit):
 
     def apply(self, state: EditorState) -> Session:
         _require(state, self.index)
-        return _with_pins(state, _without(state.doc.pins, self.index))
+        return _with_pins(state, _without(state.doc.subject.pins, self.index))
 
 
 class SplitPin(Edit):
@@ -153,7 +153,9 @@ class SplitPin(Edit):
             raise ActionRefused(f"Frame {self.frame} does not split this pin, {_frames(pin)}.")
         before = pin.model_copy(update={"last_frame": self.frame - 1})
         after = pin.model_copy(update={"first_frame": self.frame})
-        return _with_pins(state, (*state.doc.pins[:at], before, after, *state.doc.pins[at + 1 :]))
+        return _with_pins(
+            state, (*state.doc.subject.pins[:at], before, after, *state.doc.subject.pins[at + 1 :])
+        )
 
 
 class _Proposals(Message):
@@ -178,7 +180,7 @@ class AcceptPins(Edit, _Proposals):
         accepted = self._named(state)
         if not accepted:
             raise ActionRefused("No pin is proposed here any more.")
-        return _with_pins(state, (*state.doc.pins, *accepted))
+        return _with_pins(state, (*state.doc.subject.pins, *accepted))
 
 
 class DismissPins(Look, _Proposals):
@@ -195,7 +197,7 @@ MESSAGES = (SetPin, ChangePin, DeletePin, SplitPin, AcceptPins, DismissPins)
 
 def _room(state: EditorState, pin: Pin, index: int) -> tuple[int, int]:
     """First and last frame that a pin may reach between its neighbours."""
-    others = [p for p in _without(state.doc.pins, index) if shares_points(p, pin)]
+    others = [p for p in _without(state.doc.subject.pins, index) if shares_points(p, pin)]
     before = [p.last_frame + 1 for p in others if p.last_frame < pin.first_frame]
     after = [p.first_frame - 1 for p in others if p.first_frame > pin.last_frame]
     return max(before, default=0), min(after, default=state.frame_count - 1)
@@ -204,7 +206,7 @@ def _room(state: EditorState, pin: Pin, index: int) -> tuple[int, int]:
 def _beside_neighbours(state: EditorState, pin: Pin, frame: int) -> Pin:
     """Cut where the next pins of the same points are, and widened to the least length."""
     here = pin.model_copy(update={"first_frame": frame, "last_frame": frame})
-    least, most = _room(state, here, len(state.doc.pins))
+    least, most = _room(state, here, len(state.doc.subject.pins))
     first, last = max(pin.first_frame, least), min(pin.last_frame, most)
     missing = LEAST_FRAMES - (last - first + 1)
     if missing > 0:
@@ -215,14 +217,14 @@ def _beside_neighbours(state: EditorState, pin: Pin, frame: int) -> Pin:
 
 
 def _require(state: EditorState, index: int) -> Pin:
-    if index >= len(state.doc.pins):
+    if index >= len(state.doc.subject.pins):
         raise ActionRefused("This pin no longer exists.")
-    return state.doc.pins[index]
+    return state.doc.subject.pins[index]
 
 
 def _require_held(state: EditorState, pin: Pin) -> None:
     """Refused where the body lacks what is to be held."""
-    body = state.doc.body
+    body = state.doc.subject.body
     if pin.part not in body.names:
         raise ActionRefused(f"The body has no part {pin.part!r} to pin.")
     known = body.parts[body.index(pin.part)].landmarks
@@ -233,7 +235,7 @@ def _require_held(state: EditorState, pin: Pin) -> None:
 
 def _floor_under(state: EditorState, pin: Pin, frame: int) -> dict[str, float]:
     """The floor at this pin's height, where nobody has said yet where it is."""
-    if state.doc.floor_m is not None:
+    if state.doc.world.floor_m is not None:
         return {}
     return {"floor_m": foot_height(state, pin, frame)}
 
@@ -241,7 +243,7 @@ def _floor_under(state: EditorState, pin: Pin, frame: int) -> dict[str, float]:
 def _with_pins(
     state: EditorState, pins: Iterable[Pin], floor: Mapping[str, float] | None = None
 ) -> Session:
-    return state.doc.model_copy(update={"pins": tuple(pins), **(floor or {})})
+    return state.doc.changed({"pins": tuple(pins), **(floor or {})})
 
 
 def _without(pins: Sequence[Pin], index: int) -> tuple[Pin, ...]:

@@ -68,7 +68,11 @@ def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
         return readout.corners
     pose = shown_pose(state).pose if state.posed_by_corners else None
     for one in reversed(state.posed_by_corners):
-        if one.frame == state.frame and one.camera == state.doc.camera and _is_same(one.pose, pose):
+        if (
+            one.frame == state.frame
+            and one.camera == state.doc.view.camera
+            and _is_same(one.pose, pose)
+        ):
             return one.corners
     return ()
 
@@ -77,7 +81,7 @@ def with_corners(state: EditorState, corners: tuple[PlacedCorner, ...]) -> Edito
     """The same with the present pose known as the one that these corners led to."""
     if not corners:
         return state
-    new = PosedByCorners(state.frame, shown_pose(state).pose, state.doc.camera, corners)
+    new = PosedByCorners(state.frame, shown_pose(state).pose, state.doc.view.camera, corners)
     return replace(state, posed_by_corners=(*state.posed_by_corners, new)[-REMEMBERED:])
 
 
@@ -113,7 +117,7 @@ class Drag(Edit, Gesture):
         last = state.stroke.readout if state.stroke else None
         pose = shown_pose(before, state.frame).pose
         return drag(
-            before.doc.body,
+            before.doc.subject.body,
             pose,
             self,
             pointer_views(before.doc, self.eye),
@@ -146,16 +150,16 @@ def _held(before: EditorState, frame: int, pose: Pose) -> Held:
 
 def _is_posed_elsewhere(state: EditorState) -> bool:
     """Return whether a pose at another frame was found with the sizes as they are."""
-    posed = (*state.doc.keyframes, *state.doc.drafts)
+    posed = (*state.doc.subject.keyframes, *state.doc.subject.drafts)
     return any(one.frame != state.frame for one in posed)
 
 
 def _placed(doc: Session, pose: Pose) -> frozenset[str]:
     """The ends that somebody has put where they are: before the first keyframe, those of limbs
     that were posed; a body that is just being placed moves whole."""
-    if doc.keyframes:
-        return frozenset(handle.name for handle in ends_to_hold(doc.body))
-    return placed_ends(doc.body, pose)
+    if doc.subject.keyframes:
+        return frozenset(handle.name for handle in ends_to_hold(doc.subject.body))
+    return placed_ends(doc.subject.body, pose)
 
 
 class Angles(Edit):
@@ -170,7 +174,7 @@ class Angles(Edit):
     z: Degrees | None = None
 
     def apply(self, state: EditorState) -> Session:
-        state.doc.body.index(self.part)
+        state.doc.subject.body.index(self.part)
         pose = with_angles(
             state.skeleton, shown_pose(state).pose, self.part, self.x, self.y, self.z,
             limits_on=state.display.limits and not self.free, up_camera=up_of(state.doc),
@@ -191,7 +195,7 @@ class Root(Edit):
             old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
         ]
         moved = Pose(pose.Rs_parent_part, np.array(place))
-        pose = _with_pinned(state, moved, state.doc.body.names[0])
+        pose = _with_pinned(state, moved, state.doc.subject.body.names[0])
         return with_pose(state, pose, in_picture=self.z is None)
 
 
@@ -241,9 +245,9 @@ class Exchange(Edit):
     verb = "swap left and right"
 
     def apply(self, state: EditorState) -> Session:
-        if not state.doc.body.mirror_pairs:
+        if not state.doc.subject.body.mirror_pairs:
             raise ActionRefused("This body has no left and right.")
-        swapped = swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
+        swapped = swap_left_right(state.skeleton, state.doc.view.camera, shown_pose(state).pose)
         return with_pose(state, swapped)
 
 
@@ -264,11 +268,11 @@ class TurnInDepth(Edit):
 
     def apply(self, state: EditorState) -> Session:
         skeleton, pose = state.skeleton, shown_pose(state).pose
-        top = 0 if self.part is None else state.doc.body.index(self.part)
+        top = 0 if self.part is None else state.doc.subject.body.index(self.part)
         name = "The body" if top == 0 else part_label(skeleton.body.names[top])
         if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
             raise ActionRefused(f"{name} lies across the view: it looks the same either way.")
-        camera = state.doc.camera
+        camera = state.doc.view.camera
         turned = turned_in_depth(skeleton, camera, pose, top)
         leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
         if leaves or not turns_round(skeleton, pose, turned, top):
@@ -285,8 +289,8 @@ class Untwist(Edit):
     part: Name
 
     def apply(self, state: EditorState) -> Session:
-        pose, part = shown_pose(state).pose, state.doc.body.index(self.part)
-        if not is_twisted(state.doc.body.parts[part], pose.Rs_parent_part[part]):
+        pose, part = shown_pose(state).pose, state.doc.subject.body.index(self.part)
+        if not is_twisted(state.doc.subject.body.parts[part], pose.Rs_parent_part[part]):
             raise ActionRefused(f"{part_label(self.part)} is not turned too far about its length.")
         return with_pose(state, untwisted_limb(state.skeleton, pose, part))
 
@@ -330,7 +334,7 @@ def with_pose(
     """
     if partial:
         return _of_limbs(state, pose)
-    is_part = find(state.doc.part_keyframes, state.frame) is not None
+    is_part = find(state.doc.subject.part_keyframes, state.frame) is not None
     if is_part and draft_at(state, state.frame) is None:
         doc = with_limbs_posed(state, pose)
         if doc is not None:
@@ -343,7 +347,7 @@ def _softness(state: EditorState, frame: int, in_picture: bool) -> Softness:
     """Return how soft a pose is that is set at a frame: one found in the film, or softened, and put
     right in the picture alone stays soft in depth.
     """
-    keyframe, draft = find(state.doc.keyframes, frame), draft_at(state, frame)
+    keyframe, draft = find(state.doc.subject.keyframes, frame), draft_at(state, frame)
     known = draft or keyframe
     if known is None:
         was = bool(state.tracked(frame) and state.doc.settings.smooth)
@@ -366,7 +370,9 @@ def pose_to_fit(state: EditorState) -> Pose:
 
     A surface can also be fitted from the pose in which the session opens.
     """
-    if state.doc.evidence.is_posed_first and not (state.doc.keyframes or state.doc.drafts):
+    if state.doc.evidence.is_posed_first and not (
+        state.doc.subject.keyframes or state.doc.subject.drafts
+    ):
         raise ActionRefused("Pose the body roughly first.")
     return shown_pose(state).pose
 

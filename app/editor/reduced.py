@@ -29,9 +29,10 @@ from keypose.tracker.body.trajectory import Trajectory, displaced
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.reduction.result import require_range
+from keypose.tracker.session.counts import MOST
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.references import FirstMotion
-from keypose.tracker.session.schema import MOST, Session
+from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting
 
 Source: TypeAlias = Literal["tracked", "drafts", "imported"]
@@ -82,12 +83,12 @@ def reducible(
     limbs: names of parts whose limbs are to be keyed alone.
     replacing: whether keyframes that are there may go.
     """
-    if doc.surface is not None:
+    if doc.view.surface is not None:
         raise ActionRefused(
             "Only the motion of a video is reduced: surfaces are fitted frame by frame."
         )
     first, last = _require_range(doc, frames)
-    parts = limbs_of(doc.body, limbs) if limbs else ()
+    parts = limbs_of(doc.subject.body, limbs) if limbs else ()
     if parts and not doc.spans:
         raise ActionRefused("A limb is keyed alone between two keyframes: add them first.")
     if parts:
@@ -95,11 +96,11 @@ def reducible(
         if first >= last:
             raise ActionRefused("A limb is keyed alone between two keyframes: choose frames there.")
     chosen, motion = _motion(doc, fitting, imported, source, first, last)
-    stay = [k for k in doc.keyframes if first <= k.frame <= last]
+    stay = [k for k in doc.subject.keyframes if first <= k.frame <= last]
     motion = _known(_through(doc, motion, stay, always=not replacing or bool(parts)))
     required = [] if replacing and not parts else [keyframe.frame for keyframe in stay]
-    required += [k.frame for k in doc.part_keyframes if parts and first <= k.frame <= last]
-    indices = frozenset(map(doc.body.index, parts)) if parts else None
+    required += [k.frame for k in doc.subject.part_keyframes if parts and first <= k.frame <= last]
+    indices = frozenset(map(doc.subject.body.index, parts)) if parts else None
     return Reducible(motion, chosen, tuple(sorted(required)), indices)
 
 
@@ -119,8 +120,8 @@ def reduced_session(
     if found.parts is not None:
         return _with_limbs_keyed(doc, found, frames, times_s)
     first, last = found.motion.first_frame, found.motion.last_frame
-    skeleton = Skeleton.of(doc.body)
-    kept = [k for k in doc.keyframes if not (replacing and first <= k.frame <= last)]
+    skeleton = Skeleton.of(doc.subject.body)
+    kept = [k for k in doc.subject.keyframes if not (replacing and first <= k.frame <= last)]
     known = {keyframe.frame for keyframe in kept}
     made = [
         keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
@@ -128,10 +129,10 @@ def reduced_session(
         if frame not in known
     ]
     _require_few("keyframes", len(kept) + len(made))
-    drafts = [d for d in doc.drafts if not (d.is_found and first <= d.frame <= last)]
+    drafts = [d for d in doc.subject.drafts if not (d.is_found and first <= d.frame <= last)]
     doc = with_drafts(with_keyframes(doc, [*kept, *made]), drafts)
     if first_motion is not None:
-        doc = doc.model_copy(update={"first_motion": first_motion})
+        doc = doc.changed({"first_motion": first_motion})
     return up_to_date(doc)
 
 
@@ -153,7 +154,7 @@ def with_reduction(
 
 
 def _require_range(doc: Session, frames: Range | None) -> Range:
-    last = doc.video.frame_count - 1
+    last = doc.view.video.frame_count - 1
     if frames is None:
         return 0, last
     if not 0 <= frames[0] < frames[1] <= last:
@@ -174,7 +175,7 @@ def _motion(
     """The motion between two frames, from a source that has poses at two of them at least."""
     makers = {
         "tracked": lambda: [found.trajectory for found in fitting.values() if found.finished],
-        "drafts": lambda: _posed(doc, doc.drafts),
+        "drafts": lambda: _posed(doc, doc.subject.drafts),
         "imported": lambda: [] if imported is None else _on_keyframes(doc, imported),
     }
     for one in SOURCES if source is None else (source,):
@@ -182,7 +183,7 @@ def _motion(
         if np.isfinite(motion.ps_camera_root[:, 0]).sum() > 1:
             return one, motion
     if source is None:
-        where = "" if (first, last) == (0, doc.video.frame_count - 1) else " in these frames"
+        where = "" if (first, last) == (0, doc.view.video.frame_count - 1) else " in these frames"
         raise ActionRefused(
             f"There is no motion to reduce{where}: track, draft or import one first."
         )
@@ -192,7 +193,10 @@ def _motion(
 def _gathered(doc: Session, motions: Iterable[Trajectory], first: int, last: int) -> Trajectory:
     """Poses of these frames as one motion, NaN where none has any."""
     count = last - first + 1
-    Rs, ps = np.full((count, len(doc.body.parts), 3, 3), np.nan), np.full((count, 3), np.nan)
+    Rs, ps = (
+        np.full((count, len(doc.subject.body.parts), 3, 3), np.nan),
+        np.full((count, 3), np.nan),
+    )
     for motion in motions:
         a, b = max(first, motion.first_frame), min(last, motion.last_frame) + 1
         if a < b:
@@ -203,15 +207,15 @@ def _gathered(doc: Session, motions: Iterable[Trajectory], first: int, last: int
 
 def _posed(doc: Session, keyframes: Iterable[Keyframe]) -> list[Trajectory]:
     """Poses as motions of one frame."""
-    skeleton = Skeleton.of(doc.body)
+    skeleton = Skeleton.of(doc.subject.body)
     poses = [(keyframe.frame, keyframe.pose(skeleton)) for keyframe in keyframes]
     return [Trajectory(n, p.Rs_parent_part[None], p.p_camera_root[None]) for n, p in poses]
 
 
 def _on_keyframes(doc: Session, imported: Trajectory) -> list[Trajectory]:
     """An imported motion made to meet the keyframes between each two of them."""
-    skeleton, motions = Skeleton.of(doc.body), [imported]
-    for a, b in pairwise(doc.keyframes):
+    skeleton, motions = Skeleton.of(doc.subject.body), [imported]
+    for a, b in pairwise(doc.subject.keyframes):
         ends = imported.first_frame <= a.frame and b.frame <= imported.last_frame
         if ends and all(_has_pose(imported, each.frame) for each in (a, b)):
             given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
@@ -228,7 +232,7 @@ def _through(
 ) -> Trajectory:
     """The motion with the poses of keyframes at their frames: of all, or where it has none."""
     Rs, ps = motion.writable()
-    skeleton = Skeleton.of(doc.body)
+    skeleton = Skeleton.of(doc.subject.body)
     for keyframe in keyframes:
         row = keyframe.frame - motion.first_frame
         if always or not np.isfinite(ps[row]).all():
@@ -250,10 +254,10 @@ def _with_limbs_keyed(
     doc: Session, found: Reducible, frames: Sequence[int], times_s: Array
 ) -> Session:
     """Set part keyframes at these frames, but for those that are keyframes."""
-    skeleton = Skeleton.of(doc.body)
-    keyed = {keyframe.frame for keyframe in doc.keyframes}
-    known = {each.frame: each for each in doc.part_keyframes}
-    limbs = {doc.body.names[i] for i in found.parts or ()}
+    skeleton = Skeleton.of(doc.subject.body)
+    keyed = {keyframe.frame for keyframe in doc.subject.keyframes}
+    known = {each.frame: each for each in doc.subject.part_keyframes}
+    limbs = {doc.subject.body.names[i] for i in found.parts or ()}
     for frame in frames:
         if frame in keyed:
             continue
@@ -262,7 +266,7 @@ def _with_limbs_keyed(
             base: Keyframe = known[frame]
         else:
             parts, base = limbs, keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
-        ordered = tuple(name for name in doc.body.names if name in parts)
+        ordered = tuple(name for name in doc.subject.body.names if name in parts)
         known[frame] = PartKeyframe(**{**base.model_dump(), "parts": ordered})
     _require_few("part_keyframes", len(known))
     return with_part_keyframes(doc, known.values())

@@ -55,13 +55,13 @@ def _followed(state: EditorState, frame: int) -> ShownPose | None:
     tracked = state.tracked(frame)
     if tracked is not None:
         return ShownPose(tracked, "tracked")
-    parts = find(state.doc.part_keyframes, frame)
+    parts = find(state.doc.subject.part_keyframes, frame)
     return None if parts is None else ShownPose(parts.pose(state.skeleton), "part")
 
 
 def posed_at(state: EditorState, frame: int) -> ShownPose | None:
     """Return what a person posed at a frame: a draft before the keyframe it would replace."""
-    draft, keyframe = draft_at(state, frame), find(state.doc.keyframes, frame)
+    draft, keyframe = draft_at(state, frame), find(state.doc.subject.keyframes, frame)
     if draft is not None:
         return ShownPose(draft.pose(state.skeleton), "draft")
     return None if keyframe is None else ShownPose(_keypose(state, keyframe), "keyframe")
@@ -75,7 +75,7 @@ def _keypose(state: EditorState, keyframe: Keyframe) -> Pose:
 
 def draft_at(state: EditorState, frame: int) -> Keyframe | None:
     """The draft that counts at a frame."""
-    draft = find(state.doc.drafts, frame)
+    draft = find(state.doc.subject.drafts, frame)
     return None if draft is None or not counts(state, draft) else draft
 
 
@@ -98,9 +98,11 @@ def ghosts(state: EditorState) -> list[tuple[int, Pose]]:
     which the motion does not pass as it was posed, its own."""
     before = [key for key in state.keys if key < state.frame][-1:]
     after = [key for key in state.keys if key > state.frame][:1]
-    here = find(state.settled.keyframes, state.frame)
+    here = find(state.settled.subject.keyframes, state.frame)
     own = [] if here is None or is_met(state, here) else [state.frame]
-    found = ((frame, find(state.settled.keyframes, frame)) for frame in (*before, *after, *own))
+    found = (
+        (frame, find(state.settled.subject.keyframes, frame)) for frame in (*before, *after, *own)
+    )
     return [(frame, key.pose(state.skeleton)) for frame, key in found if key is not None]
 
 
@@ -111,7 +113,7 @@ def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
 
 def require_keyframe(state: EditorState, frame: int) -> Keyframe:
     """The keyframe at a frame; refused where there is none."""
-    found = find(state.doc.keyframes, frame)
+    found = find(state.doc.subject.keyframes, frame)
     if found is None:
         raise ActionRefused(f"Frame {frame} is not a keyframe.")
     return found
@@ -120,11 +122,11 @@ def require_keyframe(state: EditorState, frame: int) -> Keyframe:
 def part_at(state: EditorState, part: str, frame: int) -> Array:
     """(4, 4) where a part is shown at a frame, camera frame."""
     Ts = pose_transforms(state.skeleton, shown_pose(state, frame).pose)
-    return np.asarray(Ts[state.doc.body.index(part)])
+    return np.asarray(Ts[state.doc.subject.body.index(part)])
 
 
 def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
-    known = state.doc.keyframes or state.doc.drafts
+    known = state.doc.subject.keyframes or state.doc.subject.drafts
     if not known:
         return ShownPose(state.opening, "rest")
     place = bisect_right([keyframe.frame for keyframe in known], frame)

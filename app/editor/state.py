@@ -35,12 +35,12 @@ if TYPE_CHECKING:
 
 def up_of(doc: Session) -> tuple[float, float, float]:
     """The world's up direction in the camera frame."""
-    return CAMERA_UP if doc.up_camera is None else doc.up_camera
+    return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
 
 
 def pointer_views(doc: Session, eye: Eye | None = None) -> dict[str, PointerView]:
     """main, top, side and front; with an eye also free."""
-    views: dict[str, PointerView] = {"main": PointerView.of(doc.camera)}
+    views: dict[str, PointerView] = {"main": PointerView.of(doc.view.camera)}
     rotations = view_rotations(up_of(doc))
     for name, R in rotations.items():
         views[name] = PointerView.parallel(name, R)
@@ -115,7 +115,7 @@ class EditorState:
 
     @property
     def frame_count(self) -> int:
-        return self.doc.video.frame_count
+        return self.doc.view.video.frame_count
 
     @cached_property
     def times_s(self) -> Array:
@@ -125,7 +125,7 @@ class EditorState:
     @property
     def keys(self) -> tuple[int, ...]:
         """Frames of the keyframes, ascending."""
-        return tuple(keyframe.frame for keyframe in self.doc.keyframes)
+        return tuple(keyframe.frame for keyframe in self.doc.subject.keyframes)
 
     @property
     def settled(self) -> Session:
@@ -145,12 +145,19 @@ class EditorState:
         """The motion between two neighbouring keyframes that is not tracked: as it was before it
         was reduced, where it was, displaced to meet them; else interpolated. None where one of
         them is no keyframe."""
-        at = {k.frame: k for k in doc.keyframes if k.frame in (start, end)}
+        at = {k.frame: k for k in doc.subject.keyframes if k.frame in (start, end)}
         if len(at) < 2:
             return None
-        skeleton = self.skeleton if doc.body is self.doc.body else Skeleton.of(doc.body)
+        skeleton = (
+            self.skeleton
+            if doc.subject.body is self.doc.subject.body
+            else Skeleton.of(doc.subject.body)
+        )
         given = (at[start].pose(skeleton), at[end].pose(skeleton), start, end)
-        own = doc.first_motion is not None and doc.first_motion.own_run(start, end) is not None
+        own = (
+            doc.subject.first_motion is not None
+            and doc.subject.first_motion.own_run(start, end) is not None
+        )
         if own and self.kept is not None:
             return displaced(self.kept, *given)
         return interpolate(*given)
@@ -158,12 +165,12 @@ class EditorState:
     def with_repeats(self, repeats: Repeats | None) -> EditorState:
         """The same with the repeated frames of the film, which are no edit; itself where they are
         known, or None."""
-        if repeats is None or repeats == self.doc.video.repeats:
+        if repeats is None or repeats == self.doc.view.video.repeats:
             return self
 
         def knowing(doc: Session) -> Session:
-            known = doc.video.model_copy(update={"repeats": repeats})
-            return doc.model_copy(update={"video": known})
+            known = doc.view.video.model_copy(update={"repeats": repeats})
+            return doc.changed({"video": known})
 
         stroke = self.stroke and replace(self.stroke, before=knowing(self.stroke.before))
         return replace(self, doc=knowing(self.doc), stroke=stroke)
@@ -198,17 +205,17 @@ class EditorState:
         """The same with another document, but for what it makes outdated of what was tracked
         ahead; the skeleton is rebuilt only for another body."""
         doc = up_to_date(doc)
-        if doc.pins is not self.doc.pins:
+        if doc.subject.pins is not self.doc.subject.pins:
             self = replace(self, proposed_pins=self.proposals)
-        if doc.body is self.doc.body:
+        if doc.subject.body is self.doc.subject.body:
             return replace(self, doc=doc, opening=self._opening_for(doc))
-        changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))
-        if doc.body.names == self.doc.body.names:
+        changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.subject.body))
+        if doc.subject.body.names == self.doc.subject.body.names:
             return changed
-        return replace(changed, opening=opening_pose(doc.body, doc.camera, up_of(doc)))
+        return replace(changed, opening=opening_pose(doc.subject.body, doc.view.camera, up_of(doc)))
 
     def _opening_for(self, doc: Session) -> Pose:
         """Return where the body stands before it is posed: as large with another lens."""
-        if doc.camera is self.doc.camera or doc.surface is not None:
+        if doc.view.camera is self.doc.view.camera or doc.view.surface is not None:
             return self.opening
-        return opening_pose(doc.body, doc.camera, up_of(doc))
+        return opening_pose(doc.subject.body, doc.view.camera, up_of(doc))

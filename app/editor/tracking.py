@@ -59,13 +59,13 @@ class Observe(Edit):
     binding: Literal["nearest", "smooth"] | None = None
 
     def apply(self, state: EditorState) -> Session:
-        doc, before = state.doc, state.doc.surface
+        doc, before = state.doc, state.doc.view.surface
         if before is None:
             raise ActionRefused("This session has a video, not surfaces.")
         named = self.model_dump(include=self.model_fields_set - {"do", "stroke", "about"})
         named = {name: v for name, v in named.items() if v is not None or name == "model_frame"}
         frame = named.get("model_frame")
-        if frame is not None and find(doc.keyframes, frame) is None:
+        if frame is not None and find(doc.subject.keyframes, frame) is None:
             raise ActionRefused(
                 f"Frame {frame} is not a keyframe. Pose the body in its surface first."
             )
@@ -86,7 +86,7 @@ class AddMask(Edit):
 
     def apply(self, state: EditorState) -> Session:
         mask = _mask(state, polygon=self.polygon, first_frame=self.first, last_frame=self.last)
-        return _with_masks(state, [*state.doc.ignore_masks, mask])
+        return _with_masks(state, [*state.doc.view.ignore_masks, mask])
 
 
 class ChangeMask(Edit):
@@ -101,7 +101,7 @@ class ChangeMask(Edit):
     note: Annotated[str, Field(max_length=200)] | None = None
 
     def apply(self, state: EditorState) -> Session:
-        old, masks = _require(state, self.index), list(state.doc.ignore_masks)
+        old, masks = _require(state, self.index), list(state.doc.view.ignore_masks)
         given = {"polygon": self.polygon, "first_frame": self.first, "last_frame": self.last}
         named = {name: v for name, v in {**given, "note": self.note}.items() if v is not None}
         masks[self.index] = _mask(state, **{**old.model_dump(), **named})
@@ -115,7 +115,7 @@ class DeleteMask(Edit):
 
     def apply(self, state: EditorState) -> Session:
         _require(state, self.index)
-        masks = list(state.doc.ignore_masks)
+        masks = list(state.doc.view.ignore_masks)
         del masks[self.index]
         return _with_masks(state, masks)
 
@@ -136,7 +136,7 @@ class Settings(Edit):
     def apply(self, state: EditorState) -> Session:
         named = self.model_dump(include=self.model_fields_set - {"do", "stroke"})
         settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
-        return state.doc.model_copy(update={"settings": settings})
+        return state.doc.changed({"settings": settings})
 
 
 MESSAGES = (Observe, AddMask, ChangeMask, DeleteMask, Settings)
@@ -187,7 +187,7 @@ def _turned(doc: Session, skeleton: Skeleton, action: Observe) -> Session:
 
 def _with_surface(doc: Session, **changes: Any) -> Session:
     surface = valid(Surface, {**surface_of(doc).model_dump(), **changes})
-    return doc.model_copy(update={"surface": surface})
+    return doc.changed({"surface": surface})
 
 
 def _mask(state: EditorState, **values: Any) -> IgnoreMask:
@@ -196,10 +196,10 @@ def _mask(state: EditorState, **values: Any) -> IgnoreMask:
 
 
 def _require(state: EditorState, index: int) -> IgnoreMask:
-    if index >= len(state.doc.ignore_masks):
+    if index >= len(state.doc.view.ignore_masks):
         raise ActionRefused("This mask no longer exists.")
-    return state.doc.ignore_masks[index]
+    return state.doc.view.ignore_masks[index]
 
 
 def _with_masks(state: EditorState, masks: list[IgnoreMask]) -> Session:
-    return state.doc.model_copy(update={"ignore_masks": tuple(masks)})
+    return state.doc.changed({"ignore_masks": tuple(masks)})

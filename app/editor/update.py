@@ -45,7 +45,7 @@ class Select(Look):
 
     def after(self, state: EditorState) -> EditorState:
         if self.part is not None:
-            state.doc.body.index(self.part)
+            state.doc.subject.body.index(self.part)
         return replace(state, selected=self.part)
 
 
@@ -232,5 +232,5 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
 
 def _still_there(state: EditorState) -> EditorState:
     """A part that the body does not have any more is not selected any more."""
-    gone = state.selected is not None and state.selected not in state.doc.body.names
+    gone = state.selected is not None and state.selected not in state.doc.subject.body.names
     return replace(state, selected=None) if gone else state

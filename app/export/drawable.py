@@ -25,6 +25,6 @@ def require_tint(session: Session, tint: str) -> None:
 
 def require_frame(session: Session, frame: int) -> None:
     """SessionError unless the video has the frame."""
-    count = session.video.frame_count
+    count = session.view.video.frame_count
     if frame >= count:
         raise SessionError(f"There is no frame {frame}; the video's frames are 0 to {count - 1}.")

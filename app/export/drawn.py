@@ -50,7 +50,7 @@ def write_drawn(
         if isinstance(order.frames, int):
             out.write_bytes(png(still(session, video, order.frames, poses, order)))
             return ""
-        keys = [keyframe.frame for keyframe in session.keyframes]
+        keys = [keyframe.frame for keyframe in session.subject.keyframes]
         frames = keys if order.frames == "keyframes" else list(poses.frames)
         write_pictures(out, session, video, poses, frames, order, progress)
         return ""

@@ -112,7 +112,7 @@ def _has_no_clock(session: Session, video: Video) -> bool:
 def _fps_of_keyframes(session: Session) -> float:
     if session.evidence.fps is not None:
         return session.evidence.fps
-    keys = session.keyframes
+    keys = session.subject.keyframes
     seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
     return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS
 

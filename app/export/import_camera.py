@@ -24,29 +24,29 @@ def with_camera_file(session: Session, found: CameraFile) -> Session:
     shows it as large as before from farther away. What is as it was stays, so that a camera that
     comes back unchanged outdates no motion. Refused where that cannot be.
     """
-    old, new = session.camera, found.camera
+    old, new = session.view.camera, found.camera
     telephoto = {old.projection, new.projection} != {"perspective"}
     farther = 1.0 if telephoto else new.fx / old.fx
-    seen = session.model_copy(update={"lens_source": "calibration", "camera": new})
+    seen = session.changed({"lens_source": "calibration", "camera": new})
     if new.model_copy(update={"origin": old.origin}) == old:
-        seen = seen.model_copy(update={"camera": old})
+        seen = seen.changed({"camera": old})
     turned = seen.with_up(found.up_camera)
     if turned_deg(session, turned) > SAME_DEG:
         seen = turned
     floor_m = found.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
-        seen = seen.model_copy(update={"floor_m": round(floor_m, DECIMALS)})
-    made = moved_away(seen, Skeleton.of(session.body), farther)
+        seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
+    made = moved_away(seen, Skeleton.of(session.subject.body), farther)
     require_sound(session, made, "import the camera")
     return made
 
 
 def turned_deg(session: Session, made: Session) -> float:
     """Return by how much what is up has changed, degrees."""
-    before, after = (np.array(s.up_camera or CAMERA_UP) for s in (session, made))
+    before, after = (np.array(s.world.up_world or CAMERA_UP) for s in (session, made))
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
 def _is_near(floor_m: float, session: Session) -> bool:
-    return session.floor_m is not None and abs(session.floor_m - floor_m) < SAME_M
+    return session.world.floor_m is not None and abs(session.world.floor_m - floor_m) < SAME_M

@@ -49,7 +49,7 @@ def match_keypoints(
     also: places of the body by names in the file, said by a person, beside what is known.
     FormatError in one sentence where too few are known to pose the body.
     """
-    skeleton, names = Skeleton.of(session.body), keypoints.names
+    skeleton, names = Skeleton.of(session.subject.body), keypoints.names
     known = matched(skeleton, names, file)
     if also:
         given = {keypoint_name(name): place for name, place in also.items()}
@@ -75,8 +75,10 @@ def drafts_of(
 
     progress: receives how many frames of how many have been looked at.
     """
-    skeleton = Skeleton.of(session.body)
-    posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}
+    skeleton = Skeleton.of(session.subject.body)
+    posed = {
+        k.frame: k.pose(skeleton) for k in (*session.subject.keyframes, *session.subject.drafts)
+    }
     drafts = []
     for done, frame in enumerate(frames):
         if progress is not None:
@@ -100,15 +102,17 @@ def _draft(
     posed: Mapping[int, Pose], times_s: Array,
 ) -> Draft | None:  # fmt: skip
     """The pose that is seen at the keypoints; None where none lies before the camera."""
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     points = BodyPoints(skeleton, tuple(known.places))
     near = between(posed, sorted(posed), frame)
     starts = _starts(session, points, uv, near)
-    solved = fit_picture(session.body, session.camera, known.places, uv, sure, starts, near)
+    solved = fit_picture(
+        session.subject.body, session.view.camera, known.places, uv, sure, starts, near
+    )
     Ts = pose_transforms(skeleton, solved.pose)
     if not Ts[:, 2, 3].min() > NEAREST_M:
         return None
-    away = np.linalg.norm(session.camera.project(points.at(Ts)) - uv, axis=-1)
+    away = np.linalg.norm(session.view.camera.project(points.at(Ts)) - uv, axis=-1)
     miss, extent = float(np.nanmean(away)), float(np.ptp(uv[np.isfinite(uv).all(-1)], axis=0).max())
     keyframe = Keyframe.of(skeleton, solved.pose, frame, float(times_s[frame]))
     count = int(np.isfinite(away).sum())
@@ -117,8 +121,8 @@ def _draft(
 
 def _starts(session: Session, points: BodyPoints, uv: Array, near: Pose | None) -> list[Pose]:
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
-    camera = session.camera.without_distortion()
-    rest = opening_pose(session.body, session.camera, session.up_camera or UP)
+    camera = session.view.camera.without_distortion()
+    rest = opening_pose(session.subject.body, session.view.camera, session.world.up_world or UP)
     known = np.isfinite(uv).all(-1)
     middle = uv[known].mean(0)
     starts = [] if near is None else [near]

@@ -87,7 +87,7 @@ def fit_to_session(
     progress: receives how many frames of how many are fitted.
     FormatError in one sentence where the motion does not suit the session.
     """
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     motion = motion.on_video(file, times_s)
     known = matched(skeleton, motion.names, file, names)
     if also:
@@ -95,7 +95,7 @@ def fit_to_session(
     _require_joints(known, motion, file)
     require_limbs(skeleton, known.places, file)
     points = BodyPoints(skeleton, tuple(known.places))
-    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
     if offset_s is None:
         start = _best_start(points, motion, known.indices, times_s, posed)
@@ -121,15 +121,15 @@ def fit_to_session(
         world = world_at_rest(points, motion.world, motion.rest_m, known.indices)
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
-    fit = fit_motion(session.body, known.places, ps, first, near, progress)
+    fit = fit_motion(session.subject.body, known.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     notes += implausible(skeleton, known.places, bones, size, ps, fit)
     if not reached:
-        notes += lying(fit, np.array(session.up_camera or UP))
+        notes += lying(fit, np.array(session.world.up_world or UP))
     from_keyframes = _from_keyframes(points, fit, reached)
     if from_keyframes > FAR_M:
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
-    miss_px = _miss_px(session.camera, points, fit, ps)
+    miss_px = _miss_px(session.view.camera, points, fit, ps)
     aligned = tuple(frame for frame in reached if frame in posed)
     return ImportedMotion(fit, known, size, scale, aligned, from_keyframes, miss_px, notes)
 
@@ -137,12 +137,12 @@ def fit_to_session(
 def pose_draft(session: Session, found: ImportedMotion, file: str, times_s: Array) -> Draft:
     """Make a draft of a motion of one frame; FormatError where that frame is posed already."""
     frame = found.fit.trajectory.first_frame
-    if frame in {k.frame for k in (*session.keyframes, *session.drafts)}:
+    if frame in {k.frame for k in (*session.subject.keyframes, *session.subject.drafts)}:
         raise FormatError(
             f"{file} holds one frame, a pose to draft, and frame {frame} of the video is posed "
             "already: choose another frame for it."
         )
-    skeleton, pose = Skeleton.of(session.body), found.fit.trajectory.pose(frame)
+    skeleton, pose = Skeleton.of(session.subject.body), found.fit.trajectory.pose(frame)
     keyframe = Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
     doubtful = bool(found.notes)
     converged = bool(found.fit.converged[0])
@@ -230,7 +230,7 @@ def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int,
 
 def _before_camera(session: Session, ps: Array, world: World) -> Array:
     """Upright, as it faces, in the middle of the picture and at a distance that fills it."""
-    up = np.array(session.up_camera or UP, dtype=np.float64)
+    up = np.array(session.world.up_world or UP, dtype=np.float64)
     right = np.cross(-up, (0.0, 0.0, 1.0))
     if np.linalg.norm(right) < 1e-6:  # the camera looks straight up or down
         right = np.array([1.0, 0.0, 0.0])
@@ -240,7 +240,7 @@ def _before_camera(session: Session, ps: Array, world: World) -> Array:
         R = R @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
     turned = ps @ R.T
     low, high = np.nanmin(turned, axis=(0, 1)), np.nanmax(turned, axis=(0, 1))
-    camera, size = session.camera, high - low
+    camera, size = session.view.camera, high - low
     near = max(camera.fx * size[0] / camera.width, camera.fy * size[1] / camera.height) / FILLED
     z = camera.telephoto_distance_m or max(near, 0.5) + size[2] / 2
     middle = _middle(camera, z)

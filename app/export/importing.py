@@ -64,7 +64,7 @@ class DraftImport:
     def added_to(self, session: Session) -> Session:
         """The session with these drafts beside those it has."""
         added = (draft.keyframe for draft in self.drafts)
-        return with_drafts(session, (*session.drafts, *added))
+        return with_drafts(session, (*session.subject.drafts, *added))
 
 
 Import: TypeAlias = MotionImport | DraftImport | CameraFile
@@ -88,7 +88,7 @@ def import_file(
     if isinstance(order, ImportKeypoints):
         people = read_people(path, order.individual)
         return import_keypoints(session, people, path.name, order, video, progress)
-    return load_camera(path, (session.camera.width, session.camera.height))
+    return load_camera(path, (session.view.camera.width, session.view.camera.height))
 
 
 # --- motion
@@ -162,13 +162,13 @@ def import_keypoints(
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
     """Return what keypoints are checked against; images have no rate of their own."""
-    video = session.video
+    video = session.view.video
     has_rate = info.container != "images" and not info.variable_rate
     return VideoFacts(video.frame_count, video.width, video.height, info.fps if has_rate else None)
 
 
 def _wanted_frames(session: Session, keypoints: Keypoints, order: ImportKeypoints) -> list[int]:
-    count = session.video.frame_count
+    count = session.view.video.frame_count
     if order.frames is not None:
         beyond = [frame for frame in order.frames if frame >= count]
         if beyond:

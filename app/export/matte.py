@@ -73,13 +73,13 @@ class Matte:
 
 def picture_names(session: Session, first: int, last: int) -> list[str]:
     """Return the names of the pictures of these frames."""
-    digits = max(4, len(str(session.video.frame_count - 1)))
+    digits = max(4, len(str(session.view.video.frame_count - 1)))
     return [f"frame{number:0{digits}}.png" for number in range(first, last + 1)]
 
 
 def frames_of(session: Session, order: MatteOrder) -> tuple[int, int]:
     """First and last frame that are ordered."""
-    return order.frames or (0, session.video.frame_count - 1)
+    return order.frames or (0, session.view.video.frame_count - 1)
 
 
 def matte_of(
@@ -103,7 +103,7 @@ def matte_of(
         progress(now.done, now.expected + count)
 
     reached = min(first, *seeds), max(last, *seeds)
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     seen = detected_keypoints(session, video).follow(reached, skeleton, seeds, looked)
     if seen is None or all(seen.mask(n) is None for n in range(first, last + 1)):
         raise SessionError(
@@ -121,11 +121,13 @@ def shown_mask(
     _require_person(session, session.title)
     mask = None if known is None else known.mask(frame)
     if mask is None:
-        found = detected_keypoints(session, video).at(frame, Skeleton.of(session.body), pose)
+        found = detected_keypoints(session, video).at(
+            frame, Skeleton.of(session.subject.body), pose
+        )
         mask = None if found is None else found.mask(frame)
     if mask is None:
         raise SessionError(f"No person was found at frame {frame}.")
-    return session.camera.rectify(_alpha(mask, video))
+    return session.view.camera.rectify(_alpha(mask, video))
 
 
 def _alpha(mask: PersonMask | None, video: Video) -> NDArray[np.uint8]:
@@ -135,7 +137,7 @@ def _alpha(mask: PersonMask | None, video: Video) -> NDArray[np.uint8]:
 
 
 def _require_person(session: Session, name: str) -> None:
-    if session.evidence.has_surface or not is_persons(session.body):
+    if session.evidence.has_surface or not is_persons(session.subject.body):
         about = "surfaces, not a film" if session.evidence.has_surface else "no person"
         raise SessionError(f"{name} is about {about}: only a person in a film is cut out.")
 
@@ -144,9 +146,9 @@ def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose
     """The poses from which the person is looked for, by frame: those within the frames and the
     nearest on either side."""
     _require_person(session, name)
-    said = () if session.keypoints is None else session.keypoints.seeds
-    drafts = [draft for draft in session.drafts if draft.frame in said]
-    posed = list(session.keyframes) or drafts or list(session.drafts[:1])
+    said = () if session.view.keypoints is None else session.view.keypoints.seeds
+    drafts = [draft for draft in session.subject.drafts if draft.frame in said]
+    posed = list(session.subject.keyframes) or drafts or list(session.subject.drafts[:1])
     if not posed:
         raise SessionError(
             f"{name} does not say where the person is: set a keyframe, or draft the poses from a "
@@ -155,7 +157,7 @@ def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose
     before = [k for k in posed if k.frame <= first][-1:]
     after = [k for k in posed if k.frame >= last][:1]
     within = [k for k in posed if first < k.frame < last]
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     return {k.frame: k.pose(skeleton) for k in (*before, *within, *after)}
 
 

@@ -147,7 +147,7 @@ def saved_motion(
 
     times_s are those of all the video's frames, timecode that of the video, where it is known.
     """
-    segments = session.results.segments if session.results else ()
+    segments = session.subject.results.segments if session.subject.results else ()
     stretches = [
         RecordedSegment(first, last, s.verdict)
         for s in segments

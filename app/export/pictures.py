@@ -136,11 +136,14 @@ def sheet_png(
 
     drawn: receives how many of how many keyframes are drawn.
     """
-    keyed, count = len(session.keyframes), len(session.keyframes) + len(session.part_keyframes)
+    keyed, count = (
+        len(session.subject.keyframes),
+        len(session.subject.keyframes) + len(session.subject.part_keyframes),
+    )
     if not keyed or count > MOST_KEYFRAMES:
         words = f"more than {MOST_KEYFRAMES}" if keyed else "no"
         raise SessionError(f"{session_path.name} has {words} keyframes to draw.")
-    fitting, size = sheet_layout(count, session.video.width / session.video.height)
+    fitting, size = sheet_layout(count, session.view.video.width / session.view.video.height)
     subject = subject_of(session, session_path, video.info)
     look = ViewStyle("main", order.style, order.opacity, order.tint)
     cells = _cells(subject, video, size, look, lambda done: drawn(done, count))
@@ -155,7 +158,9 @@ def _cells(
     drawn: Callable[[int], None],
 ) -> Iterator[Cell]:
     session = subject.session
-    limbs = {k.frame: keyed_words(session.body, k.parts) for k in session.part_keyframes}
+    limbs = {
+        k.frame: keyed_words(session.subject.body, k.parts) for k in session.subject.part_keyframes
+    }
     for done, frame in enumerate(sorted({*subject.keys, *limbs}), start=1):
         after = None if frame in limbs else subject.after(frame)
         small: Picture | None = None
@@ -184,7 +189,7 @@ def write_pictures(
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
     """A zip with frame0001.png and so on; `drawn` receives how many of how many are done."""
-    digits = max(4, len(str(session.video.frame_count - 1)))
+    digits = max(4, len(str(session.view.video.frame_count - 1)))
     with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
         for done, frame in enumerate(frames, start=1):
             content = png(still(session, video, frame, poses, wanted))

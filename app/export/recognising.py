@@ -112,7 +112,7 @@ def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
 
 def _recognised_motion(session: Session, path: Path) -> Recognised:
     motion, individuals = _motion(path)
-    known = matched(Skeleton.of(session.body), motion.names, path.name)
+    known = matched(Skeleton.of(session.subject.body), motion.names, path.name)
     times_s = motion.times_s
     seconds = None if motion.is_per_frame else float(times_s[-1] - times_s[0])
     facts = {
@@ -121,7 +121,7 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
         "fps": (len(motion) - 1) / seconds if seconds else None,
         "unit": motion.unit,
         "world": motion.world,
-        "keyframes": len(session.keyframes),
+        "keyframes": len(session.subject.keyframes),
         "individuals": individuals,
         "notes": note_words(motion.notes),
         **names_of(known, motion.names),
@@ -142,7 +142,7 @@ def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Rec
     except ChoiceError as several:
         layouts = several.choices
         keypoints = keypoints_of(path.name, people, layouts[0], facts_of)
-    known = matched(Skeleton.of(session.body), keypoints.names, path.name)
+    known = matched(Skeleton.of(session.subject.body), keypoints.names, path.name)
     shown = keypoints.visibility.any(axis=1)
     facts = {
         "frames": int(shown.sum()),
@@ -190,7 +190,7 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
 
 
 def _recognised_camera(session: Session, path: Path) -> Recognised:
-    found = load_camera(path, (session.camera.width, session.camera.height))
+    found = load_camera(path, (session.view.camera.width, session.view.camera.height))
     made = with_camera_file(session, found)
     return Recognised(
         "camera", _CAMERA_PROGRAMS[path.suffix.lower()], camera_facts(session, made, found)
@@ -199,10 +199,12 @@ def _recognised_camera(session: Session, path: Path) -> Recognised:
 
 def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str, Any]:
     """The lens, by how much up is turned, and the floor, of a session with a camera of a file."""
-    camera = made.camera
+    camera = made.view.camera
     return {
         "focal_mm": camera.focal_mm,
         "across_deg": 2 * math.degrees(math.atan(camera.width / 2 / camera.fx)),
         "turned_deg": turned_deg(session, made),
-        "floor_m": None if found.floor_m is None or made.floor_m is None else -made.floor_m,
+        "floor_m": None
+        if found.floor_m is None or made.world.floor_m is None
+        else -made.world.floor_m,
     }

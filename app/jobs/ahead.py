@@ -64,8 +64,14 @@ class FollowAhead(Fit):
         return follow_ahead(tracker, self.frame, self.direction, session.settings, emit)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        cues = doc.settings, doc.keypoint_corrections
-        return doc.body, doc.camera, doc.ignore_masks, doc.keyframes, *cues
+        cues = doc.settings, doc.view.keypoint_corrections
+        return (
+            doc.subject.body,
+            doc.view.camera,
+            doc.view.ignore_masks,
+            doc.subject.keyframes,
+            *cues,
+        )
 
     def apply(self, found: FoundAhead, state: AppState) -> tuple[AppState, str]:
         """What led nowhere changes nothing."""

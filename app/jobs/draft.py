@@ -144,14 +144,14 @@ def drafted(
         except MissingFrame:
             return None
 
-    name, camera = session.settings.network_used, session.camera
+    name, camera = session.settings.network_used, session.view.camera
     network, kept = open_detector(find_model(name)), Detections()
     reporter, began = DraftReporter(report, cancelled), time.monotonic()
     try:
         found = draft_clip(
-            picture, frames, at, box, camera, session.body, network, again=network.plain,
-            proportions=proportions, up_camera=session.up_camera, report=reporter,
-            film=session.video.pictures, kept=kept,
+            picture, frames, at, box, camera, session.subject.body, network, again=network.plain,
+            proportions=proportions, up_camera=session.world.up_world, report=reporter,
+            film=session.view.video.pictures, kept=kept,
         )  # fmt: skip
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
@@ -159,10 +159,12 @@ def drafted(
             raise
         detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
         seed = Seed.of_box(at, box, camera.width, camera.height)
-        keypoints = detect(picture, part, [seed], network, film=session.video.pictures, kept=kept)
+        keypoints = detect(
+            picture, part, [seed], network, film=session.view.video.pictures, kept=kept
+        )
         found = draft_from_keypoints(
-            keypoints, camera, session.body, proportions=proportions,
-            up_camera=session.up_camera, report=DraftReporter(report, never),
+            keypoints, camera, session.subject.body, proportions=proportions,
+            up_camera=session.world.up_world, report=DraftReporter(report, never),
         )  # fmt: skip
         return Drafted(found, network.fingerprint, part)
     detected.keep_pace(name, time.monotonic() - began)
@@ -200,11 +202,11 @@ class DraftClip(Fit):
             rest = require_rest(doc)
             ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
             frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
-            return cls(*given, rest.frame, rest.box, frames, False, doc.up_camera, rest.frames)
+            return cls(*given, rest.frame, rest.box, frames, False, doc.world.up_world, rest.frames)
         frames = (action.first or 0, last if action.last is None else action.last)
         require_draftable(doc, action.frame, action.box, frames)
         box, proportions = action.box, not keeps_proportions(doc)
-        return cls(*given, action.frame, box, frames, proportions, doc.up_camera)
+        return cls(*given, action.frame, box, frames, proportions, doc.world.up_world)
 
     def work(self, session: Session, context: Context) -> Drafted:
         began = time.monotonic()
@@ -221,7 +223,7 @@ class DraftClip(Fit):
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, doc.surface, doc.keyframes
+        return doc.subject.body, doc.view.camera, doc.view.surface, doc.subject.keyframes
 
     def apply(self, found: Drafted, state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None
@@ -238,13 +240,13 @@ class DraftClip(Fit):
         make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
         seeds, keypoints = {self.frame}, draft.keypoints
         before = _keypoints_before(edit.doc, path, network)
-        if before is not None and edit.doc.keypoints is not None:
-            seeds |= set(edit.doc.keypoints.seeds)
+        if before is not None and edit.doc.view.keypoints is not None:
+            seeds |= set(edit.doc.view.keypoints.seeds)
             keypoints = before.overlaid(keypoints)
         referring = save_keypoints(
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
-        given = (draft.body, draft.poses, referring.keypoints, draft.proposals)
+        given = (draft.body, draft.poses, referring.view.keypoints, draft.proposals)
         return with_clip_drafted(edit, self.frames, *given, self.up_camera, only, rest)
 
 
@@ -271,7 +273,7 @@ def progress_of(progress: DraftProgress) -> tuple[float, str]:
 
 def _keypoints_before(doc: Session, path: Path, network: str) -> Keypoints | None:
     """Return what the same network found for an earlier draft, perhaps of other frames."""
-    if doc.keypoints is None or doc.keypoints.network != network:
+    if doc.view.keypoints is None or doc.view.keypoints.network != network:
         return None
     with suppress(KeypointError):  # they are found again when needed
         return keypoints_of_session(doc, path.parent)

@@ -30,14 +30,14 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
     """Find upright lines in one frame, or in some of the whole film; None where few agree."""
     from keypose.tracker.video.upright_lines import up_from_lines  # loads what only this needs
 
-    spread = np.linspace(0, session.video.frame_count - 1, PICTURES).astype(int).tolist()
+    spread = np.linspace(0, session.view.video.frame_count - 1, PICTURES).astype(int).tolist()
     pictures = []
     for number in spread if frame is None else [frame]:
         try:
             pictures.append(video.frame(number))
         except MissingFrame:
             continue
-    return up_from_lines(pictures, session.camera) if pictures else None
+    return up_from_lines(pictures, session.view.camera) if pictures else None
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class FindUp(Fit):
         return upright_lines(session, video, None if session.has_static_camera else self.frame)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.camera, doc.up_camera
+        return doc.view.camera, doc.world.up_world
 
     def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
         if found is None:

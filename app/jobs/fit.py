@@ -75,6 +75,6 @@ _ARE_SURFACES = ByEvidence({FilmEvidence: False, SurfaceEvidence: True})
 def sent(opened: OpenSession, doc: Session, **without: Any) -> tuple[bytes, str, str]:
     """What every job of a session is sent: the session without what no fit needs, for it is read
     anew for every job, the video's path and the folder of the session's file."""
-    content = doc.model_copy(update={"drafts": (), "results": None, **without}).model_dump_json()
+    content = doc.changed({"drafts": (), "results": None, **without}).model_dump_json()
     folder = str(opened.session_path.absolute().parent)
     return content.encode(), str(opened.video.info.path), folder

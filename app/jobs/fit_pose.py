@@ -86,14 +86,16 @@ class FitPose(Fit):
         from keypose.tracker.storage.tracking import keypoint_source
 
         video = context.cache.video(session, self.video_path)
-        skeleton = Skeleton.of(session.body)
-        others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != self.frame}
+        skeleton = Skeleton.of(session.subject.body)
+        others = {
+            k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame != self.frame
+        }
         source = keypoint_source(
             session, video, sidecars.keypoints_of_session(session, Path(self.folder))
         )
         found = fit_pose_to_picture(
-            video, session.camera, skeleton, self.frame, self.pose, others, self.tracked,
-            masks=session.ignore_masks, cancelled=context.cancelled, source=source,
+            video, session.view.camera, skeleton, self.frame, self.pose, others, self.tracked,
+            masks=session.view.ignore_masks, cancelled=context.cancelled, source=source,
         )  # fmt: skip
         return FoundPose(found.pose, found.way != "nothing", found.message)
 
@@ -104,13 +106,13 @@ class FitPose(Fit):
         given, model = (session, self.video_path, Path(self.folder)), session.model_keyframe
         if model is None or model.frame == self.frame:
             mesh = context.cache.surfaces(*given).mesh(self.frame)
-            found = fit_solids_to_surface(mesh, Skeleton.of(session.body), self.pose)
+            found = fit_solids_to_surface(mesh, Skeleton.of(session.subject.body), self.pose)
         else:
             found = fit_pose_to_surface(context.cache.fitter(*given), self.frame, self.pose)
         return FoundPose(found.pose, True, found.message)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, doc.ignore_masks, doc.surface
+        return doc.subject.body, doc.view.camera, doc.view.ignore_masks, doc.view.surface
 
     def stands(self, began: EditorState, edit: EditorState) -> bool:
         """A pose that is kept as a keyframe meanwhile is the same pose."""
@@ -137,7 +139,7 @@ _WAYS = ByEvidence({FilmEvidence: FitPose.on_film, SurfaceEvidence: FitPose.on_s
 
 
 def _posed(doc: Session, frame: int) -> Keyframe | None:
-    return find(doc.keyframes, frame) or find(doc.drafts, frame)
+    return find(doc.subject.keyframes, frame) or find(doc.subject.drafts, frame)
 
 
 def _near(edit: EditorState) -> dict[int, Pose]:

@@ -43,15 +43,22 @@ class FitSizes(Fit):
         from keypose.tracker.fitting.sizes import fit_sizes  # loads what only this needs
 
         video = context.cache.video(session, self.video_path)
-        skeleton = Skeleton.of(session.body)
-        keyposes = {k.frame: k.pose(skeleton) for k in session.keyframes}
+        skeleton = Skeleton.of(session.subject.body)
+        keyposes = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
         return fit_sizes(
-            video, session.camera, session.body, keyposes, focal=self.focal,
-            masks=session.ignore_masks, cancelled=context.cancelled, up=session.up_camera,
+            video, session.view.camera, session.subject.body, keyposes, focal=self.focal,
+            masks=session.view.ignore_masks, cancelled=context.cancelled, up=session.world.up_world,
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, doc.ignore_masks, doc.surface, doc.keyframes, doc.drafts
+        return (
+            doc.subject.body,
+            doc.view.camera,
+            doc.view.ignore_masks,
+            doc.view.surface,
+            doc.subject.keyframes,
+            doc.subject.drafts,
+        )
 
     def apply(self, found: SizesFitted, state: AppState) -> tuple[AppState, str]:
         preview = SizesPreview.of(found, state.editing)

@@ -29,15 +29,17 @@ def learned(session: Session, folder: Path, around: Collection[int]) -> Learned:
     where the keypoints are not beside the session any more. folder: of the session's file."""
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
 
-    skeleton, keypoints = Skeleton.of(session.body), keypoints_of_session(session, folder)
+    skeleton, keypoints = Skeleton.of(session.subject.body), keypoints_of_session(session, folder)
     if keypoints is None:
         return {}
-    keypoints = keypoints.corrected(session.keypoint_corrections)
-    drafts = {d.frame: d.pose(skeleton) for d in session.drafts if d.drafted}
-    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
-    places = session.drafted.places if session.drafted else ()
+    keypoints = keypoints.corrected(session.view.keypoint_corrections)
+    drafts = {d.frame: d.pose(skeleton) for d in session.subject.drafts if d.drafted}
+    posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
+    places = session.subject.drafted.places if session.subject.drafted else ()
     changes = [place.frame for place in places if place.reason == "person"]
-    return refit_drafts(keypoints, session.camera, session.body, drafts, posed, around, changes)
+    return refit_drafts(
+        keypoints, session.view.camera, session.subject.body, drafts, posed, around, changes
+    )
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class LearnDrafts(Fit):
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, around: Collection[int]) -> Self:
         near = near_frames(edit.doc, around)
-        return cls(*sent(opened, near, drafts=near.drafts), tuple(sorted(around)))
+        return cls(*sent(opened, near, drafts=near.subject.drafts), tuple(sorted(around)))
 
     def work(self, session: Session, _: Context) -> Learned:
         return learned(session, Path(self.folder), self.around)
@@ -61,7 +63,7 @@ class LearnDrafts(Fit):
     def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
         """The state with what drafts learned from keyframes as they were when it began."""
         after = with_learned(state.editing, began.doc, found)
-        if after.doc.drafts == state.editing.doc.drafts:
+        if after.doc.subject.drafts == state.editing.doc.subject.drafts:
             return state, ""
         words = f"{len(found)} drafts learned from your keyframe and were moved."
         return replace(state, edit=after), words

@@ -57,8 +57,8 @@ class LiftDrafts(Fit):
         keypoints = keypoints_of_session(session, Path(self.folder))
         if keypoints is None:
             raise KeypointError("The keypoints of the drafts are gone: draft the film again.")
-        keypoints = keypoints.corrected(session.keypoint_corrections)
-        places = session.drafted.places if session.drafted else ()
+        keypoints = keypoints.corrected(session.view.keypoint_corrections)
+        places = session.subject.drafted.places if session.subject.drafted else ()
         changes = [place.frame for place in places if place.reason == "person"]
 
         def report(progress: DraftProgress) -> None:
@@ -67,24 +67,34 @@ class LiftDrafts(Fit):
 
         found = draft_from_keypoints(
             keypoints,
-            session.camera,
-            session.body,
+            session.view.camera,
+            session.subject.body,
             changes=changes,
             proportions=False,
-            up_camera=session.up_camera,
+            up_camera=session.world.up_world,
             report=DraftReporter(report, context.cancelled),
         )
         anew = {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
-        skeleton = Skeleton.of(session.body)
-        posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame not in self.frames}
-        given = (keypoints, session.camera, session.body, anew, posed, posed, changes)
+        skeleton = Skeleton.of(session.subject.body)
+        posed = {
+            k.frame: k.pose(skeleton)
+            for k in session.subject.keyframes
+            if k.frame not in self.frames
+        }
+        given = (keypoints, session.view.camera, session.subject.body, anew, posed, posed, changes)
         return {**anew, **refit_drafts(*given)}
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, doc.up_camera, doc.keyframes, doc.drafts
+        return (
+            doc.subject.body,
+            doc.view.camera,
+            doc.world.up_world,
+            doc.subject.keyframes,
+            doc.subject.drafts,
+        )
 
     def apply(self, found: Lifted, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
         after = with_lifted(edit, found)
-        keyed = sum(keyframe.frame in found for keyframe in edit.doc.keyframes)
+        keyed = sum(keyframe.frame in found for keyframe in edit.doc.subject.keyframes)
         return replace(state, edit=after), lifted_words(len(found) - keyed, keyed)

@@ -61,12 +61,18 @@ class ReduceMotion(Fit):
                 reported = 100 * done // expected
                 context.report(done / expected)
 
-        found, skeleton = self.found, Skeleton.of(session.body)
+        found, skeleton = self.found, Skeleton.of(session.subject.body)
         given = (found.motion, self.goal, found.required, found.parts)
-        return reduce_motion(skeleton, session.camera, *given, report)
+        return reduce_motion(skeleton, session.view.camera, *given, report)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.keyframes, doc.part_keyframes, doc.drafts, doc.first_motion
+        return (
+            doc.subject.body,
+            doc.subject.keyframes,
+            doc.subject.part_keyframes,
+            doc.subject.drafts,
+            doc.subject.first_motion,
+        )
 
     def apply(self, found: Reduction, state: AppState) -> tuple[AppState, str]:
         known = state.reduction

@@ -45,12 +45,12 @@ def why_untrackable(session: Session, session_path: Path) -> str:
 
 
 def _of_film(session: Session, session_path: Path) -> str:
-    count = "one keyframe" if session.keyframes else "no keyframes"
+    count = "one keyframe" if session.subject.keyframes else "no keyframes"
     return f"{session_path.name} has {count}; tracking needs two."
 
 
 def _of_surfaces(session: Session, session_path: Path) -> str:
-    if session.keyframes:
+    if session.subject.keyframes:
         return f"{session_path.name} has only one mesh: there is no motion to fit."
     return (
         f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
@@ -68,22 +68,22 @@ def with_settings(session: Session, order: TrackOrder | DraftOrder) -> Session:
     """
     asked = said(order)
     for name in asked.get("left_out", ()):
-        session.body.index(name)
+        session.subject.body.index(name)
     settings = session.settings.model_copy(update=asked)
-    return session.model_copy(update={"settings": settings})
+    return session.changed({"settings": settings})
 
 
 def with_repeats(session: Session, video: Video, first: int, last: int) -> Session:
     """The session with the repeated frames of its film, looked for in these frames where it has
     none; itself where there are none."""
-    reference = session.video
+    reference = session.view.video
     if reference.repeats is not None or not session.evidence.can_be_damaged:
         return session
     deque(video.examine(first, min(last, video.info.frame_count - 1)), maxlen=0)
     found = video.repeats()
     if not found.frames:
         return session
-    return session.model_copy(update={"video": reference.model_copy(update={"repeats": found})})
+    return session.changed({"video": reference.model_copy(update={"repeats": found})})
 
 
 def require_trackable(session: Session, session_path: Path) -> None:
@@ -153,14 +153,14 @@ def save_found(
 
 
 def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results | None:
-    results = save_results(tracked, session_path, every).results
+    results = save_results(tracked, session_path, every).subject.results
     update: dict[str, Any] = {"results": results}
-    update |= {name: getattr(tracked, name) for name in tracked.evidence.run_fields}
+    update |= {name: tracked.value(name) for name in tracked.evidence.run_fields}
     there = load_session(session_path)
-    if tracked.video.repeats is not None and "video" not in update:
-        repeats = {"repeats": tracked.video.repeats}
-        update["video"] = there.video.model_copy(update=repeats)
-    save_session(there.model_copy(update=update), session_path)
+    if tracked.view.video.repeats is not None and "video" not in update:
+        repeats = {"repeats": tracked.view.video.repeats}
+        update["video"] = there.view.video.model_copy(update=repeats)
+    save_session(there.changed(update), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results
@@ -177,10 +177,10 @@ def save_tracks_beside(
     Where the motion cannot be solved for in space both are written as it was tracked, and the error
     raised after that.
     """
-    blank = tracked.model_copy(update={"results": None})
+    blank = tracked.changed({"results": None})
 
     def save(every: Results) -> saved.Results | None:
-        results = save_results(blank, place, every).results
+        results = save_results(blank, place, every).subject.results
         refer(results)
         return results
 

@@ -26,7 +26,7 @@ class SolveSpace(Job):
 
     @classmethod
     def of(cls, session: Session, stretches: Sequence[SegmentRun]) -> Self:
-        content = session.model_copy(update={"drafts": (), "results": None}).model_dump_json()
+        content = session.changed({"drafts": (), "results": None}).model_dump_json()
         return cls(content.encode(), tuple(stretches))
 
     @property

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
-CHANGED: Final = ("keyframes", "pins", "settings", "up_camera", "up_from_feet", "floor_m")
+CHANGED: Final = ("keyframes", "pins", "settings", "up_world", "up_from_feet", "floor_m")
 """The session's fields that standing sets."""
 
 
 def needs_lines(session: Session) -> bool:
     """Return whether upright lines are to say what is up, of a camera that stands still."""
-    return session.up_camera is None and session.has_static_camera
+    return session.world.up_world is None and session.has_static_camera
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,20 @@ class StandOnFloor(Fit):
         return stand(session, self.fitting, lines, context.cancelled)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.body, doc.camera, doc.part_keyframes, *(getattr(doc, name) for name in CHANGED)
+        return (
+            doc.subject.body,
+            doc.view.camera,
+            doc.subject.part_keyframes,
+            *(doc.value(name) for name in CHANGED),
+        )
 
     def apply(self, found: Standing, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        fields = {name: getattr(found.session, name) for name in CHANGED if name != "keyframes"}
+        fields = {name: found.session.value(name) for name in CHANGED if name != "keyframes"}
         keyframes = (
             softened(keyframe, "depth" if keyframe.frame in found.softened else keyframe.soft)
-            for keyframe in edit.doc.keyframes
+            for keyframe in edit.doc.subject.keyframes
         )
         fields["keyframes"] = tuple(keyframes)  # those that stay are the same
-        after = edit.with_step(edit.doc.model_copy(update=fields), LABEL)
+        after = edit.with_step(edit.doc.changed(fields), LABEL)
         return replace(state, edit=after), standing_words(found)

@@ -179,5 +179,5 @@ def _only_needed(session: Session, wanted: Sequence[Wanted]) -> Session:
     frames = {frame for first, last, _ in wanted for frame in (first, last)}
     if session.model_keyframe is not None:  # its surface moves with the body, everywhere
         frames.add(session.model_keyframe.frame)
-    keyframes = tuple(k for k in session.keyframes if k.frame in frames)
-    return session.model_copy(update={"keyframes": keyframes, "drafts": (), "results": None})
+    keyframes = tuple(k for k in session.subject.keyframes if k.frame in frames)
+    return session.changed({"keyframes": keyframes, "drafts": (), "results": None})

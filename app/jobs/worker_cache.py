@@ -46,7 +46,7 @@ class WorkerCache:
         """Return what fits the surfaces of a session; as the last one while nothing of it is
         another.
         """
-        made_of = (session.body, session.surface, session.keyframes)
+        made_of = (session.subject.body, session.view.surface, session.subject.keyframes)
         video = self.video(session, path, folder)
         if self._fitter is None or self._fitted_for != made_of:
             self._fitter, self._fitted_for = fitter_of(session, video), made_of
@@ -66,8 +66,8 @@ class WorkerCache:
 
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
         video = self.video(session, path)
-        masks, static = session.ignore_masks, session.has_static_camera
-        prepared_for = (self._opened, session.camera, masks, static)
+        masks, static = session.view.ignore_masks, session.has_static_camera
+        prepared_for = (self._opened, session.view.camera, masks, static)
         if prepared_for != self._prepared_for:
             self._tracker, self._prepared_for = None, prepared_for
         self._tracker = tracker_of(

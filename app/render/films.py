@@ -105,7 +105,7 @@ def _artist(
     def ground(frame: int, image: Picture | None) -> Picture | None:
         if layers is not None and not layers.is_clay:
             return layers.picture(frame, poses.pose(frame))
-        return None if image is None else studio.session.camera.rectify(image)
+        return None if image is None else studio.session.view.camera.rectify(image)
 
     def layer_at(frame: int) -> SurfaceLayer | None:
         return None if layers is None else layers.at(frame, poses.pose(frame))

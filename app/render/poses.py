@@ -25,9 +25,9 @@ class KnownPoses:
     @classmethod
     def of(cls, session: Session, session_path: Path) -> KnownPoses:
         """SessionError in one sentence when there is a tracks file that cannot be read."""
-        skeleton = Skeleton.of(session.body)
-        keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-        tracks = load_tracks(session, session_path) if session.results else None
+        skeleton = Skeleton.of(session.subject.body)
+        keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
+        tracks = load_tracks(session, session_path) if session.subject.results else None
         return cls(skeleton, keys, tracks)
 
     def pose(self, frame: int) -> Pose | None:

@@ -77,7 +77,7 @@ def from_viewpoint(
     session: Session, pose: Pose, viewpoint: Viewpoint, floor_height_m: float, size: Size
 ) -> Picture:
     """The body alone in the middle of a picture, on a floor of this height along up."""
-    studio = Studio.of(session, Skeleton.of(session.body))
+    studio = Studio.of(session, Skeleton.of(session.subject.body))
     view, centre = _view(studio, pose, viewpoint, size)
     ground = Ground.at(studio.skeleton, studio.Rs["front"], floor_height_m)
     return studio.perspective(view, ground, centre, pose, None)

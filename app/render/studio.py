@@ -54,9 +54,9 @@ def snapshot(
     Where the video has lost the frame, its place is grey and a plate says so. The views from the
     top, the side and the front need no video; with observed surfaces at hand they show them.
     """
-    camera, skeleton = session.camera.without_distortion(), Skeleton.of(session.body)
+    camera, skeleton = session.view.camera.without_distortion(), Skeleton.of(session.subject.body)
     size = (camera.width, camera.height)
-    Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
+    Rs = view_rotations(session.world.up_world or (0.0, -1.0, 0.0))
     layers = SurfaceLayers.of(session, video, look.tint)
     surface = None if layers is None or look.view == "main" else layers.at(frame, pose)
     if look.view != "main" and look.view != "all":
@@ -117,7 +117,7 @@ def rectified(session: Session, video: Video | None, frame: int) -> Picture | No
     if video is None:
         return None
     try:
-        return session.camera.rectify(video.frame(frame))
+        return session.view.camera.rectify(video.frame(frame))
     except MissingFrame:
         return None
 
@@ -145,8 +145,8 @@ class Studio:
 
     @classmethod
     def of(cls, session: Session, skeleton: Skeleton) -> Studio:
-        up = session.up_camera or (0.0, -1.0, 0.0)
-        camera = session.camera.without_distortion()
+        up = session.world.up_world or (0.0, -1.0, 0.0)
+        camera = session.view.camera.without_distortion()
         return cls(session, camera, skeleton, form_of(skeleton), view_rotations(up))
 
     def main(

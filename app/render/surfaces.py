@@ -151,7 +151,7 @@ class SurfaceLayers:
         surface = self.at(frame, pose)
         if surface is None:
             return None
-        return paint(surface.mesh, self._session.camera.without_distortion(), surface.colours)
+        return paint(surface.mesh, self._session.view.camera.without_distortion(), surface.colours)
 
     def _model_where_needed(self) -> SurfaceModel | None:
         """Made once, of the surface that moves with the body."""
@@ -188,6 +188,6 @@ def model_of(session: Session, steps: SurfaceSteps) -> SurfaceModel | None:
     from keypose.tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
 
     mesh = steps.shape(keyframe.frame)
-    pose = keyframe.pose(Skeleton.of(session.body))
+    pose = keyframe.pose(Skeleton.of(session.subject.body))
     smooth = surface_of(session).binding == "smooth"
-    return SurfaceModel.of(mesh, session.body, pose, MODEL_POINTS, smooth)
+    return SurfaceModel.of(mesh, session.subject.body, pose, MODEL_POINTS, smooth)

@@ -149,7 +149,7 @@ def reading(doc: Session) -> tuple[Any, ...]:
     """Return what decides where the surfaces lie, and what cameras say of them."""
     surface = surface_of(doc)
     where = (surface.units, surface.up, surface.p_camera_surface)
-    return (*where, surface.fps, surface.cameras, doc.camera)
+    return (*where, surface.fps, surface.cameras, doc.view.camera)
 
 
 class Outdated(VideoError):
@@ -245,7 +245,7 @@ class SurfaceViews:
         keyframe = doc.model_keyframe
         if tint not in ("contact", "distance") or keyframe is None:
             return None
-        key = (*self._frame_key(doc), keyframe, doc.body, surface_of(doc).binding)
+        key = (*self._frame_key(doc), keyframe, doc.subject.body, surface_of(doc).binding)
         with self._lock:
             if self._model is None or self._model[0] != key:
                 made = model_of(doc, self.video(doc).steps)
@@ -268,7 +268,7 @@ class TintedSource:
 
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
         """Gives frame `number`; VideoError where the surfaces lie elsewhere by now."""
-        camera = self._edit.settled.camera.without_distortion()
+        camera = self._edit.settled.view.camera.without_distortion()
         try:
             surface = self._observed.layer(self._edit, number)
             yield number, paint(surface.mesh, camera, surface.colours)

@@ -28,10 +28,10 @@ class SceneryMaker:
     def of(self, edit: EditorState, trail: Any = None) -> Scenery:
         """Return what is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
-        around = (settled.body, settled.keyframes, edit.frame, looks, edit.results)
+        around = (settled.subject.body, settled.subject.keyframes, edit.frame, looks, edit.results)
         pose = shown_pose(edit).pose
         return Scenery(
-            body=edit.doc.body,
+            body=edit.doc.subject.body,
             Ts_camera_part=self._once(
                 "pose", (edit.doc, edit.frame, edit.results), lambda: _transforms(edit, pose)
             ),
@@ -40,11 +40,11 @@ class SceneryMaker:
             opacity=looks.opacity,
             ghosts=self._once("ghosts", around, lambda: _ghosts(edit)),
             trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
-            Rs_view_camera=self._once("views", (edit.doc.up_camera,), lambda: _views(edit)),
+            Rs_view_camera=self._once("views", (edit.doc.world.up_world,), lambda: _views(edit)),
             before=self._once(
                 "before", (edit.compared, edit.frame, edit.results), lambda: _before(edit)
             ),
-            telephoto=edit.doc.camera.telephoto_distance_m is not None,
+            telephoto=edit.doc.view.camera.telephoto_distance_m is not None,
         )
 
     def _once(self, name: str, made_of: tuple[Any, ...], make: Any) -> Any:
@@ -77,7 +77,7 @@ def _before(edit: EditorState) -> tuple[Body, Array] | None:
     if edit.compared is None:
         return None
     other = edit.with_doc(edit.compared)
-    return other.doc.body, pose_transforms(other.skeleton, shown_pose(other).pose)
+    return other.doc.subject.body, pose_transforms(other.skeleton, shown_pose(other).pose)
 
 
 def _trail(section: Any, frame: int) -> Trail | None:

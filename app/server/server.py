@@ -147,7 +147,7 @@ class Server:
         try:
             content = await self._surfaces.jpeg(index, store.app_state)
             if content is None:
-                content = await frames.jpeg(index, edit.doc.camera, version)
+                content = await frames.jpeg(index, edit.doc.view.camera, version)
         except KeyposeError as error:
             return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
         kept = "private, max-age=31536000, immutable"

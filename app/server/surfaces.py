@@ -112,7 +112,7 @@ class Surfaces:
         if self._frames is None or self._frames[0] != of:
             self._leave_frames()
             self._frames = of, Frames(Video(TintedSource(self._observed, edit)))
-        return await self._frames[1].jpeg(index, edit.doc.camera, version)
+        return await self._frames[1].jpeg(index, edit.doc.view.camera, version)
 
     async def video(self, edit: EditorState) -> SurfaceVideo | None:
         """The surfaces as the document has them read; None where the session is of a video."""
@@ -220,7 +220,7 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
         return key
     pose = shown_pose(edit).pose
     pose_key = (pose.Rs_parent_part.tobytes(), pose.p_camera_root.tobytes())
-    return (*key, doc.body, doc.model_keyframe, doc.surface, *pose_key)
+    return (*key, doc.subject.body, doc.model_keyframe, doc.view.surface, *pose_key)
 
 
 def _sample(wanted: WantedStep, known: SurfaceSeen) -> Found | None:

@@ -192,7 +192,7 @@ def _or_none(read: _Read) -> Keypoints | None:
 
 
 def _of_file(doc: Session, folder: Path) -> _Question:
-    name = "" if doc.keypoints is None else str(folder / doc.keypoints.file)
+    name = "" if doc.view.keypoints is None else str(folder / doc.view.keypoints.file)
     return _Question(("file", name), partial(keypoints_of_session, doc, folder))
 
 
@@ -200,15 +200,15 @@ def _of_segment(doc: Session, span: Span | None) -> _Question:
     """Return what decides where a network looked in a segment."""
     if span is None:
         return _Question(("segment",), lambda: None)
-    ends = [keyframe for keyframe in doc.keyframes if keyframe.frame in span]
-    made_of = ("segment", *span, *ends, doc.body, doc.camera, doc.settings.network)
+    ends = [keyframe for keyframe in doc.subject.keyframes if keyframe.frame in span]
+    made_of = ("segment", *span, *ends, doc.subject.body, doc.view.camera, doc.settings.network)
     return _Question(made_of, partial(found_before, doc, span))
 
 
 def _span_at(doc: Session, frame: int) -> Span | None:
     """The segment around a frame whose keypoints a network finds; None where none does."""
-    wanted = "keypoints" in doc.settings.cues_used and doc.given_keypoints is None
-    if doc.surface is not None or not wanted or not is_persons(doc.body):
+    wanted = "keypoints" in doc.settings.cues_used and doc.view.given_keypoints is None
+    if doc.view.surface is not None or not wanted or not is_persons(doc.subject.body):
         return None
     return next((span for span in doc.spans if span[0] <= frame <= span[1]), None)
 

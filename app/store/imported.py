@@ -70,14 +70,23 @@ def with_import(
         doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
     else:
         doc = with_camera_file(edit.doc, found)
-        focal, floor = doc.camera.focal_mm, " and the floor" if found.floor_m is not None else ""
+        focal, floor = (
+            doc.view.camera.focal_mm,
+            " and the floor" if found.floor_m is not None else "",
+        )
         words = f"Camera of {file} imported: {focal:.1f} mm, what is up{floor}."
         outcome = ImportOutcome(words)
     return edit.with_step(doc, LABEL), outcome
 
 
 def _inputs(doc: Session) -> tuple[object, ...]:
-    return doc.body, doc.camera, doc.up_camera, doc.keyframes, doc.drafts
+    return (
+        doc.subject.body,
+        doc.view.camera,
+        doc.world.up_world,
+        doc.subject.keyframes,
+        doc.subject.drafts,
+    )
 
 
 def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
@@ -89,7 +98,7 @@ def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
         sentences.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
     if found.scale != 1.0:
         sentences.append(f"Scaled to the body: × {found.scale:.3g}.")
-    if len(doc.keyframes) < LEAST_TRACKED:
+    if len(doc.subject.keyframes) < LEAST_TRACKED:
         sentences.append("Reduce it to keyframes to see it, to edit it and to track from it.")
     else:
         sentences.append(
@@ -108,7 +117,7 @@ def _of_drafts(found: DraftImport, file: str) -> ImportOutcome:
 
 
 def _no_draft(found: DraftImport, doc: Session) -> str:
-    posed = {k.frame for k in (*doc.keyframes, *doc.drafts)}
+    posed = {k.frame for k in (*doc.subject.keyframes, *doc.subject.drafts)}
     if found.frames and posed.issuperset(found.frames):
         return "All of these frames are posed already: choose others."
     return "No draft could be made: too few keypoints are seen at these frames."

@@ -175,7 +175,7 @@ class Store:
             self._writer.lock.require_writable()
             self._proposals.require_none()
         self._edit_to(update(self._app_state.edit, action))
-        guide = guide_after(self._app_state.guide, action, self._app_state.edit.doc.body)
+        guide = guide_after(self._app_state.guide, action, self._app_state.edit.doc.subject.body)
         if guide is not self._app_state.guide:
             self._set(guide=guide)
 
@@ -186,13 +186,13 @@ class Store:
         if edit is before:
             return
         if before is not None:
-            if self.opened and edit.doc.first_motion != before.doc.first_motion:
+            if self.opened and edit.doc.subject.first_motion != before.doc.subject.first_motion:
                 edit = with_kept_motion(edit, self.opened.session_path)
             edit = edit.stamped(before, time.time())
             if self._app_state.opened is not None:  # an undone step may not know them
                 edit = edit.with_repeats(self._app_state.opened.repeats)
-            video = edit.doc.video
-            if self.opened and video.deinterlace != before.doc.video.deinterlace:
+            video = edit.doc.view.video
+            if self.opened and video.deinterlace != before.doc.view.video.deinterlace:
                 self.opened.video.deinterlace(video.deinterlace)
         fit = self._app_state.fit
         self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
@@ -397,7 +397,7 @@ class Store:
             opened=file,
             revision=received.revision or mark_of(edit.doc),
             edit=edit,
-            guide=Guide(first=not edit.doc.keyframes),
+            guide=Guide(first=not edit.doc.subject.keyframes),
             saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
         )
         self._runner.opened(edit)
@@ -436,7 +436,7 @@ class Store:
         opened, edit = self._app_state.opened, self._app_state.edit
         if opened is None or edit is None:
             return
-        is_news = edit.doc.video.repeats is None
+        is_news = edit.doc.view.video.repeats is None
         self._set(opened=replace(opened, repeats=repeats), edit=edit.with_repeats(repeats))
         if is_news:
             self.note("info", repeats_words(len(repeats.frames), edit.frame_count))

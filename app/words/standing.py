@@ -32,13 +32,13 @@ def standing_words(done: Standing) -> str:
 
 
 def _tilt_words(done: Standing) -> str:
-    assert done.session.up_camera is not None
+    assert done.session.world.up_world is not None
     by = {
         "lines": "by upright lines in the picture",
         "feet": "by how the person stands, which is good to some degrees: draw the horizon to be "
         "surer",
     }[done.up_from]
-    return f"{camera_words(done.session.up_camera)}, {by}"
+    return f"{camera_words(done.session.world.up_world)}, {by}"
 
 
 def camera_words(up_camera: Sequence[float]) -> str:

@@ -96,7 +96,7 @@ class Watched:
         """The clip as it is opened: with the body of a preset."""
         body = preset("adult_female" if self.name == "walk" else "adult_male")
         places = {name: _on_preset(body, name) for name in self.places}
-        session = self.session.model_copy(update={"body": body})
+        session = self.session.changed({"body": body})
         return replace(self, session=session, places=places)
 
     @property
@@ -106,7 +106,7 @@ class Watched:
         uv = np.array(list(self.seen[frame].values()))
         low, high = uv.min(axis=0), uv.max(axis=0)
         room = 0.08 * float(high[1] - low[1])
-        width, height = self.session.video.width, self.session.video.height
+        width, height = self.session.view.video.width, self.session.view.video.height
         left, top = np.maximum(low - room, 0).tolist()
         right, bottom = np.minimum(high + room, (width - 1, height - 1)).tolist()
         return frame, (left, top, right, bottom)
@@ -126,14 +126,14 @@ def _balance() -> Watched:
     """The bundled clip: its own keyframes are how it is understood, and say where joints are."""
     folder = ROOT / "sample_videos" / "balance"
     session = load_session(folder / "session.json")
-    skeleton = Skeleton.of(session.body)
-    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    bare = session.model_copy(update={"keyframes": (), "drafts": (), "results": None})
+    skeleton = Skeleton.of(session.subject.body)
+    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
+    bare = session.changed({"keyframes": (), "drafts": (), "results": None})
     video = folder / "balance.mp4"
     known = of_poses("balance", video, _as_new(bare, video), poses)
     known = replace(known, unmeasured=frozenset({"left_thigh", "right_thigh", "head_top"}))
     with suppress(Absent):  # without the rough joints, at the marked frames alone
-        return _carried(known, _rough(real_clip("person"), bare.camera))
+        return _carried(known, _rough(real_clip("person"), bare.view.camera))
     return known
 
 
@@ -244,8 +244,8 @@ def sized(body: Body) -> Body:
 
 def of_poses(name: str, video: Path, session: Session, poses: Mapping[int, Pose]) -> Watched:
     """All joints are seen where the poses have them."""
-    skeleton, camera = Skeleton.of(session.body), session.camera.without_distortion()
-    names, places = joint_names(skeleton), _places(session.body)
+    skeleton, camera = Skeleton.of(session.subject.body), session.view.camera.without_distortion()
+    names, places = joint_names(skeleton), _places(session.subject.body)
     seen = {}
     for frame, pose in poses.items():
         uv = camera.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
@@ -279,16 +279,16 @@ def _session(video: Video, camera: Camera, body: Body) -> Session:
         width=info.width, height=info.height, stands_still=still_camera(video).still,
     )  # fmt: skip
     settings = Defaults().track_settings
-    return Session(video=reference, camera=camera, body=body, settings=settings)
+    return Session.begin(video=reference, camera=camera, body=body, settings=settings)
 
 
 def _as_new(session: Session, path: Path) -> Session:
     """A session that is there already with the settings of one that is begun."""
     with Video.open(path) as video:
         still = still_camera(video).still
-    reference = session.video.model_copy(update={"stands_still": still})
+    reference = session.view.video.model_copy(update={"stands_still": still})
     settings = Defaults().track_settings
-    return session.model_copy(update={"video": reference, "settings": settings})
+    return session.changed({"video": reference, "settings": settings})
 
 
 def noisy(clip: Watched, sigma_px: float, seed: int) -> Watched:

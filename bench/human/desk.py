@@ -50,7 +50,7 @@ class Desk:
 
     def __init__(self, clip: Watched, settings: TrackSettings, folder: Path) -> None:
         self.clip, self.ledger, self.script = clip, Ledger(), list[str]()
-        session = clip.session.model_copy(update={"settings": settings})
+        session = clip.session.changed({"settings": settings})
         self.video = Video.open(clip.video)
         self.opened = OpenSession(folder / "session.json", session, self.video, fresh=True)
         self.state: EditorState = edit_state(self.opened)[0]
@@ -107,9 +107,9 @@ class Desk:
     def as_turn(self, ring: Ring, deg: float) -> Drag:
         """A ring dragged by so many degrees, as the page sends it."""
         context = GestureContext.of(self.state.skeleton, self.shown().pose, True)
-        part = self.state.doc.body.index(ring.part)
+        part = self.state.doc.subject.body.index(ring.part)
         axis = context.R_camera_part(part)[:, "xyz".index(ring.axis)]
-        view = PointerView.of(self.state.doc.camera)
+        view = PointerView.of(self.state.doc.view.camera)
         start, end = ring_way(view, context.joint(part), axis, np.radians(deg))
         return self.as_drag(ring, end - start, "main", start)
 
@@ -151,7 +151,7 @@ class Desk:
     def project(self, pose: Pose) -> dict[str, Array]:
         """Where the joints that are looked at are drawn, pixels of the main view."""
         p = self.points(pose)
-        uv = self.state.doc.camera.without_distortion().project(np.stack(list(p.values())))
+        uv = self.state.doc.view.camera.without_distortion().project(np.stack(list(p.values())))
         return dict(zip(p, uv, strict=True))
 
     def points(self, pose: Pose) -> dict[str, Array]:

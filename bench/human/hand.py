@@ -116,7 +116,7 @@ class Hand:
     def _face(self) -> None:
         """Before anything is posed, face it as the person does, by one of the four buttons."""
         desk = self.desk
-        if desk.keys or desk.state.doc.drafts:
+        if desk.keys or desk.state.doc.subject.drafts:
             return
         wanted = desk.clip.poses[desk.frame].Rs_parent_part[0]
         ways = [Face(way=way) for way in ("camera", "away", "left", "right")]
@@ -130,7 +130,7 @@ class Hand:
         farther = self._too_large() if self.by_picture else self._too_close()
         if abs(farther) > SIZE_SHARE:
             farther += float(self.random.normal(0.0, SIZE_SIGMA))
-            rise = farther * RISE_TO_E * desk.state.doc.camera.height
+            rise = farther * RISE_TO_E * desk.state.doc.view.camera.height
             message = self._moved(np.array([0.0, -rise]), depth=True)
             desk.act("drag", "match the size", message)
 
@@ -185,7 +185,7 @@ class Hand:
         trunk = self._trunk
         for _ in trunk:
             tries = [("move the body", self._carried())]
-            for handle in handles(self.desk.state.doc.body):
+            for handle in handles(self.desk.state.doc.subject.body):
                 if handle.kind == "corner" and handle.anchor in self.wrong():
                     message = self._onto(_grip(handle), handle.anchor)
                     tries.append(("pull a shoulder or a hip", message))
@@ -216,7 +216,7 @@ class Hand:
     def _turned(self, part: str) -> list[tuple[Axis, float]]:
         """By how many degrees a part would have to be turned about each of its own axes to lie as
         the person's does."""
-        desk, index = self.desk, self.desk.state.doc.body.index(part)
+        desk, index = self.desk, self.desk.state.doc.subject.body.index(part)
         poses = desk.shown().pose, desk.clip.poses[desk.frame]
         now, wanted = (pose_transforms(desk.state.skeleton, p)[index, :3, :3] for p in poses)
         off_deg = np.degrees(log_rotation(now.T @ wanted))
@@ -261,7 +261,7 @@ class Hand:
     def _pull(self, kind: str) -> None:
         """Drag every handle of a kind whose joint looks wrong onto where the joint is seen. Where
         an elbow or a knee does not get there, its hand or foot is too near or too far."""
-        for handle in handles(self.desk.state.doc.body):
+        for handle in handles(self.desk.state.doc.subject.body):
             joint = handle.anchor
             if handle.kind != kind or not self._is_off(joint):
                 continue
@@ -310,13 +310,13 @@ class Hand:
 
     def _set_depth(self) -> None:
         """Hands and feet that are much too near or too far, as the side view shows."""
-        for handle in handles(self.desk.state.doc.body):
+        for handle in handles(self.desk.state.doc.subject.body):
             if handle.kind == "end":
                 self._set_depth_of(handle.name, DEEP_M)
 
     def _set_depth_of(self, name: str, least_m: float) -> None:
         """A hand or a foot, if it is so much too near or too far."""
-        handle = handle_named(self.desk.state.doc.body, name)
+        handle = handle_named(self.desk.state.doc.subject.body, name)
         if handle.anchor not in self.desk.clip.places or abs(self._too_near(handle)) < least_m:
             return
         if self.by_picture and self._turn_in_depth(handle):
@@ -352,7 +352,7 @@ class Hand:
     def _bend(self, middle: BodyHandle) -> None:
         """Drag a hand or foot nearer or farther until elbow or knee are where they are seen; about
         as near or far as it is understood to be."""
-        end, joint = handle_named(self.desk.state.doc.body, middle.limb[-1]), middle.anchor
+        end, joint = handle_named(self.desk.state.doc.subject.body, middle.limb[-1]), middle.anchor
         if end.anchor not in self.desk.clip.places:
             return
         tries = []
@@ -392,7 +392,7 @@ class Hand:
 
     def _farther(self, handle: BodyHandle, by_m: float) -> Drag:
         """Dragged along its line of sight, with D held: up is farther."""
-        view = PointerView.of(self.desk.state.doc.camera)
+        view = PointerView.of(self.desk.state.doc.view.camera)
         p = self.desk.points(self.desk.shown().pose)[handle.anchor]
         rise = by_m / float(view.ray_through(p)[2]) / view.metres_per_unit(p)
         return self.desk.as_drag(_grip(handle), np.array([0.0, -rise]), "main", depth=True)

@@ -77,7 +77,7 @@ def motion_at(desk: Desk, frame: int) -> Pose:
     if tracked is not None:
         return tracked
     inside = desk.keys and desk.keys[0] <= frame <= desk.keys[-1]
-    state = replace(desk.state, doc=desk.state.doc.model_copy(update={"drafts": ()}))
+    state = replace(desk.state, doc=desk.state.doc.changed({"drafts": ()}))
     return shown_pose(state if inside else desk.state, frame).pose
 
 

@@ -48,7 +48,7 @@ def tracker(
         workers: int,
         stop: Event,
     ) -> Iterator[Any]:
-        assert video.info.frame_count == session.video.frame_count
+        assert video.info.frame_count == session.view.video.frame_count
         quality = session.settings.quality
         for i, (kind, (first, last, key)) in enumerate(zip(kinds, wanted, strict=True)):
             if i == stop_after and error is not None:

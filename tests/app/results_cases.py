@@ -20,7 +20,7 @@ PARTS = cases.SKELETON.part_count
 
 def session(**changes: Any) -> Session:
     """Keyframes at 0, 4 and 8."""
-    return cases.session().model_copy(update=changes)
+    return cases.session().changed(changes)
 
 
 def track(

@@ -30,17 +30,17 @@ def meshes(folder: Path, steps: int = STEPS) -> Path:
 def session(steps: int = STEPS, keyframes: tuple[int, ...] = (0,), **surface: Any) -> Session:
     """Posed exactly at these frames."""
     whole = load_session(SAMPLE / "session.json")
-    assert whole.surface is not None
-    skeleton, truth = Skeleton.of(whole.body), np.load(SAMPLE / "truth.npz")
-    at_zero = whole.keyframes[0].pose(skeleton)
+    assert whole.view.surface is not None
+    skeleton, truth = Skeleton.of(whole.subject.body), np.load(SAMPLE / "truth.npz")
+    at_zero = whole.subject.keyframes[0].pose(skeleton)
     posed = []
     for frame in keyframes:
         pose = type(at_zero)(truth["Rs_parent_part"][frame], truth["ps_camera_root"][frame])
-        posed.append(Keyframe.of(skeleton, pose, frame, frame / whole.surface.fps))
-    video = whole.video.model_copy(update={"frame_count": steps})
-    read = whole.surface.model_copy(update=surface)
-    return whole.model_copy(
-        update={"video": video, "keyframes": tuple(posed), "surface": read, "results": None}
+        posed.append(Keyframe.of(skeleton, pose, frame, frame / whole.view.surface.fps))
+    video = whole.view.video.model_copy(update={"frame_count": steps})
+    read = whole.view.surface.model_copy(update=surface)
+    return whole.changed(
+        {"video": video, "keyframes": tuple(posed), "surface": read, "results": None}
     )
 
 
@@ -50,9 +50,9 @@ def write_session(
     """The session file beside its meshes, whose fingerprint it knows."""
     of = session(steps, keyframes, **surface)
     with MeshSequence.open(meshes(folder / "meshes", steps)) as opened:
-        video = of.video.model_copy(update={"fingerprint": opened.fingerprint()})
+        video = of.view.video.model_copy(update={"fingerprint": opened.fingerprint()})
     path = folder / "session.json"
-    save_session(of.model_copy(update={"video": video}), path)
+    save_session(of.changed({"video": video}), path)
     return path
 
 

@@ -53,7 +53,7 @@ class TwoFilms(FilmEvidence):
 
     @classmethod
     def of(cls, session: Session) -> TwoFilms | None:
-        return cls(session.video) if "second" in (session.model_extra or {}) else None
+        return cls(session.view.video) if "second" in (session.model_extra or {}) else None
 
 
 @pytest.fixture(autouse=True)
@@ -110,7 +110,7 @@ def test_storage_speaks_its_words(path: Path) -> None:
 
 def test_what_it_was_tracked_for_is_named_in_its_words(path: Path) -> None:
     tracked = save_result(load_session(path), path, cases.result())
-    other = tracked.model_copy(update={"camera": cases.CAMERA.model_copy(update={"fx": 61.0})})
+    other = tracked.changed({"camera": cases.CAMERA.model_copy(update={"fx": 61.0})})
     message = outdated_words(other, load_tracks(tracked, path))
     assert message == "the tracked motion is out of date (body or either film have changed)."
 
@@ -130,7 +130,7 @@ def test_advice_is_that_of_what_it_is_derived_from() -> None:
 
 
 def test_without_keyframes_it_is_refused_before_any_work(path: Path) -> None:
-    bare = load_session(path).model_copy(update={"keyframes": ()})
+    bare = load_session(path).changed({"keyframes": ()})
     with pytest.raises(SessionError, match="has no keyframes"):
         require_trackable(bare, path)
 
@@ -144,7 +144,7 @@ def test_what_is_its_own_is_one_entry_of_a_room_s_table(
 ) -> None:
     class Renamed(FilmFiles):
         def fingerprint_at(self, session: Session, path: Path) -> str | None:
-            return session.video.fingerprint if path.name == "both" else None
+            return session.view.video.fingerprint if path.name == "both" else None
 
     entries: dict[Any, Any] = {TwoFilms: Renamed(), FilmEvidence: FilmFiles()}
     monkeypatch.setattr(storage, "FILES", ByEvidence(entries))

@@ -32,7 +32,7 @@ def write_walk(folder: Path, film: str = "walk.mkv", rate: int = 30) -> tuple[Pa
     write_numbered(clip, FRAMES, rate=rate)
     motion = crossing(SKELETON, FRAMES)
     camera = Camera(width=WIDTH, height=HEIGHT, fx=60.0, fy=60.0, cx=31.5, cy=23.5)
-    session = Session(
+    session = Session.begin(
         video=VideoReference(
             path=clip.name, fingerprint="", frame_count=FRAMES, width=WIDTH, height=HEIGHT
         ),

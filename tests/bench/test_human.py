@@ -125,7 +125,7 @@ def posed_by_hand() -> tuple[Effort, dict[str, float], list[str]]:
     """One frame of the rendered sample posed from nothing: what it took, how far off each joint is
     then, and what still looks wrong."""
     folder = ROOT / "sample_videos" / "person"
-    bare = load_session(folder / "session.json").model_copy(update={"keyframes": ()})
+    bare = load_session(folder / "session.json").changed({"keyframes": ()})
     with np.load(folder / "truth.npz") as truth:
         poses = {0: Pose(truth["Rs_parent_part"][0], truth["ps_camera_root"][0])}
     clip = noisy(of_poses("sample", folder / "person.mp4", bare, poses), 2.0, 0)
@@ -140,10 +140,12 @@ def posed_by_hand() -> tuple[Effort, dict[str, float], list[str]]:
 def test_a_size_is_judged_by_the_picture_alone() -> None:
     folder = ROOT / "sample_videos" / "person"
     known = load_session(folder / "session.json")
-    pose = known.keyframes[0].pose(Skeleton.of(known.body))
+    pose = known.subject.keyframes[0].pose(Skeleton.of(known.subject.body))
     farther = Pose(pose.Rs_parent_part, 1.1 * pose.p_camera_root)
-    bare = known.model_copy(update={"keyframes": known.keyframes[:1]})
-    clip = of_poses("sample", folder / "person.mp4", bare, {known.keyframes[0].frame: farther})
+    bare = known.changed({"keyframes": known.subject.keyframes[:1]})
+    clip = of_poses(
+        "sample", folder / "person.mp4", bare, {known.subject.keyframes[0].frame: farther}
+    )
     with desk(clip, TrackSettings()) as there:
         hand = Hand.of(there, 0, by_picture=True)
         assert hand._too_large() == pytest.approx(np.log(1.1), abs=0.01)

@@ -18,7 +18,7 @@ PERSON = ROOT / "sample_videos" / "person"
 
 def true_poses() -> list[Keyframe]:
     """The true pose of every frame."""
-    skeleton = Skeleton.of(load_session(PERSON / "session.json").body)
+    skeleton = Skeleton.of(load_session(PERSON / "session.json").subject.body)
     with np.load(PERSON / "truth.npz") as truth:
         poses = list(zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True))
     return [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
@@ -30,5 +30,5 @@ def save_sample(folder: Path, **fields: Any) -> Path:
     path.parent.mkdir()
     (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
     session = load_session(PERSON / "session.json")
-    save_session(session.model_copy(update={"part_keyframes": (), **fields}), path)
+    save_session(session.changed({"part_keyframes": (), **fields}), path)
     return path

@@ -37,5 +37,5 @@ def waiting(page: Page) -> int:
 
 def marks(session: Path) -> list[int]:
     """Those that are on the disk, in their order."""
-    masks = load_session(session).ignore_masks
+    masks = load_session(session).view.ignore_masks
     return [round(mask.polygon[0][0]) for mask in masks]

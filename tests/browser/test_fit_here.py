@@ -50,13 +50,13 @@ def disturbed(desk: Desk) -> None:
 def error_px(desk: Desk) -> float:
     """Mean distance in the picture of all joints from where they truly are."""
     session = load_session(ROOT / "sample_videos" / "person" / "session.json")
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     with np.load(ROOT / "sample_videos" / "person" / "truth.npz") as truth:
         pose = Pose(truth["Rs_parent_part"][FRAME], truth["ps_camera_root"][FRAME])
     true = joint_positions(skeleton, pose_transforms(skeleton, pose))
     reported = desk.served["pose"]["points"]
     here = np.array([reported[name] for name in joint_names(skeleton)])
-    uv = (session.camera.project(points) for points in (here, true))
+    uv = (session.view.camera.project(points) for points in (here, true))
     return float(np.linalg.norm(np.subtract(*uv), axis=-1).mean())
 
 

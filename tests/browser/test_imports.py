@@ -42,7 +42,7 @@ def shown(sheet: Locator, words: str) -> None:
 
 
 def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
-    motion, body = recordings.trajectory("person"), recordings.session("person").body
+    motion, body = recordings.trajectory("person"), recordings.session("person").subject.body
     drop(work, "walk.bvh", recordings.bvh_of(Skeleton.of(body), motion, 1 / 30).encode())
     sheet = work.page.locator("#importing")
     shown(sheet, "Recorded motion")
@@ -64,7 +64,7 @@ def test_a_dropped_motion_is_recognised_imported_and_undone(work: Desk) -> None:
 
 
 def test_a_name_that_is_not_known_is_given_its_place_on_the_body(work: Desk) -> None:
-    page, body = work.page, recordings.session("person").body
+    page, body = work.page, recordings.session("person").subject.body
     text = recordings.bvh_of(Skeleton.of(body), recordings.trajectory("person"), 1 / 30)
     assert "JOINT left_foot\n" in text
     drop(work, "odd.bvh", text.replace("JOINT left_foot\n", "JOINT Paw_1\n").encode())

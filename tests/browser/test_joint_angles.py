@@ -26,7 +26,7 @@ def knees() -> dict[str, list[float]]:
     session = load_session(PERSON / "session.json")
     with np.load(PERSON / "truth.npz") as truth:
         Rs = truth["Rs_parent_part"]
-    found = {one.joint.name: one for one in joint_angles(session.body, Rs, np.eye(3))}
+    found = {one.joint.name: one for one in joint_angles(session.subject.body, Rs, np.eye(3))}
     return {side: found[f"{side}_knee"]["flexion"].tolist() for side in ("left", "right")}
 
 

@@ -41,16 +41,16 @@ PROJECTED = """
 
 def seen(session: Session) -> Keypoints:
     """Where the film shows the joints of the first segment, one of them unsure."""
-    skeleton = Skeleton.of(session.body)
-    _, parts, points = points_on_body(session.body, JOINTS)
+    skeleton = Skeleton.of(session.subject.body)
+    _, parts, points = points_on_body(session.subject.body, JOINTS)
     where = BodyPoints.single(skeleton, parts, points)
     truth = np.load(ROOT / "sample_videos" / "person" / "truth.npz")
-    rows = slice(session.keyframes[1].frame + 1)
+    rows = slice(session.subject.keyframes[1].frame + 1)
     path = Trajectory(0, truth["Rs_parent_part"][rows], truth["ps_camera_root"][rows])
     p = where.at(path.transforms(skeleton))
     sure = np.full(p.shape[:2], 0.9)
     sure[:, UNSURE] = 0.5
-    return Keypoints(0, JOINTS, session.camera.project(p), sure)
+    return Keypoints(0, JOINTS, session.view.camera.project(p), sure)
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         session = load_session(path)
         chosen = {"cues": ("brightness", "keypoints"), "quality": "preview"}
         settings = session.settings.model_copy(update=chosen)
-        session = session.model_copy(update={"settings": settings})
+        session = session.changed({"settings": settings})
         save_session(save_keypoints(session, path, seen(session), "points.json"), path)
 
     folder = tmp_path_factory.mktemp("keypoints")
@@ -161,7 +161,7 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
 ) -> None:
     def begin(path: Path) -> None:
         session = load_session(path)
-        first = session.keyframes[1]
+        first = session.subject.keyframes[1]
         frames = range(31, 73)
         drafts = tuple(first.model_copy(update={"frame": n, "time_s": n / 30}) for n in frames)
         missing = [{"first_frame": 0, "last_frame": 30}]
@@ -169,7 +169,7 @@ def test_where_nobody_was_found_it_is_said_with_what_to_do(
         found = {"first_frame": 0, "last_frame": 72, "missing": missing, "places": places}
         drafted = Drafted.model_validate(found)
         update = {"keyframes": (), "drafts": drafts, "results": None, "drafted": drafted}
-        save_session(session.model_copy(update=update), path)
+        save_session(session.changed(update), path)
 
     with desk(browser, tmp_path, size=(1440, 900), own=True, begin=begin) as made:
         page = made.page

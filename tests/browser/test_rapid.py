@@ -56,8 +56,10 @@ def all_agree(desk: Desk) -> dict[str, Any]:
 def _saved(path: Path, frame: int) -> Array:
     """(P, 3, 4) the parts at a posed frame, as the file has it."""
     session = load_session(path)
-    skeleton = Skeleton.of(session.body)
-    posed = next(k for k in (*session.keyframes, *session.drafts) if k.frame == frame)
+    skeleton = Skeleton.of(session.subject.body)
+    posed = next(
+        k for k in (*session.subject.keyframes, *session.subject.drafts) if k.frame == frame
+    )
     return pose_transforms(skeleton, posed.pose(skeleton))[:, :3]
 
 

@@ -138,7 +138,7 @@ def test_an_edit_goes_to_the_frame_at_which_it_was_made(lasting: Work) -> None:
     work.page.evaluate(send, {"do": "root", "z": 7.5})
     work.start()
     work.sent()
-    depths = {k.frame: k.root_m[2] for k in load_session(work.session).keyframes}
+    depths = {k.frame: k.root_m[2] for k in load_session(work.session).subject.keyframes}
     assert depths[48] == pytest.approx(7.5)
     assert depths[0] != pytest.approx(7.5)
 
@@ -190,7 +190,7 @@ def test_where_another_session_is_open_the_edits_wait_for_their_own(work: Work) 
     work.page.get_by_role("button", name="Open person").click()
     work.sent()
     assert work.marks() == [0, 1, 2]
-    assert not load_session(work.folder / "box" / "session.json").ignore_masks
+    assert not load_session(work.folder / "box" / "session.json").view.ignore_masks
 
 
 def test_a_page_says_that_the_connection_is_lost_and_comes_back_by_itself(lasting: Work) -> None:

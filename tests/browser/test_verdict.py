@@ -42,13 +42,13 @@ WORST = {
 
 def tracked(session: Session) -> SegmentResult:
     """The segment 0–24 as if it had been tracked."""
-    skeleton = Skeleton.of(session.body)
-    one, other = (keyframe.pose(skeleton) for keyframe in session.keyframes[:2])
+    skeleton = Skeleton.of(session.subject.body)
+    one, other = (keyframe.pose(skeleton) for keyframe in session.subject.keyframes[:2])
     path, key = interpolate(one, other, 0, 24), segment_keys(session)[0, 24]
     error = np.full((25, skeleton.part_count), np.nan)
     for name, (px, frame) in WORST.items():
-        error[:, session.body.index(name)] = 0.8 * px
-        error[frame, session.body.index(name)] = px
+        error[:, session.subject.body.index(name)] = 0.8 * px
+        error[frame, session.subject.body.index(name)] = px
     unknown = Diagnostics.side_by_side((), 25, skeleton.part_count, skeleton.dof_count)
     found = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
     return replace(found, verdict=GOOD, diagnostics=replace(unknown, expected_error=error))
@@ -59,7 +59,7 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     def begin(path: Path) -> None:
         session = load_session(path)
         both = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
-        session = session.model_copy(update={"settings": both})
+        session = session.changed({"settings": both})
         found = tracked(session)
         save_session(save_results(session, path, Results({found.key: found})), path)
 

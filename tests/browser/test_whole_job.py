@@ -158,7 +158,7 @@ def _comes_back(page: Page, sample: Path) -> None:
     page.wait_for_selector("html[data-ready]", state="attached")
     until(lambda: _all(page) == before, "all that was there")
     screen(page, "11-reloaded")
-    assert len(load_session(sample).keyframes) == 4
+    assert len(load_session(sample).subject.keyframes) == 4
 
 
 def _all(page: Page) -> dict[str, Any]:

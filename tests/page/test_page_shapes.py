@@ -63,9 +63,9 @@ def differences(value: Any, kind: str, shapes: Mapping[str, Any], where: str) ->
 def previewed(edit: EditorState) -> SizesPreview:
     """New sizes with a choice."""
     doc, change = edit.doc, ("head", "length", 20.0, 21.0)
-    poses = {key.frame: key.pose(edit.skeleton) for key in doc.keyframes}
+    poses = {key.frame: key.pose(edit.skeleton) for key in doc.subject.keyframes}
     turns = {frame: (("head", 2.0),) for frame in poses}
-    proposal = Proposal(doc.body, doc.camera, poses, (change,), 4.1, turns)
+    proposal = Proposal(doc.subject.body, doc.view.camera, poses, (change,), 4.1, turns)
     found = SizesFitted("Head 5 % longer.", 6.2, proposal, proposal, ("neck",))
     return SizesPreview(found, doc, doc, doc, poses=True)
 
@@ -82,7 +82,7 @@ DRAG = {
 
 def drafted() -> AppState:
     """A film with a draft, and keypoints at its frame."""
-    pose = desk().doc.keyframes[0]
+    pose = desk().doc.subject.keyframes[0]
     places = [{"frame": 1, "reason": "hidden", "parts": ["head"]}]
     found = {"first_frame": 0, "last_frame": 3, "places": places}
     missing = {"missing": [{"first_frame": 2, "last_frame": 3}]}
@@ -92,7 +92,7 @@ def drafted() -> AppState:
         "drafted": Drafted.model_validate({**found, **missing, "rest": left}),
     }
     seen = Keypoints(0, JOINTS, np.full((1, 12, 2), 5.0), np.ones((1, 12)))
-    edit = desk().with_doc(desk().doc.model_copy(update=update))
+    edit = desk().with_doc(desk().doc.changed(update))
     return AppState(edit=edit, keypoints=KnownKeypoints(of_file=seen))
 
 

@@ -78,23 +78,23 @@ def test_the_sample_is_small_and_its_keyframe_is_the_truth() -> None:
     assert sum(path.stat().st_size for path in FOLDER.rglob("*") if path.is_file()) < MOST_BYTES
     session = load_session(Path(FOLDER) / "session.json")
     truth = archive_arrays((Path(FOLDER) / "truth.npz").read_bytes())
-    skeleton = Skeleton.of(session.body)
-    (keyframe,) = session.keyframes
+    skeleton = Skeleton.of(session.subject.body)
+    (keyframe,) = session.subject.keyframes
     pose = keyframe.pose(skeleton)
     np.testing.assert_allclose(pose.Rs_parent_part, truth["Rs_parent_part"][0], atol=1e-12)
     np.testing.assert_allclose(pose.p_camera_root, truth["ps_camera_root"][0])
-    assert len(truth["ps_camera_root"]) == session.video.frame_count == STEPS
+    assert len(truth["ps_camera_root"]) == session.view.video.frame_count == STEPS
 
 
 def test_the_samples_meshes_lie_about_the_true_arms() -> None:
     session = load_session(Path(FOLDER) / "session.json")
     truth = archive_arrays((Path(FOLDER) / "truth.npz").read_bytes())
-    assert session.surface is not None
-    with MeshSequence.open(FOLDER / session.video.path) as sequence:
+    assert session.view.surface is not None
+    with MeshSequence.open(FOLDER / session.view.video.path) as sequence:
         assert sequence.frame_count == STEPS
         for step in (0, 9, 18):
             pose = Pose(truth["Rs_parent_part"][step], truth["ps_camera_root"][step])
-            mesh = placement_of(session.surface).place(sequence.mesh(step))
+            mesh = placement_of(session.view.surface).place(sequence.mesh(step))
             tree = cKDTree(np.concatenate(clouds("tripod", pose)))
             assert np.median(tree.query(mesh.vertices)[0]) < 0.012
             assert mesh.consistency is not None
@@ -102,9 +102,9 @@ def test_the_samples_meshes_lie_about_the_true_arms() -> None:
 
 def test_the_samples_cameras_look_at_its_arms() -> None:
     session = load_session(Path(FOLDER) / "session.json")
-    assert session.surface is not None
-    p_arms = np.array(session.keyframes[0].root_m)
-    views = Rig.open(FOLDER / "cameras.json").views(np.array(session.surface.p_camera_surface))
+    assert session.view.surface is not None
+    p_arms = np.array(session.subject.keyframes[0].root_m)
+    views = Rig.open(FOLDER / "cameras.json").views(np.array(session.view.surface.p_camera_surface))
     assert len(views) == 15
     for view in views:
         assert np.abs(view.project(p_arms) - (320, 240)).max() < 140

@@ -23,10 +23,10 @@ def test_a_sample_is_small_and_its_keyframes_are_the_truth(name: str) -> None:
     assert (folder / f"{name}.mp4").stat().st_size < LARGEST_BYTES[name]
     session = load_session(folder / "session.json")
     truth = archive_arrays((folder / "truth.npz").read_bytes())
-    skeleton = Skeleton.of(session.body)
-    assert len(truth["ps_camera_root"]) == session.video.frame_count
-    assert session.keyframes[-1].frame == session.video.frame_count - 1
-    for keyframe in session.keyframes:
+    skeleton = Skeleton.of(session.subject.body)
+    assert len(truth["ps_camera_root"]) == session.view.video.frame_count
+    assert session.subject.keyframes[-1].frame == session.view.video.frame_count - 1
+    for keyframe in session.subject.keyframes:
         pose = keyframe.pose(skeleton)
         true_Rs = truth["Rs_parent_part"][keyframe.frame]
         np.testing.assert_allclose(pose.Rs_parent_part, true_Rs, atol=1e-12)
@@ -48,14 +48,16 @@ def test_the_filmed_clip_has_its_licence_and_its_poses_lie_on_its_marks() -> Non
     assert "BSD 3-Clause" in (folder / "LICENSE").read_text("utf-8")
     session = load_session(folder / "session.json")
     open_video_of(session, folder / "session.json").close()
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     names = joint_names(skeleton)
     marks = make_balance.marks()
-    assert [mark.frame for mark in marks] == [keyframe.frame for keyframe in session.keyframes]
+    assert [mark.frame for mark in marks] == [
+        keyframe.frame for keyframe in session.subject.keyframes
+    ]
     misses_px = []
-    for mark, keyframe in zip(marks, session.keyframes, strict=True):
+    for mark, keyframe in zip(marks, session.subject.keyframes, strict=True):
         Ts = pose_transforms(skeleton, keyframe.pose(skeleton))
-        uv = session.camera.project(joint_positions(skeleton, Ts))
+        uv = session.view.camera.project(joint_positions(skeleton, Ts))
         known = [name for name in mark.uv if name in names]
         at_marks = uv[[names.index(name) for name in known]]
         misses_px.append(at_marks - [mark.uv[name] for name in known])

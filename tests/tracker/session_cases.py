@@ -86,7 +86,7 @@ def session(video: Path | None = None, keyframes: tuple[int, ...] = KEYFRAMES) -
     if video is not None:
         with Video.open(video) as opened:
             fingerprint = opened.fingerprint()
-    return Session(
+    return Session.begin(
         video=VideoReference(
             path="frames",
             fingerprint=fingerprint,

@@ -106,7 +106,7 @@ def test_a_file_that_claims_no_size_is_not_believed() -> None:
 
 
 def load_any_reference(path: Path) -> object:
-    return load_reference(path, Skeleton.of(cases.session().body))
+    return load_reference(path, Skeleton.of(cases.session().subject.body))
 
 
 READERS: dict[str, Callable[[Path], object]] = {

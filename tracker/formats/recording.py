@@ -112,15 +112,15 @@ class Recording:
         times_s are those of all the video's frames, from frame 0. A segment whose frames have no
         poses is left out.
         """
-        keyed = [keyframe.frame for keyframe in session.keyframes]
+        keyed = [keyframe.frame for keyframe in session.subject.keyframes]
         first = min([tracks.first_frame, *keyed])
         last = max([tracks.first_frame + len(tracks.tracked) - 1, *keyed])
         if first < 0 or last >= len(times_s):
             raise FormatError("The tracked motion is longer than the video.")
-        up = np.array(session.up_camera or CAMERA_UP)
+        up = np.array(session.world.up_world or CAMERA_UP)
         return cls(
-            Skeleton.of(session.body),
-            session.camera,
+            Skeleton.of(session.subject.body),
+            session.view.camera,
             tracks.between(first, last),
             tuple(s for s in sorted(segments, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
@@ -128,11 +128,11 @@ class Recording:
             tuple(sorted(_open_ends(session, segments))),
             _mean_rate(times_s),
             notes=session.notes,
-            part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
-            floor_m=session.floor_m,
+            part_frames=tuple(keyframe.frame for keyframe in session.subject.part_keyframes),
+            floor_m=session.world.floor_m,
             timecode=timecode,
-            pins=session.pins,
-            repeats=session.video.repeats,
+            pins=session.subject.pins,
+            repeats=session.view.video.repeats,
         )
 
     def __len__(self) -> int:
@@ -352,7 +352,7 @@ def _mean_rate(times_s: Array) -> float | None:
 def _open_ends(session: Session, segments: Sequence[RecordedSegment]) -> set[int]:
     """Frames where segments of surfaces end without a keyframe."""
     ends = {frame for s in segments for frame in (s.first_frame, s.last_frame)}
-    keyed = [keyframe.frame for keyframe in session.keyframes]
+    keyed = [keyframe.frame for keyframe in session.subject.keyframes]
     return set(session.evidence.open_ends(keyed, ends))
 
 

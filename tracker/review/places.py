@@ -117,14 +117,14 @@ def _review(doc: ById, results: ById) -> Review:
     return Review(
         places=tuple(places),
         answered=tuple(
-            answer_given for answer_given in session.reviewed if known.counts(answer_given)
+            answer_given for answer_given in session.subject.reviewed if known.counts(answer_given)
         ),
         goal_px=_goal(right),
         right_px=right,
         px=px,
         cm=cm,
         untracked=tuple(span for span in session.spans if span not in known.tracks),
-        body_m=height(session.body),
+        body_m=height(session.subject.body),
     )
 
 
@@ -234,10 +234,10 @@ def _drafts(known: JudgedSegments, doc: Session) -> Iterator[Place]:
     tracks = known.tracks.values()
     drafts = {
         draft.frame: draft
-        for draft in doc.drafts
+        for draft in doc.subject.drafts
         if not (draft.is_found and any(t.first < draft.frame < t.last for t in tracks))
     }
-    for why in doc.drafted.places if doc.drafted else ():
+    for why in doc.subject.drafted.places if doc.subject.drafted else ():
         draft, part = drafts.get(why.frame), why.parts[0] if why.parts else None
         if draft is None or known.skeleton is None:
             continue
@@ -256,11 +256,11 @@ def _is_unclear(doc: Session, place: Place) -> bool:
     """Return whether a person marked this draft as unclear. It may have learned from keyframes
     since, but a draft that is elsewhere is another one.
     """
-    elsewhere_m = ELSEWHERE * height(doc.body)
+    elsewhere_m = ELSEWHERE * height(doc.subject.body)
     return any(
         answer_given.frame == place.frame
         and float(np.linalg.norm(answer_given.seen_m - place.end_m)) < elsewhere_m
-        for answer_given in doc.reviewed
+        for answer_given in doc.subject.reviewed
     )
 
 

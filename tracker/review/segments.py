@@ -60,11 +60,11 @@ class JudgedSegments:
         """Judge a session whose present segments have these results, finished or not."""
         return cls(
             tracks={span: _keyed(doc, track) for span, track in fitting.items() if track.finished},
-            parts=doc.body.names,
-            skeleton=Skeleton.of(doc.body),
-            camera=doc.camera,
-            guessed=doc.lens_is_guess,
-            reviewed=doc.reviewed,
+            parts=doc.subject.body.names,
+            skeleton=Skeleton.of(doc.subject.body),
+            camera=doc.view.camera,
+            guessed=doc.view.lens_is_guess,
+            reviewed=doc.subject.reviewed,
             halves=not doc.evidence.has_surface,
         )
 
@@ -167,13 +167,13 @@ class JudgedSegments:
 
 def _keyed(doc: Session, track: SegmentResult) -> SegmentResult:
     """Without an expected error where a part was keyed by itself."""
-    keys = [key for key in doc.part_keyframes if track.first < key.frame < track.last]
+    keys = [key for key in doc.subject.part_keyframes if track.first < key.frame < track.last]
     errors = track.diagnostics.expected_error
     if errors is None or not keys:
         return track
     errors = errors.copy()
     for key in keys:
-        errors[key.frame - track.first, [doc.body.index(name) for name in key.parts]] = 0.0
+        errors[key.frame - track.first, [doc.subject.body.index(name) for name in key.parts]] = 0.0
     return replace(track, diagnostics=replace(track.diagnostics, expected_error=errors))
 
 

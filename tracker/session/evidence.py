@@ -199,7 +199,7 @@ class FilmEvidence(Evidence):
 
     @classmethod
     def of(cls, session: Session) -> Self | None:
-        return cls(session.video) if session.surface is None else None
+        return cls(session.view.video) if session.view.surface is None else None
 
     def open_ends(self, keyed: Frames, reached: Frames | None = None) -> tuple[int, ...]:
         return ()
@@ -241,7 +241,9 @@ class SurfaceEvidence(Evidence):
 
     @classmethod
     def of(cls, session: Session) -> Self | None:
-        return None if session.surface is None else cls(session.video, session.surface)
+        return (
+            None if session.view.surface is None else cls(session.view.video, session.view.surface)
+        )
 
     def open_ends(self, keyed: Frames, reached: Frames | None = None) -> tuple[int, ...]:
         ends = {0, self.video.frame_count - 1} if reached is None else set(reached)
@@ -306,9 +308,9 @@ def evidence_of(session: Session) -> Evidence:
 
 def surface_of(session: Session) -> Surface:
     """Return how the surfaces of a session are read; TypeError where it is not about such."""
-    if session.surface is None:
+    if session.view.surface is None:
         raise TypeError("the session is not about surfaces")
-    return session.surface
+    return session.view.surface
 
 
 class ByEvidence(Generic[T]):

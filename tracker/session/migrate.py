@@ -121,7 +121,30 @@ def _part_names(data: Mapping[str, Any]) -> list[str]:
     return [name for name in names if isinstance(name, str)]
 
 
-PRESENT: Final = 3
+_OF_VIEW: Final = (
+    "video", "camera", "lens_source", "ignore_masks", "keypoints", "keypoint_corrections",
+    "surface",
+)  # fmt: skip
+_OF_BODY: Final = (
+    "body", "keyframes", "part_keyframes", "drafts", "pins", "first_motion", "drafted",
+    "reviewed", "ahead", "results",
+)  # fmt: skip
+_OF_WORLD: Final = {"up_camera": "up_world", "up_from_feet": "up_from_feet", "floor_m": "floor_m"}
+"""Fields of the flat session of version 3, and what of it they are from version 4 on."""
+
+
+def migrate_to_4(data: dict[str, Any]) -> dict[str, Any]:
+    """A session's JSON with its one view, its one body and its world apart."""
+    moved = {*_OF_VIEW, *_OF_BODY, *_OF_WORLD}
+    return {
+        **{name: value for name, value in data.items() if name not in moved},
+        "views": [{name: data[name] for name in _OF_VIEW if name in data}],
+        "bodies": [{name: data[name] for name in _OF_BODY if name in data}],
+        "world": {now: data[name] for name, now in _OF_WORLD.items() if name in data},
+    }
+
+
+PRESENT: Final = 4
 
 Data: TypeAlias = dict[str, Any]
 
@@ -134,7 +157,7 @@ def _from_1(data: Data) -> Data:
     return data
 
 
-STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: migrate_to_3}
+STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: migrate_to_3, 3: migrate_to_4}
 """From each older version to the one after it."""
 
 

@@ -19,110 +19,117 @@ from pydantic import Field, model_validator
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
 from keypose.tracker.session.annotations import (
-    Ahead,
-    Drafted,
-    KeypointCorrection,
     NoteList,
-    ReviewedList,
     require_ahead,
     require_corrections,
     require_notes,
 )
+from keypose.tracker.session.bodies import TrackedBody
+from keypose.tracker.session.counts import MOST, few, require_few
 from keypose.tracker.session.evidence import Evidence, evidence_of
-from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, quaternions_of
+from keypose.tracker.session.keyframe import Keyframe, quaternions_of
 from keypose.tracker.session.migrate import PRESENT
-from keypose.tracker.session.pins import PinList, require_pins
-from keypose.tracker.session.references import FirstMotion, KeypointFile, Surface, VideoReference
-from keypose.tracker.session.results import Results
+from keypose.tracker.session.pins import require_pins
 from keypose.tracker.session.settings import (
-    IgnoreMask,
     Metres,
     Plain,
     Position,
     TrackSettings,
     is_unknown,
 )
+from keypose.tracker.session.views import View
 
-
-def require_part_keyframes(session: Session) -> None:
-    """ValueError in one sentence unless each names parts of the body besides its root, at a frame
-    of a film that is no keyframe."""
-    if not session.part_keyframes:
-        return
-    if session.surface is not None:
-        raise ValueError(
-            "part_keyframes: a body is fitted to surfaces as a whole; make them keyframes"
-        )
-    root, keyed = session.body.names[0], {keyframe.frame for keyframe in session.keyframes}
-    for each in session.part_keyframes:
-        if each.frame in keyed:
-            raise ValueError(f"part_keyframes: frame {each.frame} is a keyframe; one is allowed")
-        unknown = sorted(set(each.parts) - set(session.body.names))
-        if unknown:
-            raise ValueError(
-                f"part_keyframes: frame {each.frame} names {unknown[0]!r}, which the body does not "
-                f"have; its parts are {', '.join(session.body.names)}"
-            )
-        if root in each.parts:
-            raise ValueError(
-                f"part_keyframes: frame {each.frame} names {root!r}, which carries all others; "
-                "make it a keyframe"
-            )
-        if len(set(each.parts)) < len(each.parts):
-            raise ValueError(f"part_keyframes: frame {each.frame} names a part twice")
-
+MOST_VIEWS, MOST_BODIES = 32, 32
+"""Far above what one scene has."""
 
 NEAREST_M = 0.05
 """The least depth of a joint."""
 
-MOST: Mapping[str, int] = {
-    "keyframes": 10_000,
-    "part_keyframes": 10_000,
-    "drafts": 10_000,
-    "ignore_masks": 10_000,
-    "keypoint_corrections": 10_000,
-    "pins": 10_000,
-    "notes": 1_000,
-    "reviewed": 10_000,
-    "ahead": 100,
-}
-"""Far above what a person sets in a session, and above what standing on the floor pins."""
-
 POSES_AT_A_TIME = 500
 
 
-def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
+def require_fit(session: Session, subject: TrackedBody, poses: Sequence[Keyframe]) -> None:
     """ValueError in one sentence unless the session's values, each valid by itself, fit together.
 
-    poses: the keyframes, of parts too, and drafts to check against body and video; the others are
-        known to fit.
+    subject: the body to check.  poses: the keyframes, of parts too, and drafts of it to check
+        against body and video; the others are known to fit.
     """
-    require_few({name: getattr(session, name) for name in MOST})
-    camera, video = session.camera, session.video
+    require_few({name: session.value(name) for name in MOST if name in PART_OF})
+    require_few({name: getattr(subject, name) for name in MOST if name in SUBJECT_FIELDS})
+    for view in session.views:
+        _require_view(view, session.view)
+    _require_ids("views", session.views)
+    _require_ids("bodies", session.bodies)
+    _require_sorted(subject.keyframes)
+    _require_sorted(subject.drafts)
+    _require_sorted(subject.part_keyframes)
+    _require_part_keyframes(subject, session.view)
+    _require_direction(session.world.up_world)
+    _require_parts(session.settings.left_out, session.bodies)
+    frame_count = session.view.video.frame_count
+    require_pins(subject.pins, subject.body, frame_count)
+    require_notes(session.notes, frame_count)
+    require_ahead(subject.ahead, subject.body, frame_count)
+    for keyframe in poses:
+        _require_in_video(keyframe, frame_count)
+        _require_known_parts(keyframe, subject.body)
+    skeleton = Skeleton.of(subject.body)
+    for start in range(0, len(poses), POSES_AT_A_TIME):
+        _require_before_camera(poses[start : start + POSES_AT_A_TIME], skeleton)
+
+
+def _require_view(view: View, first: View) -> None:
+    camera, video = view.camera, view.video
     if (camera.width, camera.height) != (video.width, video.height):
         raise ValueError(
             f"camera.width × height is {camera.width}×{camera.height} but video.width × height is "
             f"{video.width}×{video.height}; the sizes must agree, both the video's own"
         )
-    _require_sorted(session.keyframes)
-    _require_sorted(session.drafts)
-    _require_sorted(session.part_keyframes)
-    require_part_keyframes(session)
-    _require_direction(session.up_camera)
-    _require_parts(session.settings.left_out, session.body)
-    require_pins(session.pins, session.body, video.frame_count)
-    require_notes(session.notes, video.frame_count)
-    require_ahead(session.ahead, session.body, video.frame_count)
-    require_corrections(session.keypoint_corrections, video.frame_count, video.width, video.height)
-    for keyframe in poses:
-        _require_in_video(keyframe, video.frame_count)
-        _require_known_parts(keyframe, session.body)
-    skeleton = Skeleton.of(session.body)
-    for start in range(0, len(poses), POSES_AT_A_TIME):
-        _require_before_camera(poses[start : start + POSES_AT_A_TIME], skeleton)
+    if video.frame_count != first.video.frame_count:
+        raise ValueError(
+            f"views: {view.id!r} has {video.frame_count} frames and {first.id!r} "
+            f"{first.video.frame_count}; all views must have the same frames"
+        )
+    if view is first and (view.T_camera_world != np.eye(4)).any():
+        raise ValueError(f"views: {view.id!r} is the first, whose camera is the world's frame")
+    require_corrections(view.keypoint_corrections, video.frame_count, video.width, video.height)
+
+
+def _require_ids(what: str, them: Sequence[View | TrackedBody]) -> None:
+    ids = [one.id for one in them]
+    twice = next((one for one in ids if ids.count(one) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{what}: two have the id {twice!r}; each needs its own")
+
+
+def _require_part_keyframes(subject: TrackedBody, view: View) -> None:
+    """ValueError in one sentence unless each names parts of the body besides its root, at a frame
+    of a film that is no keyframe."""
+    if not subject.part_keyframes:
+        return
+    if view.surface is not None:
+        raise ValueError(
+            "part_keyframes: a body is fitted to surfaces as a whole; make them keyframes"
+        )
+    names, keyed = subject.body.names, {keyframe.frame for keyframe in subject.keyframes}
+    for each in subject.part_keyframes:
+        if each.frame in keyed:
+            raise ValueError(f"part_keyframes: frame {each.frame} is a keyframe; one is allowed")
+        unknown = sorted(set(each.parts) - set(names))
+        if unknown:
+            raise ValueError(
+                f"part_keyframes: frame {each.frame} names {unknown[0]!r}, which the body does not "
+                f"have; its parts are {', '.join(names)}"
+            )
+        if names[0] in each.parts:
+            raise ValueError(
+                f"part_keyframes: frame {each.frame} names {names[0]!r}, which carries all others; "
+                "make it a keyframe"
+            )
+        if len(set(each.parts)) < len(each.parts):
+            raise ValueError(f"part_keyframes: frame {each.frame} names a part twice")
 
 
 def _require_sorted(keyframes: Sequence[Keyframe]) -> None:
@@ -139,18 +146,19 @@ def _require_sorted(keyframes: Sequence[Keyframe]) -> None:
             )
 
 
-def _require_parts(left_out: tuple[str, ...], body: Body) -> None:
-    unknown = sorted(set(left_out) - set(body.names))
+def _require_parts(left_out: tuple[str, ...], bodies: Sequence[TrackedBody]) -> None:
+    names = [name for one in bodies for name in one.body.names]
+    unknown = sorted(set(left_out) - set(names))
     if unknown:
         raise ValueError(
             f"settings.left_out names {unknown[0]!r}, which the body does not have; its parts are "
-            f"{', '.join(body.names)}"
+            f"{', '.join(names)}"
         )
 
 
-def _require_direction(up_camera: Position | None) -> None:
-    if up_camera is not None and math.hypot(*up_camera) < 1e-6:
-        raise ValueError("up_camera: [0, 0, 0] is no direction")
+def _require_direction(up_world: Position | None) -> None:
+    if up_world is not None and math.hypot(*up_world) < 1e-6:
+        raise ValueError("up_world: [0, 0, 0] is no direction")
 
 
 def _require_in_video(keyframe: Keyframe, frame_count: int) -> None:
@@ -184,21 +192,35 @@ def _require_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) ->
         )
 
 
-def require_few(data: Mapping[str, Any]) -> None:
-    """ValueError when a list is longer than a session may have; checked before any of it is read,
-    which could take minutes."""
-    for name, most in MOST.items():
-        given = data.get(name)
-        if isinstance(given, list | tuple) and len(given) > most:
-            raise ValueError(f"{name}: {len(given)} are more than the {most} a session may have")
-
-
-LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted"]
 Title: TypeAlias = Annotated[str, Field(max_length=120)]
 
 
+class World(Plain):
+    """What stands still while bodies and cameras move."""
+
+    up_world: Position | None = Field(
+        default=None,
+        description="The direction that is up, in the frame of the world, which is the first "
+        "view's camera as it begins; null: the camera's own, −y.",
+    )
+    up_from_feet: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Whether up was found from pinned feet.",
+    )
+    floor_m: Metres | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The floor's height along up, from the world's origin, metres; left out where "
+        "it is not known.",
+    )
+
+
 class Session(Plain):
-    """All about one video: the camera, the body, the keyframes, the settings, the results."""
+    """All about one scene: what cameras saw of it, the bodies in it, the settings.
+
+    As long as there is one view and one body, `view` and `subject` are these.
+    """
 
     schema_version: Annotated[int, Field(ge=1)] = Field(
         default=PRESENT, description=f"{PRESENT}; a greater one is of a newer Keypose."
@@ -208,76 +230,59 @@ class Session(Plain):
         exclude_if=operator.not_,
         description="What a person calls it; left out where it is called as its folder.",
     )
-    video: VideoReference
-    camera: Camera
-    body: Body
-    keyframes: tuple[Keyframe, ...] = ()
-    part_keyframes: tuple[PartKeyframe, ...] = Field(
-        default=(),
-        exclude_if=operator.not_,
-        description="Keyframes of some parts alone, at frames that are no keyframes; left out "
-        "where there are none.",
-    )
-    drafts: tuple[Keyframe, ...] = Field(
-        default=(), description="Poses begun at frames that are no keyframes yet; not tracked."
-    )
-    up_camera: Position | None = Field(
-        default=None,
-        description="The world's up direction in the camera frame; null: the camera's own, −y.",
-    )
-    up_from_feet: bool = Field(
-        default=False,
-        exclude_if=operator.not_,
-        description="Whether up_camera was found from pinned feet.",
-    )
-    pins: PinList = ()
-    floor_m: Metres | None = Field(
-        default=None,
-        exclude_if=is_unknown,
-        description="The floor's height along up, from the camera, metres; left out where it is "
-        "not known.",
-    )
+    views: Annotated[tuple[View, ...], Field(min_length=1, max_length=MOST_VIEWS)]
+    bodies: Annotated[tuple[TrackedBody, ...], Field(min_length=1, max_length=MOST_BODIES)]
+    world: World = World()
     notes: NoteList = ()
-    ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
-    lens_source: LensSource | None = Field(
-        default=None,
-        exclude_if=is_unknown,
-        description="What the camera's focal length rests on; left out where nobody was asked.",
-    )
-    first_motion: FirstMotion | None = Field(
-        default=None, description="An imported motion that tracking may start from."
-    )
-    keypoints: KeypointFile | None = Field(
-        default=None,
-        exclude_if=operator.not_,
-        description="Keypoints that tracking listens to beside the pictures; left out where there "
-        "are none.",
-    )
-    keypoint_corrections: tuple[KeypointCorrection, ...] = Field(
-        default=(),
-        exclude_if=operator.not_,
-        description="Keypoints that a person set right, by frame and joint, each once; left out "
-        "where there are none.",
-    )
-    drafted: Drafted | None = Field(
-        default=None,
-        exclude_if=operator.not_,
-        description="What drafting the film found besides the drafts; left out where nobody did.",
-    )
-    reviewed: ReviewedList = ()
-    ahead: tuple[Ahead, ...] = Field(
-        default=(),
-        exclude_if=operator.not_,
-        description="How far the body was followed from keyframes, and why no farther; left out "
-        "where it was not.",
-    )
-    surface: Surface | None = Field(
-        default=None,
-        exclude_if=operator.not_,
-        description="How to read the meshes, where the session is about such; left out otherwise.",
-    )
-    results: Results | None = None
+
+    @classmethod
+    def begin(cls, **fields: Any) -> Self:
+        """Begin a session of one view and one body from the fields of both, of the world and its
+        own."""
+        parts = by_part(fields)
+        return cls(
+            views=(View(**parts["view"]),), bodies=(TrackedBody(**parts["subject"]),),
+            world=World(**parts["world"]), **parts["session"],
+        )  # fmt: skip
+
+    @property
+    def view(self) -> View:
+        """Return the view whose pictures are shown."""
+        return self.views[0]
+
+    @property
+    def subject(self) -> TrackedBody:
+        """Return the body that is posed and tracked."""
+        return self.bodies[0]
+
+    def about(self, body_id: str) -> Self:
+        """The same about one of its bodies alone; KeyError where there is no such body."""
+        found = tuple(body for body in self.bodies if body.id == body_id)
+        if not found:
+            raise KeyError(body_id)
+        return self.model_copy(update={"bodies": found})
+
+    def with_body(self, subject: TrackedBody) -> Self:
+        """The same with another state of one of its bodies, known by its id."""
+        bodies = tuple(subject if body.id == subject.id else body for body in self.bodies)
+        return self.model_copy(update={"bodies": bodies})
+
+    def value(self, name: str) -> Any:
+        """Return a field by its name, wherever it stands: in view, subject, world or here."""
+        return getattr(_owner(self, PART_OF[name]), name)
+
+    def changed(self, fields: Mapping[str, Any]) -> Self:
+        """Set fields by their names, wherever they stand, unvalidated as `model_copy` does."""
+        parts = by_part(fields)
+        update: dict[str, Any] = parts["session"]
+        if parts["view"]:
+            update["views"] = (self.view.model_copy(update=parts["view"]), *self.views[1:])
+        if parts["subject"]:
+            update["bodies"] = (self.subject.model_copy(update=parts["subject"]), *self.bodies[1:])
+        if parts["world"]:
+            update["world"] = self.world.model_copy(update=parts["world"])
+        return self.model_copy(update=update)
 
     @property
     def evidence(self) -> Evidence:
@@ -285,45 +290,28 @@ class Session(Plain):
         return evidence_of(self)
 
     @property
-    def lens_is_guess(self) -> bool:
-        """Return whether distances rest on a lens that nobody knows."""
-        return (self.lens_source or self.camera.origin) == "guess"
-
-    @property
-    def depth_share(self) -> float | None:
-        """Return by what share distances may be off because the lens is a guess; None where it is
-        not.
-        """
-        return self.camera.usual_spread if self.lens_is_guess else None
-
-    @property
     def has_static_camera(self) -> bool:
         """Return whether the camera is taken to stand still: as the settings say, else as it was
         found; False where nobody looked.
         """
-        chosen, found = self.settings.static_camera, self.video.stands_still
+        chosen, found = self.settings.static_camera, self.view.video.stands_still
         return bool(found if chosen is None else chosen)
 
-    def with_up(self, up_camera: Iterable[float] | None, *, from_feet: bool = False) -> Self:
+    def with_up(self, up_world: Iterable[float] | None, *, from_feet: bool = False) -> Self:
         """Set what is up, rounded to 1e-6; None where nobody knows."""
-        up = None if up_camera is None else tuple(round(float(v), 6) + 0.0 for v in up_camera)
-        return self.model_copy(update={"up_camera": up, "up_from_feet": from_feet})
-
-    @property
-    def given_keypoints(self) -> KeypointFile | None:
-        """Imported keypoints, which count in place of those that a network finds."""
-        return None if self.keypoints is None or self.keypoints.network else self.keypoints
+        up = None if up_world is None else tuple(round(float(v), 6) + 0.0 for v in up_world)
+        return self.changed({"up_world": up, "up_from_feet": from_feet})
 
     @property
     def spans(self) -> tuple[tuple[int, int], ...]:
         """First and last frame of every segment: between two keyframes, and of surfaces also
         before the first and after the last."""
-        return self.evidence.spans([keyframe.frame for keyframe in self.keyframes])
+        return self.evidence.spans([keyframe.frame for keyframe in self.subject.keyframes])
 
     @property
     def model_keyframe(self) -> Keyframe | None:
         """The keyframe whose mesh moves with the body; None without surfaces or keyframes."""
-        return self.evidence.model_keyframe(self.keyframes)
+        return self.evidence.model_keyframe(self.subject.keyframes)
 
     @property
     def is_newer(self) -> bool:
@@ -333,11 +321,42 @@ class Session(Plain):
     @model_validator(mode="before")
     @classmethod
     def _is_of_usable_size(cls, data: Any) -> Any:
-        if isinstance(data, dict):
-            require_few(data)
-        return data
+        return few(data)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        require_fit(self, (*self.keyframes, *self.part_keyframes, *self.drafts))
+        for subject in self.bodies:
+            require_fit(self, subject, subject.posed)
         return self
+
+
+SUBJECT_FIELDS = tuple(name for name in TrackedBody.model_fields if name != "id")
+Part: TypeAlias = Literal["view", "subject", "world", "session"]
+OWNERS: Mapping[Part, type[Plain]] = {
+    "view": View, "subject": TrackedBody, "world": World, "session": Session
+}  # fmt: skip
+_FIELDS_OF: Mapping[Part, tuple[str, ...]] = {
+    "view": tuple(name for name in View.model_fields if name != "id"),
+    "subject": SUBJECT_FIELDS,
+    "world": tuple(World.model_fields),
+    "session": tuple(n for n in Session.model_fields if n not in ("views", "bodies", "world")),
+}
+PART_OF: Mapping[str, Part] = {name: part for part, names in _FIELDS_OF.items() for name in names}
+"""Of what each field is; no two have one name."""
+
+
+def by_part(fields: Mapping[str, Any]) -> dict[Part, dict[str, Any]]:
+    """Sort fields by what they are of; those that are not known are the session's own."""
+    parts: dict[Part, dict[str, Any]] = {part: {} for part in _FIELDS_OF}
+    for name, value in fields.items():
+        parts[PART_OF.get(name, "session")][name] = value
+    return parts
+
+
+def _owner(session: Session, part: Part) -> Plain:
+    owners: dict[Part, Plain] = {
+        "view": session.view,
+        "subject": session.subject,
+        "world": session.world,
+    }
+    return owners.get(part, session)

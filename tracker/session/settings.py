@@ -26,6 +26,7 @@ def _as_now(choice: object) -> object:
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
+SceneId: TypeAlias = Annotated[str, Field(pattern=r"^[a-z0-9_-]{1,40}$")]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Annotated[Literal["full", "preview"], BeforeValidator(_as_now)]

@@ -43,12 +43,16 @@ class Soles:
 
 def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None:
     """Measure how the pinned soles lie on the session's floor; None without any."""
-    if session.floor_m is None or session.up_camera is None:
+    if session.world.floor_m is None or session.world.up_world is None:
         return None
-    up = np.array(session.up_camera)
+    up = np.array(session.world.up_world)
     motions = [stretch.motion for stretch in stretches]
     return measured_soles(
-        Skeleton.of(session.body), motions, session.pins, up / np.linalg.norm(up), session.floor_m
+        Skeleton.of(session.subject.body),
+        motions,
+        session.subject.pins,
+        up / np.linalg.norm(up),
+        session.world.floor_m,
     )
 
 

@@ -143,8 +143,8 @@ def found_before(session: Session, span: Span) -> Keypoints | None:
     """Return the keypoints that a network found in one segment, without reading the film; None
     where there are none.
     """
-    skeleton = Skeleton.of(session.body)
-    posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
+    skeleton = Skeleton.of(session.subject.body)
+    posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame in span}
     model = find_model(session.settings.network_used)
-    film = session.video.pictures
-    return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)
+    film = session.view.video.pictures
+    return sources.found_before(posed, skeleton, session.view.camera, film, Detections(), model)

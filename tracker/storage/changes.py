@@ -12,8 +12,9 @@ from typing import Any, TypeAlias, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.counts import require_few
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
-from keypose.tracker.session.schema import Session, require_few, require_fit
+from keypose.tracker.session.schema import OWNERS, PART_OF, Session, require_fit
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of those listed: {"set": [...], "drop": [frames]}."""
@@ -25,10 +26,12 @@ LISTED: Mapping[str, TypeAdapter[Any]] = {
     "drafts": _KEYFRAMES,
 }
 """What is listed by frame, and how it is read."""
-FIELDS = tuple(name for name in Session.model_fields if name not in ("schema_version", "results"))
+_AS_NOW = {"up_camera": "up_world"}
+"""What fields were called in journals of older versions, and what they are now."""
+FIELDS = tuple(name for name in PART_OF if name not in ("schema_version", "results"))
 
 _VALUES: dict[str, TypeAdapter[Any]] = {
-    name: TypeAdapter(get_type_hints(Session, include_extras=True)[name])
+    name: TypeAdapter(get_type_hints(OWNERS[PART_OF[name]], include_extras=True)[name])
     for name in FIELDS
     if name not in LISTED
 }
@@ -38,7 +41,7 @@ def changes(before: Session, after: Session) -> Changes:
     """The changes that turn `before` into `after`."""
     found: Changes = {}
     for name in FIELDS:
-        was, now = getattr(before, name), getattr(after, name)
+        was, now = before.value(name), after.value(name)
         if now is was or now == was:
             continue
         found[name] = _listed(was, now) if name in LISTED else _plain(name, now)
@@ -50,16 +53,17 @@ def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
 
     Every value is validated by itself; whether all fit together is for the caller to check.
     """
+    change = {_AS_NOW.get(name, name): value for name, value in change.items()}
     unknown = sorted(set(change) - set(FIELDS))
     if unknown:
         raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
     new = {
-        name: _apply(name, getattr(before, name), value)
+        name: _apply(name, before.value(name), value)
         if name in LISTED
         else _VALUES[name].validate_python(value)
         for name, value in change.items()
     }
-    return before.model_copy(update=new) if new else before
+    return before.changed(new) if new else before
 
 
 def require_sound(before: Session, after: Session) -> None:
@@ -72,16 +76,11 @@ def require_sound(before: Session, after: Session) -> None:
         _require_valid(name, value)
     if not change:
         return
-    posed = _posed(after)
+    posed = after.subject.posed
     if not change.keys() & {"video", "camera", "body"}:  # what every pose is checked against
-        known = {id(pose) for pose in _posed(before)}
+        known = {id(pose) for pose in before.subject.posed}
         posed = tuple(pose for pose in posed if id(pose) not in known)
-    require_fit(after, posed)
-
-
-def _posed(session: Session) -> tuple[Keyframe, ...]:
-    """All that has a pose."""
-    return (*session.keyframes, *session.part_keyframes, *session.drafts)
+    require_fit(after, after.subject, posed)
 
 
 def _require_valid(name: str, value: Any) -> None:

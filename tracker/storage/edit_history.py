@@ -22,7 +22,7 @@ from typing import Any
 
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session.history import History, Step
-from keypose.tracker.session.migrate import migrate
+from keypose.tracker.session.migrate import PRESENT, migrate
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.changes import apply_changes, changes
 from keypose.tracker.storage.journal import Record
@@ -82,23 +82,35 @@ class Recovered:
 def mark_of(session: Session) -> str:
     """Equal for equal documents, wherever the video is stored, whatever was tracked, and whenever
     meshes and cameras were exported."""
-    left_out: Any = {"results": True, "schema_version": True, **session.evidence.export_fields}
+    left_out: Any = {
+        "schema_version": True,
+        "views": {"__all__": session.evidence.export_fields},
+        "bodies": {"__all__": {"results"}},
+    }
     content = session.model_dump_json(exclude=left_out).encode()
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def without_results(session: Session) -> Session:
     """The document: what a person decides."""
-    return session if session.results is None else session.model_copy(update={"results": None})
+    if all(body.results is None for body in session.bodies):
+        return session
+    bodies = tuple(body.model_copy(update={"results": None}) for body in session.bodies)
+    return session.changed({"bodies": bodies})
+
+
+def with_results_of(doc: Session, tracked: Session) -> Session:
+    """The document with the results of another state of the session, each of its own body."""
+    found = {body.id: body.results for body in tracked.bodies}
+    bodies = tuple(body.model_copy(update={"results": found.get(body.id)}) for body in doc.bodies)
+    return doc.changed({"bodies": bodies})
 
 
 def of_film(moment: Moment, doc: Session) -> Moment:
     """The same with the video where it is now, since both may have been moved, and with the unknown
     fields, which are no edit."""
     fields, now = {"schema_version": doc.schema_version, **(doc.model_extra or {})}, doc.evidence
-    return moment.each(
-        lambda one: one.model_copy(update={**one.evidence.refreshed_fields(now), **fields})
-    )
+    return moment.each(lambda one: one.changed({**one.evidence.refreshed_fields(now), **fields}))
 
 
 # --- writing
@@ -184,7 +196,7 @@ def recover(session: Session, records: Sequence[Record]) -> Recovered:
     if last is None or not is_same_film(last.doc, doc):
         return alone
     mark = mark_of(doc)
-    known = [k for k in range(saved, len(marks)) if marks[k] == mark]
+    known = [k for k in range(saved, len(marks)) if mark in marks[k]]
     if known:
         newest = of_film(last, doc)
         if not _fits_together(newest.doc):
@@ -212,22 +224,23 @@ def is_same_film(one: Session, other: Session) -> bool:
     return one.evidence.is_same(other.evidence)
 
 
-def _replay(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]:
+def _replay(records: Sequence[Record]) -> tuple[Moment | None, list[set[str]], int]:
     """The last moment, the marks of all, and which of them the session file was last known to
-    hold."""
+    hold. A document of an older version has the mark it was given then, and its present one."""
     last: Moment | None = None
-    marks: list[str] = []
-    saved = 0
+    marks: list[set[str]] = []
+    saved, is_older = 0, False
     for record in records:
         if "saved" in record:
-            found = [k for k in range(saved, len(marks)) if marks[k] == record["saved"]]
+            found = [k for k in range(saved, len(marks)) if record["saved"] in marks[k]]
             saved = found[-1] if found else saved
             continue
         if "base" in record:
-            last = _base(record)
+            last, is_older = _base(record), record["base"].get("schema_version") != PRESENT
         elif last is not None:
             last = _next(last, record)
-        marks.append(str(record["mark"]))
+        present = {mark_of(last.doc)} if is_older and last is not None else set()
+        marks.append({str(record["mark"]), *present})
     return last, marks, saved
 
 

@@ -17,7 +17,7 @@ from keypose.tracker.files import TooLarge, read_named, read_own, read_regular
 from keypose.tracker.session.migrate import PRESENT, migrate, version_in
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import write_file
-from keypose.tracker.storage.edit_history import Recovered, recover
+from keypose.tracker.storage.edit_history import Recovered, recover, with_results_of
 from keypose.tracker.storage.evidence import files_of
 from keypose.tracker.storage.journal import NAME as JOURNAL
 from keypose.tracker.storage.journal import Read, read_journal
@@ -36,12 +36,12 @@ def find_moved(session: Session, session_path: Path, was: Path) -> Path | None:
     Looked at are the files of three folders: the session's, the one above, and that of `was`; and
     the folders in them, where the session is about a folder of meshes.
     """
-    if not session.video.fingerprint:
+    if not session.view.video.fingerprint:
         return None
     files = files_of(session)
     for place in _nearby(Path(session_path).absolute().parent, was):
         try:
-            if files.fingerprint_at(session, place) == session.video.fingerprint:
+            if files.fingerprint_at(session, place) == session.view.video.fingerprint:
                 return place
         except OSError:  # it cannot be read, so it is not the one
             continue
@@ -101,7 +101,7 @@ def open_session(path: Path) -> Opened:
     """The same with its history."""
     session, journal, problem = _read_both(path)
     found = recover(session, journal.records)
-    newest = found.moment.doc.model_copy(update={"results": session.results})
+    newest = with_results_of(found.moment.doc, session)
     return Opened(newest if found.ahead else session, found, journal, problem)
 
 
@@ -231,7 +231,7 @@ def video_path(session: Session, session_path: Path) -> Path:
     """Return where the session's video should be: its path is relative to the session file's
     folder.
     """
-    return Path(session_path).absolute().parent / session.video.path
+    return Path(session_path).absolute().parent / session.view.video.path
 
 
 def open_video_of(session: Session, session_path: Path) -> Video:
@@ -299,7 +299,7 @@ def _exists(path: Path) -> bool:
 
 
 def _require_same(session: Session, path: Path, video: Video) -> None:
-    wanted, found = session.video, video.info
+    wanted, found = session.view.video, video.info
     if (found.width, found.height) != (wanted.width, wanted.height):
         difference = (
             f"it has {found.width}×{found.height} pixels instead of {wanted.width}×{wanted.height}"
@@ -319,4 +319,4 @@ def _require_same(session: Session, path: Path, video: Video) -> None:
 def _fingerprint_matches(session: Session, video: Video) -> bool:
     if not session.evidence.is_known_by_fingerprint:
         return True
-    return session.video.fingerprint in ("", video.fingerprint())
+    return session.view.video.fingerprint in ("", video.fingerprint())

@@ -62,10 +62,10 @@ def _keys(session: ById, _network: str) -> dict[Span, str]:
 def present_keys(session: Session) -> dict[Span, str]:
     """The keys of all segments with the method and the start of the session's results, which its
     settings may no longer have."""
-    if session.results is None:
+    if session.subject.results is None:
         return segment_keys(session)
-    used = session.results.settings_used(session.settings)
-    return segment_keys(session.model_copy(update={"settings": used}))
+    used = session.subject.results.settings_used(session.settings)
+    return segment_keys(session.changed({"settings": used}))
 
 
 def segment_key(session: Session, first: int, last: int) -> str:
@@ -75,9 +75,9 @@ def segment_key(session: Session, first: int, last: int) -> str:
 
 def without_part_keyframes(session: Session) -> Session:
     """The session whose segments are tracked before limbs are set right in them."""
-    if not session.part_keyframes:
+    if not session.subject.part_keyframes:
         return session
-    return session.model_copy(update={"part_keyframes": ()})
+    return session.changed({"part_keyframes": ()})
 
 
 def setup_hash(session: Session) -> str:
@@ -93,23 +93,23 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
     """Digest what a body is followed ahead with from a keyframe: its pose, the body
     and the camera.
     """
-    pose = _pose(ById(keyframe), session.body.names)
-    setup = [keyframe.frame, _body(ById(session.body)), _camera(ById(session.camera))]
+    pose = _pose(ById(keyframe), session.subject.body.names)
+    setup = [keyframe.frame, _body(ById(session.subject.body)), _camera(ById(session.view.camera))]
     setup += _woven(session)
     return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
 
 
 def open_ends(session: Session) -> tuple[int, ...]:
     """Return where a motion of surfaces begins or ends without a keyframe; none of a film's."""
-    return session.evidence.open_ends([keyframe.frame for keyframe in session.keyframes])
+    return session.evidence.open_ends([keyframe.frame for keyframe in session.subject.keyframes])
 
 
 def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span) -> str:
-    names = session.body.names
+    names = session.subject.body.names
     ends = [at[frame] for frame in span if frame in at]  # an open end has no keyframe
     segment = [span, _INPUTS.of(session).segment(session, span, ends)]
     poses = [_pose(ById(end), names) for end in ends]
-    for keyframe in session.part_keyframes:
+    for keyframe in session.subject.part_keyframes:
         if span[0] < keyframe.frame < span[1]:
             exact = json.dumps([keyframe.frame, sorted(keyframe.parts)]).encode()
             poses += [exact, _pose(ById(keyframe), names)]
@@ -122,7 +122,7 @@ def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> li
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:
-    first_motion = session.first_motion
+    first_motion = session.subject.first_motion
     run = None if first_motion is None else first_motion.own_run(*span)
     if run is None or session.settings.initial not in ("auto", "import"):
         return []
@@ -135,14 +135,14 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
     first, last = span
     within = [
         (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
-        for mask in session.ignore_masks
+        for mask in session.view.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
     if not _uses_keypoints(session):
         return sorted(within)
     corrected = [
         [each.frame, each.joint, each.uv]
-        for each in session.keypoint_corrections
+        for each in session.view.keypoint_corrections
         if first <= each.frame <= last
     ]
     return [*sorted(within), {"keypoints": corrected}] if corrected else sorted(within)
@@ -161,7 +161,12 @@ def _setup(session: Session) -> bytes:
 def _film_setup(session: Session) -> bytes:
     settings = session.settings.model_dump(mode="json", exclude=_BY_THEMSELVES)
     settings["static_camera"] = session.has_static_camera  # found or chosen is the same motion
-    setup = [_body(ById(session.body)), _camera(ById(session.camera)), settings, *_start(session)]
+    setup = [
+        _body(ById(session.subject.body)),
+        _camera(ById(session.view.camera)),
+        settings,
+        *_start(session),
+    ]
     setup += [*_cues(session), *_woven(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
@@ -172,40 +177,41 @@ def _surface_setup(session: Session) -> bytes:
     """
     surface, model = surface_of(session), session.model_keyframe
     reading = surface.model_dump(mode="json", exclude={"fps", "model_frame", "cameras"})
-    setup: list[Any] = ["surface", _body(ById(session.body)), reading, session.video.fingerprint]
+    setup: list[Any] = [
+        "surface",
+        _body(ById(session.subject.body)),
+        reading,
+        session.view.video.fingerprint,
+    ]
     if model is not None:
-        pose = hashlib.sha256(_pose(ById(model), session.body.names)).hexdigest()
+        pose = hashlib.sha256(_pose(ById(model), session.subject.body.names)).hexdigest()
         setup += [model.frame, pose]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
 
 def _film_hash(session: Session) -> str:
-    data = session.model_dump(
+    view = session.view.model_dump(
         mode="json",
-        include={"body", "camera", "ignore_masks"},
-        exclude={
-            "body": {"parts": {"__all__": LIMITS}},
-            "camera": {"origin"},
-            "ignore_masks": {"__all__": {"note"}},
-        },
+        include={"camera", "ignore_masks"},
+        exclude={"camera": {"origin"}, "ignore_masks": {"__all__": {"note"}}},
     )
-    return _sha256(data)
+    return _sha256({**view, **_whole_body(session)})
 
 
 def _surface_hash(session: Session) -> str:
     """The cameras go by their file's content: a folder may be moved as a whole."""
     model = session.model_keyframe
-    data = session.model_dump(
-        mode="json",
-        include={"body", "surface"},
-        exclude={
-            "body": {"parts": {"__all__": LIMITS}},
-            "surface": {"fps", "model_frame", "cameras"},
-        },
-    )
-    data["meshes"] = session.video.fingerprint
+    reading = {"fps", "model_frame", "cameras"}
+    data = session.view.model_dump(mode="json", include={"surface"}, exclude={"surface": reading})
+    data |= _whole_body(session)
+    data["meshes"] = session.view.video.fingerprint
     data["model_frame"] = None if model is None else model.frame
     return _sha256(data)
+
+
+def _whole_body(session: Session) -> dict[str, Any]:
+    parts = {"parts": {"__all__": LIMITS}}
+    return session.subject.model_dump(mode="json", include={"body"}, exclude={"body": parts})
 
 
 def _sha256(data: dict[str, Any]) -> str:
@@ -239,7 +245,7 @@ def _cues(session: Session) -> list[Any]:
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
         if session.has_static_camera:
             cues += ["silhouette"]
-        elif is_persons(session.body):
+        elif is_persons(session.subject.body):
             cues += ["person", _digest(settings.network_used)]
     return cues
 
@@ -251,7 +257,7 @@ def _keypoints(session: Session) -> list[Any]:
     """
     if not _uses_keypoints(session):
         return []
-    settings, given = session.settings, session.given_keypoints
+    settings, given = session.settings, session.view.given_keypoints
     return ["keypoints", _digest(settings.network_used) if given is None else given.file]
 
 
@@ -265,18 +271,18 @@ def _digest(network: str) -> str:
 
 def _woven(session: Session) -> list[Any]:
     """Return whether interlaced frames keep their fields; nothing where not."""
-    return [] if session.video.deinterlace else ["woven"]
+    return [] if session.view.video.deinterlace else ["woven"]
 
 
 def _uses_keypoints(session: Session) -> bool:
     settings = session.settings
     wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
-    return wanted and is_persons(session.body)
+    return wanted and is_persons(session.subject.body)
 
 
 def _start(session: Session) -> list[Any]:
     """Return what segments start from, besides the method's own start."""
-    initial, first_motion = session.settings.initial, session.first_motion
+    initial, first_motion = session.settings.initial, session.subject.first_motion
     left_out = sorted(set(session.settings.left_out))
     if initial == "templates":
         return [initial, left_out]

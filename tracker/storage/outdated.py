@@ -26,7 +26,7 @@ def tracked_keyframes(session: Session) -> tuple[int, ...]:
 
     Of surfaces also its first and last frame, where it begins and ends without a keyframe.
     """
-    segments = session.results.segments if session.results else ()
+    segments = session.subject.results.segments if session.subject.results else ()
     return tuple(sorted({frame for s in segments for frame in (s.first_frame, s.last_frame)}))
 
 
@@ -35,15 +35,15 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
 
     Keyframes that no segment of the motion reaches are among them.
     """
-    skeleton = Skeleton.of(session.body)
-    posed = {keyframe.frame for keyframe in session.keyframes}
+    skeleton = Skeleton.of(session.subject.body)
+    posed = {keyframe.frame for keyframe in session.subject.keyframes}
     changed = (set(tracked_keyframes(session)) - posed) ^ _tracked_open(session)
-    for keyframe in session.keyframes:
+    for keyframe in session.subject.keyframes:
         i = keyframe.frame - motion.first_frame
         if not _reaches(motion, keyframe.frame):
             changed.add(keyframe.frame)
             continue
-        if keyframe.soft and session.results is not None and session.results.space:
+        if keyframe.soft and session.subject.results is not None and session.subject.results.space:
             continue  # the motion in space need only come near it
         pose = keyframe.pose(skeleton)
         turn = np.abs(pose.Rs_parent_part - motion.Rs_parent_part[i]).max()
@@ -70,7 +70,7 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
 
     changed: frames of keyframes that are others now.
     """
-    results = session.results
+    results = session.subject.results
     keyed = results is not None and all(segment.key for segment in results.segments)
     if results is None:
         return []
@@ -84,8 +84,8 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
         reasons.append("pins, the floor, smoothing or the frame rate have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
-    other = "settings or keypoints" if session.keypoint_corrections else "settings"
-    if session.part_keyframes:
+    other = "settings or keypoints" if session.view.keypoint_corrections else "settings"
+    if session.subject.part_keyframes:
         other = f"part keyframes, {other}" if "or" in other else f"part keyframes or {other}"
     return reasons or ([f"{other} have changed"] if keyed else [])
 
@@ -104,7 +104,7 @@ def _other_space(session: Session, results: Results) -> bool:
         if not s.missing and (s.quality or results.quality) != "preview"
     ]
     settings = results.settings_used(session.settings)
-    as_tracked = session.model_copy(update={"settings": settings})
+    as_tracked = session.changed({"settings": settings})
     return stretch_keys(as_tracked, rows) != {stretch.key for stretch in results.space}
 
 
@@ -120,15 +120,15 @@ def _listed(frames: Sequence[int]) -> str:
 
 def _keyframes_inside(session: Session) -> set[int]:
     """Keyframes set inside a tracked segment, even where the motion happens to go through them."""
-    segments = session.results.segments if session.results else ()
+    segments = session.subject.results.segments if session.subject.results else ()
     return {
         keyframe.frame
-        for keyframe in session.keyframes
+        for keyframe in session.subject.keyframes
         if any(s.first_frame < keyframe.frame < s.last_frame for s in segments)
     }
 
 
 def _tracked_open(session: Session) -> set[int]:
     """Frames at which the session's motion ends without a keyframe."""
-    segments = session.results.segments if session.results else ()
+    segments = session.subject.results.segments if session.subject.results else ()
     return {frame for segment in segments for frame in segment.open_ends}

@@ -44,7 +44,7 @@ from keypose.tracker.storage.atomic import write_file
 def carry_beside(session: Session, folder: Path, other: Path) -> None:
     """Copy the session's imported motion and its keypoints to another folder; SessionError when
     one cannot be written there."""
-    for reference in (session.first_motion, session.keypoints):
+    for reference in (session.subject.first_motion, session.view.keypoints):
         if reference is not None:
             _carry(folder / reference.file, other / reference.file)
 
@@ -71,9 +71,9 @@ def save_first_motion(
     matched: Mapping[str, str],
 ) -> Session:
     """Write the motion beside the session file; the session that refers to it, not yet saved."""
-    name = _write(session.body, session_path, motion)
+    name = _write(session.subject.body, session_path, motion)
     reference = FirstMotion(file=name, source=source, matched=dict(matched))
-    return session.model_copy(update={"first_motion": reference})
+    return session.changed({"first_motion": reference})
 
 
 def save_own_motion(session: Session, session_path: Path, motion: Trajectory) -> FirstMotion:
@@ -82,13 +82,13 @@ def save_own_motion(session: Session, session_path: Path, motion: Trajectory) ->
     motion: every run of frames with poses is kept, in place of what was kept of these frames
         before; NaN frames are in no run. What was kept of other frames stays.
     """
-    before = session.first_motion
+    before = session.subject.first_motion
     if before is not None and before.own:
-        known = load_first_motion(session_path.parent / before.file, session.body)
+        known = load_first_motion(session_path.parent / before.file, session.subject.body)
         motion = _overlaid(known, motion)
     ends = np.flatnonzero(np.diff(np.r_[0, np.isfinite(motion.ps_camera_root[:, 0]), 0]))
     runs = [_own_run(motion, int(a), int(b)) for a, b in ends.reshape(-1, 2)]
-    name = _write(session.body, session_path, motion)
+    name = _write(session.subject.body, session_path, motion)
     return FirstMotion(file=name, source=REDUCED, own=tuple(runs))
 
 
@@ -133,20 +133,24 @@ def first_motion_of_session(session: Session, folder: Path) -> Trajectory | None
     folder: of the session's file.
     SessionError in one sentence when its file is missing, damaged, or of another body.
     """
-    reference = session.first_motion
+    reference = session.subject.first_motion
     if reference is None:
         return None
     names, motion = _read(folder / reference.file)
-    if reference.own and names != session.body.names:
+    if reference.own and names != session.subject.body.names:
         return None
-    return _of_body(names, motion, session.body, reference.file)
+    return _of_body(names, motion, session.subject.body, reference.file)
 
 
 def load_first_motion_of(session: Session, folder: Path) -> Trajectory | None:
     """The first motion of a session, wherever tracking starts from; None where it has none.
     SessionError as `first_motion_of_session`."""
-    reference = session.first_motion
-    return None if reference is None else load_first_motion(folder / reference.file, session.body)
+    reference = session.subject.first_motion
+    return (
+        None
+        if reference is None
+        else load_first_motion(folder / reference.file, session.subject.body)
+    )
 
 
 def load_first_motion(path: Path, body: Body) -> Trajectory:
@@ -223,7 +227,7 @@ def save_keypoints(
     reference = KeypointFile(
         file=name, source=source, network=network, seeds=tuple(sorted(set(seeds)))
     )
-    return session.model_copy(update={"keypoints": reference})
+    return session.changed({"keypoints": reference})
 
 
 def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:
@@ -232,13 +236,13 @@ def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:
     folder: of the session's file.
     KeypointError in one sentence when their file is missing, damaged, or of a longer film.
     """
-    if session.keypoints is None:
+    if session.view.keypoints is None:
         return None
-    found = load_keypoints(folder / session.keypoints.file)
-    if found.last_frame >= session.video.frame_count:
+    found = load_keypoints(folder / session.view.keypoints.file)
+    if found.last_frame >= session.view.video.frame_count:
         raise KeypointError(
-            f"{session.keypoints.file} holds keypoints up to frame {found.last_frame}, but the "
-            f"video ends at {session.video.frame_count - 1}: find them again."
+            f"{session.view.keypoints.file} holds keypoints up to frame {found.last_frame}, but "
+            f"the video ends at {session.view.video.frame_count - 1}: find them again."
         )
     return found
 

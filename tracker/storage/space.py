@@ -31,7 +31,7 @@ def solved(
     session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None = None
 ) -> SpaceResult:
     """The motion of a stretch in space; where it is cancelled that which was found until then."""
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     first, last = stretch.span
     keyframes = keyframes_within(session, first, last)
     exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
@@ -39,10 +39,10 @@ def solved(
     keyed = [k for k in keyed_parts(session, skeleton) if first < k.frame < last]
     tracked = joined([segment.trajectory for segment in stretch.segments])
     fixed = [*(keyframe.frame for keyframe in keyframes), *(each.frame for each in keyed)]
-    moments = Moments.of(session.video.repeats, first, last, fixed)
+    moments = Moments.of(session.view.video.repeats, first, last, fixed)
     problem = SpaceProblem(
         skeleton=skeleton,
-        camera=session.camera.without_distortion(),
+        camera=session.view.camera.without_distortion(),
         motion=tracked if moments is None else moments.evened(tracked),
         observability=np.concatenate(
             [segment.diagnostics.observability for segment in stretch.segments]
@@ -55,14 +55,14 @@ def solved(
         pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
         up_camera=up_of(session),
-        floor_m=session.floor_m,
+        floor_m=session.world.floor_m,
     )
     found = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, held, found, exact))
-    up = None if session.up_camera is None else up_of(session)
+    up = None if session.world.up_world is None else up_of(session)
     still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
-    body = session.body
+    body = session.subject.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
     judged = MotionInSpace(
         skeleton,
@@ -75,7 +75,7 @@ def solved(
         keyframes=exact,
         soft=problem.soft,
         up_camera=up,
-        floor_m=found.floor_m if session.floor_m is None else session.floor_m,
+        floor_m=found.floor_m if session.world.floor_m is None else session.world.floor_m,
     )
     motion = found.motion if moments is None else moments.shown(found.motion)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
@@ -83,7 +83,7 @@ def solved(
 
 def up_of(session: Session) -> Array:
     """The unit vector up in the camera frame."""
-    up = np.array(session.up_camera or UP, dtype=np.float64)
+    up = np.array(session.world.up_world or UP, dtype=np.float64)
     return np.asarray(up / np.linalg.norm(up))
 
 
@@ -111,7 +111,7 @@ def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
     What two pins that follow one another have in common is one point, as of a foot that goes on
     standing on its toe alone.
     """
-    body, upright = session.body, session.up_camera is not None
+    body, upright = session.subject.body, session.world.up_world is not None
     found: list[_Held] = []
     for pin in sorted(pins, key=lambda pin: pin.first_frame):
         part = body.index(pin.part)

@@ -60,7 +60,7 @@ def stand(
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
-    session = session.model_copy(update={"settings": smooth})
+    session = session.changed({"settings": smooth})
     motions = {
         run.span: joined([segment.trajectory for segment in run.segments])
         for run in stretches(session, fitting)
@@ -69,34 +69,34 @@ def stand(
         raise SessionError("Nothing is tracked yet: track the motion first.")
     session, source = _levelled(session, motions, lines)
     pins = _contacts(session, motions)
-    taken = len(pins) - len(session.pins)
+    taken = len(pins) - len(session.subject.pins)
     pins, raised = _on_floor(session, pins, motions)
     softened = tuple(
         k.frame for span in motions for k in keyframes_within(session, *span) if not k.soft
     )
-    keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.keyframes)
-    stood = session.model_copy(update={"pins": pins, "keyframes": keyframes, "floor_m": None})
-    stood = stood.model_copy(update={"floor_m": _floor_m(stood, fitting, cancelled)})
+    keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
+    stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
+    stood = stood.changed({"floor_m": _floor_m(stood, fitting, cancelled)})
     on_floor = sum(pin.floor for pin in pins)
     return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
 
 
 def _require_standable(session: Session) -> None:
-    if session.surface is not None:
+    if session.view.surface is not None:
         raise SessionError("A body fitted to surfaces stands where they do.")
     if session.settings.method != "keypose":
         raise SessionError("The published method has no pins: choose the method keypose.")
-    if not any(sole_of(part) for part in session.body.parts):
-        raise SessionError(f"The body {session.body.name!r} has no feet with heel and toe.")
+    if not any(sole_of(part) for part in session.subject.body.parts):
+        raise SessionError(f"The body {session.subject.body.name!r} has no feet with heel and toe.")
 
 
 def _levelled(
     session: Session, motions: Mapping[Span, Trajectory], lines: UprightLines | None
 ) -> tuple[Session, UpSource]:
     """The session with what is up, and what that rests on."""
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     longest = max(motions.values(), key=len)
-    if session.up_camera is not None:
+    if session.world.up_world is not None:
         if leaning_rad(skeleton, longest, up_of(session)) > UPSIDE_DOWN_RAD:
             raise SessionError(
                 "By what is set as up the body lies, or stands on its head: set the horizon again."
@@ -117,12 +117,12 @@ def _levelled(
 def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:
     """The session's pins and those that are proposed beside them; what turns on its toe is held
     there alone."""
-    skeleton, up = Skeleton.of(session.body), up_of(session)
-    pins = list(session.pins)
+    skeleton, up = Skeleton.of(session.subject.body), up_of(session)
+    pins = list(session.subject.pins)
     for motion in motions.values():
         rate = frames_per_second(session, motion)
         for pin in proposed_pins(skeleton, motion, rate, up):
-            if not any(pin.overlaps(known) for known in session.pins):
+            if not any(pin.overlaps(known) for known in session.subject.pins):
                 pins += by_contact(skeleton, motion, pin, up)
     return pins_apart(pins)
 
@@ -132,14 +132,14 @@ def _on_floor(
 ) -> tuple[tuple[Pin, ...], tuple[Pin, ...]]:
     """All pins, feet on the floor but those far above most of them; and these. SessionError where
     no foot stands."""
-    skeleton, up = Skeleton.of(session.body), up_of(session)
+    skeleton, up = Skeleton.of(session.subject.body), up_of(session)
     high: dict[int, float] = {}
     for place, pin in enumerate(pins):
         heights = [
             foot_heights(skeleton, motion, held, up)
             for span, motion in motions.items()
             for held in pins_within([pin], span)
-            if held.holds_sole(session.body)
+            if held.holds_sole(session.subject.body)
         ]
         if heights:
             high[place] = float(np.median(np.concatenate(heights)))

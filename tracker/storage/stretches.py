@@ -74,12 +74,12 @@ def _wanted(
 ) -> Iterator[tuple[str, list[Usable], tuple[Pin, ...]]]:
     """Key, segments and pins of each stretch; none where a session asks for neither pins nor
     smoothness, or for the printed method, or has no film."""
-    wanted = session.settings.smooth or session.pins
-    if not wanted or session.settings.method != "keypose" or session.surface is not None:
+    wanted = session.settings.smooth or session.subject.pins
+    if not wanted or session.settings.method != "keypose" or session.view.surface is not None:
         return
-    for run in _runs(sorted(rows), session.pins):
+    for run in _runs(sorted(rows), session.subject.pins):
         span = run[0].first, run[-1].last
-        pins = pins_within(session.pins, span)
+        pins = pins_within(session.subject.pins, span)
         if pins or session.settings.smooth:
             yield _key(session, run, pins, span), run, pins
 
@@ -107,13 +107,17 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         STRETCH_KEY_VERSION,
         [(one.key, one.quality) for one in run],
         [pin.model_dump(mode="json") for pin in pins],
-        [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],
-        [part.limits_deg for part in session.body.parts],  # no segment's key has them
-        *_twists(session.body),
+        [session.world.floor_m, session.world.up_world, bool(session.settings.smooth), soft],
+        [part.limits_deg for part in session.subject.body.parts],  # no segment's key has them
+        *_twists(session.subject.body),
         *([{"soft in depth": in_depth}] if in_depth else []),
         # which of the ways to solve for soles on the floor the motion was solved by
         *([{"soles on the floor": 2}] if any(pin.floor for pin in pins) else []),
-        *([session.video.repeats.model_dump(mode="json")] if session.video.repeats else []),
+        *(
+            [session.view.video.repeats.model_dump(mode="json")]
+            if session.view.video.repeats
+            else []
+        ),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
@@ -128,4 +132,4 @@ def _twists(body: Body) -> list[Any]:
 
 def keyframes_within(session: Session, first: int, last: int) -> list[Keyframe]:
     """The keyframes of a span, its ends among them."""
-    return [keyframe for keyframe in session.keyframes if first <= keyframe.frame <= last]
+    return [keyframe for keyframe in session.subject.keyframes if first <= keyframe.frame <= last]

@@ -40,10 +40,10 @@ near to its marks as by those of each, at 30 a walker's is 0.2 px farther."""
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
     """Return what is exact at frames between keyframes."""
-    telephoto = session.camera.projection == "telephoto"
+    telephoto = session.view.camera.projection == "telephoto"
     return [
         KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton), telephoto)
-        for keyframe in session.part_keyframes
+        for keyframe in session.subject.part_keyframes
     ]
 
 
@@ -63,16 +63,16 @@ def tracker_of(
     like: a tracker of the same video, camera, masks and plate, whose prepared pictures are used.
     """
     require_first_motion(session, first_motion)
-    skeleton = Skeleton.of(session.body)
-    if like is not None and like.skeleton.body == session.body:
+    skeleton = Skeleton.of(session.subject.body)
+    if like is not None and like.skeleton.body == session.subject.body:
         skeleton = like.skeleton
-    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     source = people = None
     if session.settings.method == "keypose":  # the published method looks for nobody
         source, people = keypoint_source(session, video, keypoints), _people(session, video)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
-    imported = session.first_motion
+    imported = session.subject.first_motion
     own = [(run.first_frame, run.last_frame) for run in imported.own] if imported else []
     if like is not None:
         return like.renewed(
@@ -80,8 +80,9 @@ def tracker_of(
             fewest=fewest, own=own, people=people,
         )  # fmt: skip
     return Tracker(
-        video, session.camera, skeleton, poses, session.ignore_masks, session.has_static_camera,
-        memory, first_motion, source, parts, keys, fewest=fewest, own=own, people=people,
+        video, session.view.camera, skeleton, poses, session.view.ignore_masks,
+        session.has_static_camera, memory, first_motion, source, parts, keys,
+        fewest=fewest, own=own, people=people,
     )  # fmt: skip
 
 
@@ -90,20 +91,21 @@ def keypoint_source(
 ) -> KeypointSource | None:
     """Return where keypoints come from, with a person's corrections; None if they do not count."""
     source = _found_keypoints(session, video, given)
-    if source is None or not session.keypoint_corrections:
+    if source is None or not session.view.keypoint_corrections:
         return source
-    return CorrectedKeypoints(source, session.keypoint_corrections)
+    return CorrectedKeypoints(source, session.view.keypoint_corrections)
 
 
 def _found_keypoints(
     session: Session, video: Video, given: Keypoints | None
 ) -> KeypointSource | None:
-    if "keypoints" not in session.settings.cues_used or not is_persons(session.body):
+    if "keypoints" not in session.settings.cues_used or not is_persons(session.subject.body):
         return None
-    if session.given_keypoints is not None:
+    if session.view.given_keypoints is not None:
         if given is None:
             raise SessionError(
-                f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
+                f"The keypoints {session.view.given_keypoints.file} were not read; "
+                "tracking uses them."
             )
         return GivenKeypoints(given)
     return detected_keypoints(session, video, masks=_needs_masks(session))
@@ -115,7 +117,7 @@ def _needs_masks(session: Session) -> bool:
 
 def _people(session: Session, video: Video) -> DetectedKeypoints | None:
     """Return what sees the person's silhouette, where no background shows it."""
-    wanted = _needs_masks(session) and is_persons(session.body)
+    wanted = _needs_masks(session) and is_persons(session.subject.body)
     return detected_keypoints(session, video) if wanted else None
 
 
@@ -124,10 +126,10 @@ def detected_keypoints(session: Session, video: Video, *, masks: bool = True) ->
 
     masks: whether the person's mask is wanted in each frame.
     """
-    model, film = find_model(session.settings.network_used), session.video.pictures
+    model, film = find_model(session.settings.network_used), session.view.video.pictures
     joints_alone = model.heads is not None and not masks
     every_second = joints_alone and video.info.fps >= LEAST_FPS
-    return DetectedKeypoints(video, session.camera, film, Detections(), model, every_second)
+    return DetectedKeypoints(video, session.view.camera, film, Detections(), model, every_second)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:
@@ -182,11 +184,11 @@ def track_ahead(
     `Cancelled` there ends it, and what was found until then is kept.  keypoints: what
     `keypoints.of_session` reads beside the session's file.
     """
-    if not session.keyframes:
+    if not session.subject.keyframes:
         raise SessionError("keyframes: tracking ahead needs one, and the session has none.")
-    if session.surface is not None:
+    if session.view.surface is not None:
         raise SessionError("Surfaces are fitted from one keyframe on: use fit, not ahead.")
-    frame = session.keyframes[-1 if direction == "forward" else 0].frame
+    frame = session.subject.keyframes[-1 if direction == "forward" else 0].frame
     tracker = tracker_of(session, video, MEMORY_BYTES, keypoints=keypoints, fewest=1)
     return follow_ahead(tracker, frame, direction, session.settings, emit, longest)
 
@@ -208,7 +210,7 @@ _TRACKERS = ByEvidence({FilmEvidence: _film_tracker, SurfaceEvidence: _surface_f
 
 def require_first_motion(session: Session, first_motion: Trajectory | None) -> None:
     """SessionError unless the motion that the settings start from is there."""
-    initial, imported = session.settings.initial, session.first_motion
+    initial, imported = session.settings.initial, session.subject.first_motion
     if initial == "import" and imported is None:
         raise SessionError(
             "settings.initial is import, but the session has no imported motion: run keypose "

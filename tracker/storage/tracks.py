@@ -229,17 +229,17 @@ def save_result(
         space=tuple(_in_space(stretch) for stretch in space),
         tracked_for=setup_hash(session),
     )
-    return session.model_copy(update={"results": results})
+    return session.changed({"results": results})
 
 
 def load_tracks(session: Session, session_path: Path) -> Tracks:
     """The session's tracks file. SessionError in one sentence when it is missing or damaged."""
     done, again = _how_tracked(session, session_path)
-    if session.results is None:
+    if session.subject.results is None:
         raise SessionError(f"{session_path.name} has not been {done} yet: {again}.")
-    path = session_path.parent / session.results.tracks
+    path = session_path.parent / session.subject.results.tracks
     tracks = _read(path)
-    if tracks.part_names != session.body.names:
+    if tracks.part_names != session.subject.body.names:
         raise SessionError(
             f"{path.name} was {done} with other parts than the session's body has: {again} again."
         )

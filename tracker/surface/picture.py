@@ -94,9 +94,9 @@ def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:
 
     SurfaceError in one sentence where meshes or cameras cannot be used.
     """
-    assert session.surface is not None
-    steps = open_steps(session.surface, meshes, folder)
-    return surface_video(steps, session.surface, session.camera)
+    assert session.view.surface is not None
+    steps = open_steps(session.view.surface, meshes, folder)
+    return surface_video(steps, session.view.surface, session.view.camera)
 
 
 def surface_video(steps: SurfaceSteps, surface: Surface, camera: Camera) -> SurfaceVideo:

@@ -230,8 +230,8 @@ class Library:
     def _move_video(self, path: Path, video: Path) -> None:
         """Let a session name its video's new place, if that is the same video."""
         session = load_session(path)
-        reference = session.video.model_copy(update={"path": str(video.absolute())})
-        moved = session.model_copy(update={"video": reference})
+        reference = session.view.video.model_copy(update={"path": str(video.absolute())})
+        moved = session.changed({"video": reference})
         try:
             open_video_of(moved, path).close()
         except SessionError:

@@ -71,13 +71,13 @@ class Recent(BaseModel):
             name=name_of(path, session.title),
             # From a folder that is not there yet no way leads back to the video.
             video=str(video_path(session, path) if source is None else source.absolute()),
-            keyframes=len(session.keyframes),
-            frames=session.video.frame_count,
+            keyframes=len(session.subject.keyframes),
+            frames=session.view.video.frame_count,
             middle_frame=middle_frame(session),
-            strip=strip_of(spans, session.video.frame_count),
+            strip=strip_of(spans, session.view.video.frame_count),
             opened_at=now_s,
             # That what may be exported again is another one now is reported on opening.
-            fingerprint=session.video.fingerprint * session.evidence.is_known_by_fingerprint,
+            fingerprint=session.view.video.fingerprint * session.evidence.is_known_by_fingerprint,
             source="" if source is None else str(source.absolute()),
         )
 
@@ -152,9 +152,9 @@ def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Run, ...]:
 
 def middle_frame(session: Session) -> int:
     """The frame of the middle keyframe, or of the middle draft; without any the first."""
-    posed = session.keyframes or session.drafts
+    posed = session.subject.keyframes or session.subject.drafts
     return posed[len(posed) // 2].frame if posed else 0
 
 
 def _summaries(session: Session) -> Sequence[SegmentSummary]:
-    return session.results.segments if session.results is not None else ()
+    return session.subject.results.segments if session.subject.results is not None else ()

@@ -24,6 +24,7 @@ from keypose.app.document.library.names import numbered, printable
 from keypose.app.document.open import with_paths_from
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.files import read_own, read_regular
+from keypose.tracker.session.migrate import migrate
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder, require_folder, write_file
 from keypose.tracker.storage.edit_history import edit_record, mark_of, saved_record, whole_record
@@ -74,9 +75,10 @@ def _free_session_path(folder: Path, video: Path) -> Path:
 def _is_about(session: Path, video: Path) -> bool:
     """A file that cannot be read counts: opening it reports what is wrong with it."""
     try:
-        path = str(from_json(read_regular(session, LARGEST_SESSION_BYTES))["video"]["path"])
+        data = migrate(from_json(read_regular(session, LARGEST_SESSION_BYTES)), session.name)
+        path = str(data["views"][0]["video"]["path"])
         return os.path.realpath(session.parent / path) == os.path.realpath(video)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, LookupError, TypeError, SessionError):
         return True
 
 
@@ -139,13 +141,13 @@ def rename_session(path: Path, title: str) -> Session:
         opened = open_session(path)
         if opened.session.is_newer:
             raise SessionError(f"{path.name} was written by a newer Keypose: rename it there.")
-        renamed = opened.session.model_copy(update={"title": title})
+        renamed = opened.session.changed({"title": title})
         if title == opened.session.title:
             return renamed
         before = opened.recovered.moment
         after = replace(
             before,
-            doc=before.doc.model_copy(update={"title": title}),
+            doc=before.doc.changed({"title": title}),
             history=before.history.after(before.doc, STEP, before.frame),
             received=replace(before.received, revision=""),
         )
@@ -180,7 +182,7 @@ def duplicate_session(path: Path) -> Path:
             _copy(file, folder / file.name)
     copied = with_paths_from(session, path, folder)
     title = f"{session.title} copy" if session.title else ""
-    save_session(copied.model_copy(update={"title": title[-120:]}), folder / "session.json")
+    save_session(copied.changed({"title": title[-120:]}), folder / "session.json")
     return folder / "session.json"
 
 

@@ -65,12 +65,12 @@ def _jpeg(cut: Picture) -> bytes:
 
 def _body(session: Session, frame: int) -> tuple[NDArray[np.float64], float]:
     """(2,) where the joints lie on average, and how far they reach in v; without a pose all."""
-    camera = session.camera
+    camera = session.view.camera
     everything = np.array([camera.width / 2, camera.height / 2]), float(camera.height)
-    posed = [k for k in (*session.keyframes, *session.drafts) if k.frame == frame]
+    posed = [k for k in (*session.subject.keyframes, *session.subject.drafts) if k.frame == frame]
     if not posed:
         return everything
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     Ts_camera_part = pose_transforms(skeleton, posed[0].pose(skeleton))
     uv = camera.project(Ts_camera_part[:, :3, 3])
     if not np.isfinite(uv).all():

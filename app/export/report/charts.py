@@ -95,21 +95,21 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
     fitting, first, count = _shifted(subject)
     if not fitting:
         return
-    root = subject.session.body.parts[0]
+    root = subject.session.subject.body.parts[0]
     known = root_positions(fitting, count)
     places = dict(zip(AXES, ("right", "down", "away"), strict=True))
     yield from _multiple(
         subject, f"{part_label(root.name)}, metres", known, first, places, LEAST_MOTION_M, " m"
     )
-    for i, part in enumerate(subject.session.body.parts):
+    for i, part in enumerate(subject.session.subject.body.parts):
         Rs = rotations(fitting, count, i)
         angles, rows = np.full((count, 3), np.nan), np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
         keys = np.searchsorted(rows, np.intersect1d(np.subtract(subject.keys, first), rows))
-        up = subject.session.up_camera or CAMERA_UP
+        up = subject.session.world.up_world or CAMERA_UP
         angles[rows] = angle_curve_deg(part, Rs[rows], keys, up)
         words = {
             axis: word.lower()
-            for axis, word in axis_labels(subject.session.body, part.name).items()
+            for axis, word in axis_labels(subject.session.subject.body, part.name).items()
         }
         yield from _multiple(
             subject, part_label(part.name), angles, first, words, LEAST_MOTION_DEG, "°"
@@ -140,7 +140,7 @@ def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
 def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
     """Return how well the picture determines every group of parts, hatched where too little."""
     fitting, first, count = _shifted(subject)
-    body = subject.session.body
+    body = subject.session.subject.body
     table = observability(fitting, count, len(body.parts))
     for label, parts in lanes(body):
         columns = table[:, [body.index(part) for part in parts]]

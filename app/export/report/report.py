@@ -205,7 +205,7 @@ def pictures_section(subject: Subject, video: Video | None) -> Html:
 
 def _facts(subject: Subject) -> list[str]:
     session, video = subject.session, subject.video
-    clip = session.video
+    clip, body = session.view.video, session.subject.body
     words = words_for(session)
     facts = [Path(clip.path).name, words.subject(session)]
     if video is None:
@@ -220,9 +220,9 @@ def _facts(subject: Subject) -> list[str]:
             f"{clip.frame_count} frames, {number_text(seconds, 2)} s",
             f"{about}{number_text(rate, 2)} frames/s",
         ]
-    facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
-    if session.results is not None:
-        facts.append(words.way(session, session.results))
+    facts.append(f"body {body.name.replace('_', ' ')}, {len(body.parts)} parts")
+    if session.subject.results is not None:
+        facts.append(words.way(session, session.subject.results))
     return facts
 
 

@@ -57,12 +57,12 @@ class Subject:
         if self.session.title:
             return self.session.title
         folder = self.session_path.absolute().parent.name
-        return folder.removesuffix(".keypose") or Path(self.session.video.path).stem
+        return folder.removesuffix(".keypose") or Path(self.session.view.video.path).stem
 
     @property
     def keys(self) -> tuple[int, ...]:
         """The keyframes' frames, ascending."""
-        return tuple(keyframe.frame for keyframe in self.session.keyframes)
+        return tuple(keyframe.frame for keyframe in self.session.subject.keyframes)
 
     @property
     def spans(self) -> tuple[Span, ...]:
@@ -118,7 +118,7 @@ def subject_of(session: Session, session_path: Path, video: VideoInfo | None = N
         poses, results = KnownPoses.of(session, session_path), load_results(present, session_path)
         problem = None if poses.tracks is None else outdated_words(session, poses.tracks)
     except SessionError as error:
-        bare = session.model_copy(update={"results": None})
+        bare = session.changed({"results": None})
         poses, results, problem = KnownPoses.of(bare, session_path), Results(), str(error)
     return Subject(
         session,
@@ -133,16 +133,16 @@ def subject_of(session: Session, session_path: Path, video: VideoInfo | None = N
 
 def _as_tracked(session: Session) -> Session:
     """Take the method it was tracked by: what another one would find is not asked here."""
-    if session.results is None:
+    if session.subject.results is None:
         return session
-    settings = session.results.settings_used(session.settings)
-    return session.model_copy(update={"settings": settings})
+    settings = session.subject.results.settings_used(session.settings)
+    return session.changed({"settings": settings})
 
 
 def _time_by_keyframes(session: Session, frame: int) -> float:
     """Between two keyframes by theirs; beyond them at the mean rate."""
-    frames = [keyframe.frame for keyframe in session.keyframes]
-    times_s = [keyframe.time_s for keyframe in session.keyframes]
+    frames = [keyframe.frame for keyframe in session.subject.keyframes]
+    times_s = [keyframe.time_s for keyframe in session.subject.keyframes]
     if len(frames) < 2:
         return times_s[0] if frames == [frame] else np.nan
     pace = (times_s[-1] - times_s[0]) / (frames[-1] - frames[0])
@@ -155,7 +155,7 @@ def recording_of(subject: Subject) -> Recording | None:
     found = [track for track in subject.fitting.values() if track.finished]
     if not found:
         return None
-    times_s = np.array([subject.time_s(i) for i in range(subject.session.video.frame_count)])
+    times_s = np.array([subject.time_s(i) for i in range(subject.session.view.video.frame_count)])
     if not np.isfinite(times_s).all():
         raise FormatError("Without the video, two keyframes are needed to know how fast it moves.")
     segments = [

@@ -62,7 +62,7 @@ def _film_scores(track: SegmentResult | None) -> tuple[str, ...]:
 
 
 def _film_subject(session: Session) -> str:
-    return f"{session.video.width} × {session.video.height} pixels"
+    return f"{session.view.video.width} × {session.view.video.height} pixels"
 
 
 def _film_way(_session: Session, results: Results) -> str:
@@ -152,9 +152,12 @@ def notes_table(subject: Subject) -> Html:
 
 def part_keyframes(session: Session) -> Html | None:
     """Return which limbs were keyed alone, and where; None where none were."""
-    if not session.part_keyframes:
+    if not session.subject.part_keyframes:
         return None
-    said = [f"{k.frame} ({keyed_words(session.body, k.parts)})" for k in session.part_keyframes]
+    said = [
+        f"{k.frame} ({keyed_words(session.subject.body, k.parts)})"
+        for k in session.subject.part_keyframes
+    ]
     words = f"Limbs keyed alone, the rest of the body tracked: at {listed(said)}."
     return element("p", words, class_="note")
 

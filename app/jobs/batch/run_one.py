@@ -185,7 +185,7 @@ def _segment_json(track: SegmentResult) -> dict[str, object]:
 def _summary(task: Task, found: _Found) -> Summary:
     """Summarise the session as it stands on disk now."""
     now = load_session(task.session)
-    results = now.results
+    results = now.subject.results
     segments = () if results is None else results.segments
     fresh = {track.span for track in found.tracks}
     summaries = tuple(

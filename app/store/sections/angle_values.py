@@ -19,14 +19,14 @@ def joint_angle(app_state: AppState) -> Json:
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None or edit.display.joint is None:
         return None
-    joints = [joint for joint in joints_of(doc.body) if joint.carrier != ROOT]
+    joints = [joint for joint in joints_of(doc.subject.body) if joint.carrier != ROOT]
     own = [joint for joint in joints if name_of(joint) == edit.display.joint]
     if not own:
         return None
     angle = next((a for a in own[0].angles if a.name == edit.display.angle), own[0].angles[0])
     sides = []
     for joint in own:
-        found = angles_of(doc.body, joint, lambda part: part_rotations(edit, part))
+        found = angles_of(doc.subject.body, joint, lambda part: part_rotations(edit, part))
         side = joint.name.removesuffix(name_of(joint)).rstrip("_")
         values = listed(found[angle.name], 1)
         sides.append({"side": SIDES[side], "part": joint.part, "values": values})

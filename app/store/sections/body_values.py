@@ -27,7 +27,7 @@ def body(app_state: AppState) -> Json:
     doc = doc_of(app_state)
     if doc is None:
         return None
-    given = doc.body
+    given = doc.subject.body
     return {
         "name": given.name,
         "preset": given.name if given.name in PRESETS else None,
@@ -123,7 +123,11 @@ def pose(app_state: AppState) -> Json:
         "followed": _is_followed(edit),
         "stroke": edit.stroke.name if edit.stroke else None,
         "T": dict(
-            zip(edit.doc.body.names, Ts[:, :3].reshape(-1, 12).round(6).tolist(), strict=True)
+            zip(
+                edit.doc.subject.body.names,
+                Ts[:, :3].reshape(-1, 12).round(6).tolist(),
+                strict=True,
+            )
         ),
         "points": dict(zip(joint_names(edit.skeleton), points, strict=True)),
         "angles": angles_at(edit, standing.pose),
@@ -170,10 +174,10 @@ def keys(app_state: AppState) -> Json:
     if edit is None or doc is None:
         return {"frames": [], "drafts": [], "soft": [], "parts": []}
     return {
-        "frames": [keyframe.frame for keyframe in doc.keyframes],
-        "drafts": [draft.frame for draft in doc.drafts if counts(edit, draft)],
-        "soft": [keyframe.frame for keyframe in doc.keyframes if keyframe.soft],
-        "parts": [_part_keyframe(doc.body, each) for each in doc.part_keyframes],
+        "frames": [keyframe.frame for keyframe in doc.subject.keyframes],
+        "drafts": [draft.frame for draft in doc.subject.drafts if counts(edit, draft)],
+        "soft": [keyframe.frame for keyframe in doc.subject.keyframes if keyframe.soft],
+        "parts": [_part_keyframe(doc.subject.body, each) for each in doc.subject.part_keyframes],
     }
 
 
@@ -199,9 +203,9 @@ def curve(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None or edit.selected is None:
         return None
-    index, frames = edit.doc.body.index(edit.selected), edit.frame_count
+    index, frames = edit.doc.subject.body.index(edit.selected), edit.frame_count
     angles = angle_curve(edit, index)
-    error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
+    error = residual(edit.fitting, frames, len(edit.doc.subject.body.parts))[:, index]
     error = error * _SHOWN_TIMES[edit.doc.evidence.residual_unit]
     rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
     return {"part": edit.selected, **rows, "error": listed(error, 2)}
@@ -221,7 +225,7 @@ def trail(app_state: AppState) -> Json:
 def poses(app_state: AppState) -> Json:
     """Every kept pose with its picture, and whether the present body has any of its parts."""
     doc = doc_of(app_state)
-    names = set(doc.body.names) if doc is not None else set()
+    names = set(doc.subject.body.names) if doc is not None else set()
     return [
         {
             "id": pose.id,

@@ -22,6 +22,7 @@ from keypose.app.store.sections import (
 )
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.state import AppState
+from keypose.tracker.session.schema import Session
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,14 @@ class _Section:
     make: Callable[[AppState], Json]
 
 
+def _field(doc: Session | None, name: str) -> Any:
+    return None if doc is None else doc.value(name)
+
+
 def _doc(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
     def parts(app_state: AppState) -> tuple[Any, ...]:
         doc = app_state.edit.doc if app_state.edit else None
-        return (doc is None, *(getattr(doc, name, None) for name in names))
+        return (doc is None, *(_field(doc, name) for name in names))
 
     return parts
 
@@ -45,7 +50,7 @@ def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
 
     def parts(app_state: AppState) -> tuple[Any, ...]:
         doc = app_state.edit.settled if app_state.edit else None
-        return (doc is None, *(getattr(doc, name, None) for name in names))
+        return (doc is None, *(_field(doc, name) for name in names))
 
     return parts
 
@@ -78,7 +83,7 @@ LONG_CURVE = 1500
 _TRACKED = _both(
     _settled(
         *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
-        *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
+        *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_world"),
         *("reviewed", "video"),
     ),
     _edit("results"),
@@ -91,10 +96,10 @@ def _tinted(app_state: AppState) -> tuple[Any, ...]:
     if edit is None or not edit.doc.evidence.has_surface:
         return ()
     if edit.display.tint not in ("contact", "distance"):
-        return (edit.settled.surface, edit.display.tint)
+        return (edit.settled.view.surface, edit.display.tint)
     doc = edit.settled
-    poses = (doc.body, doc.keyframes, doc.drafts, edit.results)
-    return (doc.surface, edit.display.tint, *poses)
+    poses = (doc.subject.body, doc.subject.keyframes, doc.subject.drafts, edit.results)
+    return (doc.view.surface, edit.display.tint, *poses)
 
 
 SECTIONS: dict[str, _Section] = {
@@ -104,7 +109,7 @@ SECTIONS: dict[str, _Section] = {
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
         _both(
-            _doc("camera", "up_camera", "lens_source", "video", "drafted", "drafts", "keyframes"),
+            _doc("camera", "up_world", "lens_source", "video", "drafted", "drafts", "keyframes"),
             _edit("results"),
             lambda o: (o.opened,),
             _tinted,
@@ -115,7 +120,7 @@ SECTIONS: dict[str, _Section] = {
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         evidence_values.surface,
     ),
-    "views": _Section(_doc("up_camera"), scene_values.small_view_rotations),
+    "views": _Section(_doc("up_world"), scene_values.small_view_rotations),
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), body_values.pose),
@@ -151,7 +156,7 @@ SECTIONS: dict[str, _Section] = {
     "still": _Section(_both(_TRACKED, _settled("pins")), space_values.still),
     "floor": _Section(_both(_TRACKED, _doc("pins", "floor_m")), space_values.floor),
     "feet": _Section(
-        _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), space_values.feet
+        _both(_TRACKED, _settled("drafts", "up_world"), _edit("opening")), space_values.feet
     ),
     "ghosts": _Section(
         _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display", "results")),

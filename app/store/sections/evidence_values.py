@@ -63,11 +63,11 @@ def _why_off(doc: Session, cue: Cue) -> str:
     """Why a cue does not count here, whatever is chosen; or empty."""
     if cue == "brightness":
         return ""
-    if cue in _PERSONS and not is_persons(doc.body):
+    if cue in _PERSONS and not is_persons(doc.subject.body):
         return "Needs a person’s body"
     if doc.settings.method == "paper":
         return "Not in the published method"
-    if cue == "silhouette" and not (doc.has_static_camera or is_persons(doc.body)):
+    if cue == "silhouette" and not (doc.has_static_camera or is_persons(doc.subject.body)):
         return "Needs a static camera or a person’s body"
     return ""
 
@@ -119,13 +119,13 @@ def keypoints(app_state: AppState) -> Json:
     Of an ignored one it is given where it was found, so that it can be put back.
     """
     edit = app_state.edit
-    if edit is None or edit.doc.surface is not None:
+    if edit is None or edit.doc.view.surface is not None:
         return None
     found = app_state.keypoints.at(edit.frame)
-    said = {c.joint: c for c in edit.doc.keypoint_corrections if c.frame == edit.frame}
+    said = {c.joint: c for c in edit.doc.view.keypoint_corrections if c.frame == edit.frame}
     if found is None and not said:
         return None
-    on_body = points_on_body(edit.doc.body, SHOWN).indices
+    on_body = points_on_body(edit.doc.subject.body, SHOWN).indices
     names = [SHOWN[k] for k in on_body]
     at = {name: k for k, name in enumerate(found.names)} if found is not None else {}
     points = []
@@ -133,7 +133,7 @@ def keypoints(app_state: AppState) -> Json:
         uv, sure = np.full(2, np.nan), 0.0
         if found is not None and name in at:
             uv, sure = found.uv[0, at[name]], float(found.visibility[0, at[name]])
-        points.append(_point(name, uv, sure, said.get(name), edit.doc.camera))
+        points.append(_point(name, uv, sure, said.get(name), edit.doc.view.camera))
     return {"frame": edit.frame, "points": [point for point in points if point is not None]}
 
 
@@ -193,7 +193,7 @@ def _unavailable(app_state: AppState, kind: Tint) -> str:
     assert app_state.edit is not None
     if kind == "photo":
         return "" if app_state.surface.photo else "These surfaces come without pictures of cameras"
-    posed = kind == "clay" or bool(app_state.edit.doc.keyframes)
+    posed = kind == "clay" or bool(app_state.edit.doc.subject.keyframes)
     return "" if posed else "Pose the first keyframe first"
 
 
@@ -205,7 +205,7 @@ def surface_version(edit: EditorState) -> str:
     doc = edit.settled
     if not doc.evidence.has_surface:
         return ""
-    given, camera = surface_of(doc), doc.camera
+    given, camera = surface_of(doc), doc.view.camera
     made_of: list[object] = [given.units, given.up, given.p_camera_surface]
     made_of += [given.cameras, given.cameras_fingerprint]
     made_of += [camera.fx, camera.fy, camera.cx, camera.cy]
@@ -214,6 +214,6 @@ def surface_version(edit: EditorState) -> str:
         fitting = edit.results.fitting(doc)
         done = [track for track in fitting.values() if track.finished]
         found = sorted(f"{t.key}{t.quality}{t.missing}" for t in done)
-        made_of += [given, doc.keyframes, doc.drafts, doc.body, found]
+        made_of += [given, doc.subject.keyframes, doc.subject.drafts, doc.subject.body, found]
     made_of.append(kind)
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]

@@ -195,7 +195,7 @@ def lanes(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return {}
-    names = edit.settled.body.names
+    names = edit.settled.subject.body.names
     fitting = edit.results.fitting(edit.settled)
     table = observability(fitting, edit.frame_count, len(names))
     known = np.asarray(np.isfinite(table).any(axis=0))
@@ -247,7 +247,7 @@ def review(app_state: AppState) -> Json:
 
 def _place(doc: Session, found: Review, place: Place) -> Json:
     """`end` is in the camera frame, metres; `at` and `box` pixels of the picture as it is shown."""
-    camera = doc.camera.without_distortion()
+    camera = doc.view.camera.without_distortion()
     limb = camera.project(place.limb_m)
     crop = max(CROP_SHARE * found.body_m * place.px_per_m, LEAST_CROP_PX)
     return {
@@ -256,7 +256,7 @@ def _place(doc: Session, found: Review, place: Place) -> Json:
         "frame": place.frame,
         "part": place.part,
         "label": label_of_place(place),
-        "side": "C" if place.part is None else side_of(doc.body, place.part),
+        "side": "C" if place.part is None else side_of(doc.subject.body, place.part),
         "cause": place.cause,
         "first": place.frames[0],
         "last": place.frames[1],

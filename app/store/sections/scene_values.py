@@ -44,8 +44,8 @@ def file(app_state: AppState) -> Json:
         if info.variable_rate and not stated
         else None,
         "lens": None if info.lens is None else asdict(info.lens),
-        "taken": None if doc is None else _taken(info, doc.video),
-        "repeated": len(doc.video.repeats.frames) if doc and doc.video.repeats else 0,
+        "taken": None if doc is None else _taken(info, doc.view.video),
+        "repeated": len(doc.view.video.repeats.frames) if doc and doc.view.video.repeats else 0,
     }
 
 
@@ -76,7 +76,7 @@ def camera(app_state: AppState) -> Json:
     doc = doc_of(app_state)
     if doc is None:
         return None
-    given, up = doc.camera, up_of(doc)
+    given, up = doc.view.camera, up_of(doc)
     longer = max(given.width / given.fx, given.height / given.fy)
     tilt, roll = tilt_and_roll(up)
     horizon = horizon_of(given, up)
@@ -84,9 +84,9 @@ def camera(app_state: AppState) -> Json:
         **given.model_dump(),
         "fov_deg": math.degrees(2 * math.atan(longer / 2)),
         "focal_mm": given.focal_mm,
-        "lens_source": doc.lens_source,
-        "lens_is_guess": doc.lens_is_guess,
-        "depth_share": doc.depth_share,
+        "lens_source": doc.view.lens_source,
+        "lens_is_guess": doc.view.lens_is_guess,
+        "depth_share": doc.view.depth_share,
         "up": list(up),
         "up_origin": _up_origin(doc),
         "tilt_deg": tilt,
@@ -102,7 +102,7 @@ def _lifts(app_state: AppState, doc: Session) -> Json:
     edit = app_state.edit
     if edit is None or not has_drafts_for_other_up(doc):
         return None
-    keyed = {keyframe.frame for keyframe in doc.keyframes}
+    keyed = {keyframe.frame for keyframe in doc.subject.keyframes}
     keyframes = to_lift(doc) & keyed
     touched = [span for span in edit.fitting if keyframes.intersection(span)]
     return {
@@ -113,9 +113,9 @@ def _lifts(app_state: AppState, doc: Session) -> Json:
 
 
 def _up_origin(doc: Session) -> str:
-    if doc.up_camera is None:
+    if doc.world.up_world is None:
         return "camera"
-    return "feet" if doc.up_from_feet else "drawn"
+    return "feet" if doc.world.up_from_feet else "drawn"
 
 
 def image_version(app_state: AppState) -> str:
@@ -127,9 +127,9 @@ def image_version(app_state: AppState) -> str:
     edit, film = app_state.edit, app_state.opened.film if app_state.opened else ""
     if edit is None:
         return ""
-    camera = edit.doc.camera
+    camera = edit.doc.view.camera
     lens = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
-    woven = () if edit.doc.video.deinterlace else ("woven",)
+    woven = () if edit.doc.view.video.deinterlace else ("woven",)
     made_of = (film, lens if camera.is_distorted else (), *woven)
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
 

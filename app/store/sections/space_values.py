@@ -36,7 +36,7 @@ def feet(app_state: AppState) -> Json:
     if edit is None:
         return None
     found = feet_paths(edit)
-    body = edit.settled.body
+    body = edit.settled.subject.body
     return {
         "floor_m": round(found.floor_m, 4),
         "frames": found.frames.tolist(),
@@ -56,13 +56,19 @@ def ghosts(app_state: AppState) -> Json:
     """Return where the parts stand at the keyframes before and after the present frame, and at a
     soft one here."""
     edit = app_state.edit
-    if edit is None or not edit.display.ghosts or edit.doc.body is not edit.settled.body:
+    if (
+        edit is None
+        or not edit.display.ghosts
+        or edit.doc.subject.body is not edit.settled.subject.body
+    ):
         return []
     found = []
     for frame, pose in shown.ghosts(edit):
         Ts = pose_transforms(edit.skeleton, pose)
         rows = Ts[:, :3].reshape(-1, 12).round(4).tolist()
-        found.append({"frame": frame, "T": dict(zip(edit.doc.body.names, rows, strict=True))})
+        found.append(
+            {"frame": frame, "T": dict(zip(edit.doc.subject.body.names, rows, strict=True))}
+        )
     return found
 
 
@@ -71,7 +77,9 @@ def solids(app_state: AppState) -> Json:
     doc = doc_of(app_state)
     if doc is None:
         return None
-    return {part.name: part.shape.mesh().vertices.round(4).tolist() for part in doc.body.parts}
+    return {
+        part.name: part.shape.mesh().vertices.round(4).tolist() for part in doc.subject.body.parts
+    }
 
 
 SOLE_M = 0.015
@@ -87,8 +95,8 @@ def pins(app_state: AppState) -> Json:
     if edit is None:
         return []
     return [
-        {**_pin(edit.doc.body, pin), "sole": _sole(edit, pin), **_found(edit, pin)}
-        for pin in edit.doc.pins
+        {**_pin(edit.doc.subject.body, pin), "sole": _sole(edit, pin), **_found(edit, pin)}
+        for pin in edit.doc.subject.pins
     ]
 
 
@@ -100,7 +108,7 @@ def still(app_state: AppState) -> Json:
     if edit is None:
         return []
     found = []
-    for pin in edit.settled.pins:
+    for pin in edit.settled.subject.pins:
         middle = (pin.first_frame + pin.last_frame) // 2
         reach = (pin.last_frame - pin.first_frame) // 2 + AROUND
         known = still_range(edit, pin, middle, reach)
@@ -111,7 +119,9 @@ def still(app_state: AppState) -> Json:
 def proposed_pins(app_state: AppState) -> Json:
     """The pins that are proposed and not yet answered."""
     edit = app_state.edit
-    return [] if edit is None else [_pin(edit.doc.body, pin) for pin in open_proposals(edit)]
+    return (
+        [] if edit is None else [_pin(edit.doc.subject.body, pin) for pin in open_proposals(edit)]
+    )
 
 
 def floor(app_state: AppState) -> Json:
@@ -119,10 +129,10 @@ def floor(app_state: AppState) -> Json:
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None:
         return None
-    has_feet = any(pin.floor or pin.landmarks for pin in doc.pins)
+    has_feet = any(pin.floor or pin.landmarks for pin in doc.subject.pins)
     soles = soles_of(edit.settled, edit.results.space(edit.settled))
     return {
-        "height_m": doc.floor_m,
+        "height_m": doc.world.floor_m,
         "has_feet": has_feet,
         "soles": "" if soles is None else soles_words(soles),
         "soles_off_cm": None if soles is None else round(100 * soles.off_m, 1),
@@ -165,11 +175,11 @@ def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
 
 def _sole(edit: EditorState, pin: Pin) -> list[list[float]]:
     """The outline of a pinned foot's sole, as it stands in the middle of the pin."""
-    if not default_landmarks(edit.doc.body, pin.part):
+    if not default_landmarks(edit.doc.subject.body, pin.part):
         return []
     middle = (pin.first_frame + pin.last_frame) // 2
     T = pose_transforms(edit.skeleton, shown_pose(edit, middle).pose)
-    T_part = T[edit.doc.body.index(pin.part)]
+    T_part = T[edit.doc.subject.body.index(pin.part)]
     outline = _sole_in_part(edit.skeleton, pin.part) @ T_part[:3, :3].T + T_part[:3, 3]
     found: list[list[float]] = outline.round(4).tolist()
     return found
@@ -224,7 +234,7 @@ def space(app_state: AppState) -> Json:
                 weighted.append((_WEIGHTS["slides"] * pin.off_m, row))
     rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)
-    share = edit.settled.depth_share
+    share = edit.settled.view.depth_share
     rise_m = uneven_feet_m(edit) if is_known else None
     first = [] if rise_m is None else [_guessed_up(edit, rise_m)]
     last = [_guessed_lens(edit, share)] if is_known and share is not None else []
@@ -233,7 +243,7 @@ def space(app_state: AppState) -> Json:
 
 def _guessed_up(edit: EditorState, rise_m: float) -> Json:
     """Feet that climb since nobody knows how the camera tilts: what else is found rests on it."""
-    pins = edit.settled.pins
+    pins = edit.settled.subject.pins
     return {
         "kind": "up",
         "words": f"Pinned feet differ by {100 * rise_m:.0f} cm in height: the camera’s tilt is a "
@@ -260,7 +270,7 @@ def _guessed_lens(edit: EditorState, share: float) -> Json:
     return {
         "kind": "lens",
         "words": f"Depth rests on a guessed lens. Distances may be off by {100 * share:.0f} %.",
-        "part": edit.settled.body.names[0],
+        "part": edit.settled.subject.body.names[0],
         "first": edit.keys[0],
         "last": edit.keys[-1],
         "go": edit.keys[0],

@@ -53,7 +53,7 @@ def masks(app_state: AppState) -> Json:
             "last": mask.last_frame,
             "note": mask.note,
         }
-        for mask in (doc.ignore_masks if doc else ())
+        for mask in (doc.view.ignore_masks if doc else ())
     ]
 
 
@@ -61,8 +61,8 @@ def settings(app_state: AppState) -> Json:
     """Return how to track."""
     doc = doc_of(app_state)
     given = doc.settings if doc else TrackSettings()
-    source = doc.first_motion.source if doc and doc.first_motion else None
-    found = doc.video.stands_still if doc else None
+    source = doc.subject.first_motion.source if doc and doc.subject.first_motion else None
+    found = doc.view.video.stands_still if doc else None
     return {
         **given.model_dump(include={"method", "quality", "static_camera"}),
         "found_still": found,
@@ -112,11 +112,11 @@ def sizes_preview(app_state: AppState) -> Json:
     if given is None or edit is None:
         return None
     chosen = given.proposal
-    before, after = (100 * height(body) for body in (given.before.body, chosen.body))
+    before, after = (100 * height(body) for body in (given.before.subject.body, chosen.body))
     poses = given.found.with_poses
     return {
         "words": given.found.message,
-        "keyframes": len(given.before.keyframes),
+        "keyframes": len(given.before.subject.keyframes),
         "error": {"before": given.found.error_px, "after": chosen.error_px},
         "height": {"before": before, "after": after},
         "changes": [
@@ -142,7 +142,9 @@ def reduction(app_state: AppState) -> Json:
     if given is None or edit is None:
         return None
     asked, motion, known = given.asked, given.found.motion, given.reduction
-    posed = edit.doc.keyframes if given.found.parts is None else edit.doc.part_keyframes
+    posed = (
+        edit.doc.subject.keyframes if given.found.parts is None else edit.doc.subject.part_keyframes
+    )
     frames = () if known is None else known.frames
     own = {keyframe.frame for keyframe in posed}
     return {
@@ -172,7 +174,7 @@ def _finite(figure: float | None) -> float | None:
 
 def _has_sides(doc: Session, part: str) -> bool:
     """Return whether a kind of part is there on both sides."""
-    return part not in doc.body.names
+    return part not in doc.subject.body.names
 
 
 def is_latest_draft(app_state: AppState) -> bool:
@@ -189,18 +191,18 @@ def draft(app_state: AppState) -> Json:
     of these the tracked pose is shown instead.  rest: runs of frames that it was cancelled before.
     """
     edit, doc = app_state.edit, doc_of(app_state)
-    if edit is None or doc is None or doc.drafted is None:
+    if edit is None or doc is None or doc.subject.drafted is None:
         return None
-    given, waiting = doc.drafted, {draft.frame for draft in doc.drafts}
+    given, waiting = doc.subject.drafted, {draft.frame for draft in doc.subject.drafts}
     if not waiting:
         return None
     to_confirm = drafts_to_confirm(doc)
     left = set() if given.rest is None else {*frames_of(given.rest.frames)}
     asked = [f for f in range(given.first_frame, given.last_frame + 1) if f not in left]
     lacking = missing_frames(given)
-    hidden = {draft.frame for draft in doc.drafts if not counts(edit, draft)}
+    hidden = {draft.frame for draft in doc.subject.drafts if not counts(edit, draft)}
     tracked = {frame for frame in lacking if edit.tracked(frame) is not None}
-    posed = {*waiting, *tracked, *(k.frame for k in doc.keyframes)}
+    posed = {*waiting, *tracked, *(k.frame for k in doc.subject.keyframes)}
     return {
         "latest": is_latest_draft(app_state),
         "first": given.first_frame,

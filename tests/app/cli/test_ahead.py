@@ -36,23 +36,23 @@ def one_key(tmp_path: Path) -> Path:
     shutil.copytree(BOX, folder)
     path = folder / "session.json"
     session = load_session(path)
-    update = {"keyframes": session.keyframes[:1], "results": None}
-    save_session(session.model_copy(update=update), path)
+    update = {"keyframes": session.subject.keyframes[:1], "results": None}
+    save_session(session.changed(update), path)
     return path
 
 
 def off_px(session: Session) -> float:
     """How far the drafts are off at most."""
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     with np.load(BOX / "truth.npz") as truth:
         Rs, ps = truth["Rs_parent_part"], truth["ps_camera_root"]
-        rows = [draft.frame - int(truth["first_frame"]) for draft in session.drafts]
-    poses = [draft.pose(skeleton) for draft in session.drafts]
+        rows = [draft.frame - int(truth["first_frame"]) for draft in session.subject.drafts]
+    poses = [draft.pose(skeleton) for draft in session.subject.drafts]
     found = Trajectory(
         0, np.stack([p.Rs_parent_part for p in poses]), np.stack([p.p_camera_root for p in poses])
     )
     uv, true = (
-        session.camera.project(m.joints(skeleton))
+        session.view.camera.project(m.joints(skeleton))
         for m in (found, Trajectory(0, Rs[rows], ps[rows]))
     )
     return float(np.linalg.norm(uv - true, axis=-1).max())
@@ -64,7 +64,7 @@ def test_the_bundled_box_is_followed_without_any_keypoints(
     assert main(["track", str(one_key), "--ahead", "forward"]) == 0
     session = load_session(one_key)
     (record,) = session.ahead
-    assert record.from_frame == session.keyframes[0].frame
+    assert record.from_frame == session.subject.keyframes[0].frame
     assert [draft.frame for draft in session.drafts] == list(
         range(record.from_frame + 1, record.to_frame + 1)
     )
@@ -81,7 +81,7 @@ def test_from_python_it_is_the_same(one_key: Path) -> None:
         found = track_ahead(session, video, longest=6, emit=lambda m: seen.append(len(m)))
     assert isinstance(found, FoundAhead)
     assert (found.to_frame, found.stop.cause, seen) == (
-        session.keyframes[0].frame + 6,
+        session.subject.keyframes[0].frame + 6,
         "limit",
         [7],
     )
@@ -118,8 +118,8 @@ def test_both_ways_and_as_json(
     session_path: Path, followed: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     session = load_session(session_path)
-    keys = [k.frame for k in session.keyframes]
-    middle = session.model_copy(update={"keyframes": session.keyframes[1:2]})
+    keys = [k.frame for k in session.subject.keyframes]
+    middle = session.changed({"keyframes": session.subject.keyframes[1:2]})
     save_session(middle, session_path)
     assert (
         main(["track", str(session_path), "--ahead", "both", "--quality", "preview", "--json"]) == 0
@@ -165,7 +165,7 @@ def test_without_a_keyframe_or_beyond_the_end_it_is_refused(
     session_path: Path, followed: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     session = load_session(session_path)
-    save_session(session.model_copy(update={"keyframes": ()}), session_path)
+    save_session(session.changed({"keyframes": ()}), session_path)
     folder, arguments = session_path.parent, ["track", session_path, "--ahead"]
     assert "add it as a keyframe first" in refused(capsys, folder, [*arguments, "both"])
     save_session(session, session_path)
@@ -175,4 +175,4 @@ def test_without_a_keyframe_or_beyond_the_end_it_is_refused(
 
 def _first_alone(path: Path) -> Session:
     session = load_session(path)
-    return session.model_copy(update={"keyframes": session.keyframes[:1]})
+    return session.changed({"keyframes": session.subject.keyframes[:1]})

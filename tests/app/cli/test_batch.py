@@ -66,7 +66,7 @@ def test_all_sessions_of_a_folder_are_tracked_and_reported_of(
     sessions: list[Path], capsys: Capture
 ) -> None:
     assert batch(root(sessions)) == 0
-    assert all(load_session(path).results is not None for path in sessions)
+    assert all(load_session(path).subject.results is not None for path in sessions)
     out, err = capsys.readouterr()
     lines = out.splitlines()
     assert lines[0].split() == ["session", "outcome", "good", "check", "lost", "s"]
@@ -251,7 +251,7 @@ def test_killed_midway_it_leaves_no_worker_in_the_way_and_goes_on_when_started_a
     states = [s["state"] for s in reported[-1]["sessions"]]
     assert states[0] == "kept"
     assert set(states) <= {"kept", "tracked"}
-    assert all(load_session(path).results is not None for path in paths)
+    assert all(load_session(path).subject.results is not None for path in paths)
 
 
 def test_exported_files_that_are_there_are_not_exchanged_unless_asked(

@@ -37,19 +37,19 @@ def test_a_session_with_drafts_and_its_keypoints_are_written(
     taken = ("--recorded-fps", "240", "--deinterlace", "no")
     assert run(command(out, "--frame", "2", "--body", "elderly_male", *taken)) == 0
     session = load_session(out / "session.json")
-    assert [draft.frame for draft in session.drafts] == list(range(6))
-    assert session.keyframes == ()
-    assert session.body.name == "elderly_male"
-    assert (session.video.recorded_fps, session.video.deinterlace) == (240.0, False)
-    assert session.drafts[5].time_s == pytest.approx(5 / 240)
-    assert session.keypoints is not None
-    assert session.keypoints.seeds == (2,)
-    assert session.keypoints.network
+    assert [draft.frame for draft in session.subject.drafts] == list(range(6))
+    assert session.subject.keyframes == ()
+    assert session.subject.body.name == "elderly_male"
+    assert (session.view.video.recorded_fps, session.view.video.deinterlace) == (240.0, False)
+    assert session.subject.drafts[5].time_s == pytest.approx(5 / 240)
+    assert session.view.keypoints is not None
+    assert session.view.keypoints.seeds == (2,)
+    assert session.view.keypoints.network
     keypoints = keypoints_of_session(session, out)
     assert keypoints is not None
     assert (keypoints.first_frame, keypoints.last_frame) == (0, 5)
     with open_video_of(session, out / "session.json") as video:
-        assert video.info.frame_count == session.video.frame_count
+        assert video.info.frame_count == session.view.video.frame_count
     message = capsys.readouterr().out
     assert "Drafts at 6 of 6 frames." in message
     assert "frame 0: first draft" in message
@@ -65,7 +65,7 @@ def test_json_gives_the_progress_and_the_frames_to_confirm(
     assert events[-1]["drafts"] == 6
     assert events[-1]["missing"] == []
     assert events[-1]["proposals"][0] == {"frame": 0, "reason": "start", "parts": []}
-    assert load_session(tmp_path / "new" / "session.json").camera.origin == "field of view"
+    assert load_session(tmp_path / "new" / "session.json").view.camera.origin == "field of view"
 
 
 WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
@@ -140,11 +140,11 @@ def test_ctrl_c_keeps_what_the_network_has_looked_at_and_the_same_command_goes_o
     assert run(some) == 130
     end = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert end["left"] == list(range(17, 40))
-    found = load_session(out / "session.json").drafted
+    found = load_session(out / "session.json").subject.drafted
     assert found is not None
     assert found.rest is not None
     assert [(r.first_frame, r.last_frame) for r in found.rest.frames] == [(17, 39)]
     assert run([*some, "--overwrite"]) == 0
-    found = load_session(out / "session.json").drafted
+    found = load_session(out / "session.json").subject.drafted
     assert found is not None
     assert found.rest is None

@@ -55,8 +55,8 @@ def test_keyframes_stay_as_they_were_posed(tmp_path: Path) -> None:
     path = cases.write_session(tmp_path / "job", keyframes=(1, 3))
     assert fit("--session", path) == 0
     session = load_session(path)
-    assert session.results is not None
-    spans = [(s.first_frame, s.last_frame) for s in session.results.segments]
+    assert session.subject.results is not None
+    spans = [(s.first_frame, s.last_frame) for s in session.subject.results.segments]
     assert spans == [(0, 1), (1, 3), (3, 4)]
     found = load_trajectory(session, path)
     for frame in (1, 3):
@@ -66,8 +66,8 @@ def test_keyframes_stay_as_they_were_posed(tmp_path: Path) -> None:
 def test_what_is_asked_for_is_kept_with_what_it_led_to(session_path: Path) -> None:
     assert fit("--session", session_path, "--weights", "contact", "--distance", "point") == 0
     session = load_session(session_path)
-    assert session.surface is not None
-    assert (session.surface.weights, session.surface.distance) == ("contact", "point")
+    assert session.view.surface is not None
+    assert (session.view.surface.weights, session.view.surface.distance) == ("contact", "point")
     assert load_results(session, session_path).wanted(session) == []
 
 
@@ -79,8 +79,8 @@ def test_a_copy_leads_to_the_same_meshes_and_leaves_the_session_alone(
     assert fit("--session", session_path, "--out", out, "--binding", "smooth") == 0
     assert everything_in(session_path.parent) == before
     copy = load_session(out / "session.json")
-    assert copy.surface is not None
-    assert copy.surface.binding == "smooth"
+    assert copy.view.surface is not None
+    assert copy.view.surface.binding == "smooth"
     with open_video_of(copy, out / "session.json") as video:
         assert video.info.frame_count == cases.STEPS
     assert load_results(copy, out / "session.json").wanted(copy) == []
@@ -142,7 +142,7 @@ def test_ctrl_c_keeps_the_steps_that_are_done(
     assert [row["pose"] for row in rows][:3] == ["keyframe", "tracked", "tracked"]
     assert "Frames: 3" in (out / "motion.bvh").read_text(encoding="utf-8")
     assert fit("--session", session_path) == 0
-    assert load_session(session_path).results.segments[0].missing == 0  # type: ignore[union-attr]
+    assert load_session(session_path).subject.results.segments[0].missing == 0  # type: ignore[union-attr]
 
 
 def test_a_mesh_that_cannot_be_used_is_left_out_and_reported(
@@ -150,8 +150,8 @@ def test_a_mesh_that_cannot_be_used_is_left_out_and_reported(
 ) -> None:
     (session_path.parent / "meshes" / "step_0002.ply").write_bytes(b"ply\nnothing more")
     unknown = load_session(session_path)
-    video = unknown.video.model_copy(update={"fingerprint": ""})
-    save_session(unknown.model_copy(update={"video": video}), session_path)
+    video = unknown.view.video.model_copy(update={"fingerprint": ""})
+    save_session(unknown.changed({"video": video}), session_path)
     assert fit("--session", session_path) == 0
     message = capsys.readouterr().out
     assert "frames 0–4: check frame 2" in message
@@ -171,10 +171,10 @@ def test_a_mesh_exported_again_is_fitted_and_known_from_then_on(session_path: Pa
     again = ["batch", str(session_path), "--only", "outdated", "--quality", "preview"]
     assert main(again) == 0
     after = load_session(session_path)
-    assert after.video.fingerprint != before.video.fingerprint
-    assert before.results is not None
-    assert after.results is not None
-    assert before.results.tracks != after.results.tracks
+    assert after.view.video.fingerprint != before.view.video.fingerprint
+    assert before.subject.results is not None
+    assert after.subject.results is not None
+    assert before.subject.results.tracks != after.subject.results.tracks
     assert list(load_results(after, session_path).fitting(after)) == [(0, 4)]
 
 
@@ -183,7 +183,7 @@ def test_the_cameras_that_are_named_are_known_by_their_content(session_path: Pat
     shutil.copy(cases.SAMPLE / "cameras.json", cameras)
     chosen = ("--weights", "contact", "--quality", "preview")
     assert fit("--session", session_path, "--cameras", cameras, *chosen) in (0, 1)
-    surface = load_session(session_path).surface
+    surface = load_session(session_path).view.surface
     assert surface is not None
     assert surface.cameras == "cameras.json"
     digest = hashlib.sha256(cameras.read_bytes()).hexdigest()
@@ -281,8 +281,8 @@ def test_a_model_with_holes_is_reported(tmp_path: Path, capsys: pytest.CaptureFi
     mesh.faces = mesh.faces[20:]
     mesh.export(file)
     reported = load_session(path)
-    video = reported.video.model_copy(update={"fingerprint": ""})
-    save_session(reported.model_copy(update={"video": video}), path)
+    video = reported.view.video.model_copy(update={"fingerprint": ""})
+    save_session(reported.changed({"video": video}), path)
     assert fit("--session", path) in (0, 1)
     assert capsys.readouterr().out.count("has holes") == 1
 

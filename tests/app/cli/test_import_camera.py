@@ -36,10 +36,12 @@ def test_the_lens_and_what_is_up_are_the_files(
     file = chan(path.parent, "1 0 1.5 0 -10 0 0 30", "2 0 1.5 0 -10 0 0 30")
     assert main(["import", str(path), str(file), "--camera"]) == 0
     made = load_session(path)
-    assert made.camera.fy == pytest.approx(before.camera.height / 2 / np.tan(np.radians(15)))
-    assert made.lens_source == "calibration"
+    assert made.view.camera.fy == pytest.approx(
+        before.view.camera.height / 2 / np.tan(np.radians(15))
+    )
+    assert made.view.lens_source == "calibration"
     tilt = np.radians(10)
-    np.testing.assert_allclose(made.up_camera, [0, -np.cos(tilt), -np.sin(tilt)], atol=1e-6)
+    np.testing.assert_allclose(made.world.up_world, [0, -np.cos(tilt), -np.sin(tilt)], atol=1e-6)
     message = capsys.readouterr().out
     assert "Up: turned by 10.0°." in message
     assert f"Written: {path}" in message
@@ -48,14 +50,16 @@ def test_the_lens_and_what_is_up_are_the_files(
 def test_what_was_posed_is_seen_as_large_as_before(path: Path) -> None:
     before = load_session(path)
     assert main(["import", str(path), str(chan(path.parent, "1 0 0 0 0 0 0 20")), "--camera"]) == 0
-    made, skeleton = load_session(path), Skeleton.of(before.body)
-    for old, new in zip(before.keyframes, made.keyframes, strict=True):
-        assert new.root_m[2] / old.root_m[2] == pytest.approx(made.camera.fx / before.camera.fx)
+    made, skeleton = load_session(path), Skeleton.of(before.subject.body)
+    for old, new in zip(before.subject.keyframes, made.subject.keyframes, strict=True):
+        assert new.root_m[2] / old.root_m[2] == pytest.approx(
+            made.view.camera.fx / before.view.camera.fx
+        )
         places = [
-            session.camera.project(
+            session.view.camera.project(
                 joint_positions(skeleton, pose_transforms(skeleton, k.pose(skeleton)))[0]
             )
-            - (session.camera.cx, session.camera.cy)
+            - (session.view.camera.cx, session.view.camera.cy)
             for session, k in ((before, old), (made, new))
         ]
         np.testing.assert_allclose(*places, atol=1e-6)
@@ -67,7 +71,7 @@ def test_the_camera_that_was_exported_outdates_nothing(path: Path, tmp_path: Pat
 
     session = load_session(path)
     tracked = save_results(session, path, results_cases.both(session))
-    save_session(tracked.model_copy(update={"floor_m": -1.0}), path)
+    save_session(tracked.changed({"floor_m": -1.0}), path)
     out = tmp_path / "out"
     command = ["export", str(path), "--format", "camera,chan,glb", "--out", str(out)]
     assert main(command) == 0
@@ -75,7 +79,7 @@ def test_the_camera_that_was_exported_outdates_nothing(path: Path, tmp_path: Pat
     for name in ("motion_camera.json", "motion.glb"):
         assert main(["import", str(path), str(out / name), "--camera"]) == 0
         made = load_session(path)
-        assert made.model_copy(update={"lens_source": before.lens_source}) == before
+        assert made.changed({"lens_source": before.view.lens_source}) == before
 
 
 def test_json_shows_what_was_set(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -84,7 +88,7 @@ def test_json_shows_what_was_set(path: Path, capsys: pytest.CaptureFixture[str])
     message = json.loads(capsys.readouterr().out)
     assert message["written"] == str(path)
     assert message["up_camera"] == [0, -1, 0]
-    assert message["fx"] == load_session(path).camera.fx
+    assert message["fx"] == load_session(path).view.camera.fx
 
 
 def test_a_camera_that_moves_leaves_the_session_as_it_was(

@@ -138,7 +138,7 @@ def test_json_has_the_files_and_the_empty_frames(
 
 
 def without_keyframes(path: Path) -> None:
-    save_session(load_session(path).model_copy(update={"keyframes": ()}), path)
+    save_session(load_session(path).changed({"keyframes": ()}), path)
 
 
 def of_a_box(path: Path) -> None:
@@ -206,7 +206,7 @@ def test_drafts_say_where_the_person_is_where_there_is_no_keyframe(
     session: Path, tmp_path: Path
 ) -> None:
     doc = load_session(session)
-    save_session(doc.model_copy(update={"keyframes": (), "drafts": doc.keyframes[:1]}), session)
+    save_session(doc.changed({"keyframes": (), "drafts": doc.subject.keyframes[:1]}), session)
     assert run(session, "--frames", "1-1", "--out", tmp_path / "out") == 0
 
 

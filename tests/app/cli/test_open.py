@@ -158,7 +158,7 @@ def test_tracking_streams_passes_and_the_result_is_saved(work: Work) -> None:
     assert tab.seen["segments"][0]["state"] in ("good", "check")
     assert tab.seen["lanes"]["waist"][12] is not None
     tab.until(lambda: tab.seen["saved"]["state"] == "saved")
-    results = load_session(work.session).results
+    results = load_session(work.session).subject.results
     assert results is not None
     assert [(s.first_frame, s.last_frame) for s in results.segments] == [(0, 24)]
 
@@ -199,7 +199,7 @@ def test_a_signal_ends_it_with_everything_saved(
     assert code == 0
     assert "everything is saved" in words
     assert "Traceback" not in words
-    forearm = load_session(session).keyframes[0].rotations_wxyz["left_forearm"]
+    forearm = load_session(session).subject.keyframes[0].rotations_wxyz["left_forearm"]
     assert forearm[0] == pytest.approx(0.9588, abs=1e-3)  # half of 33°
 
 
@@ -226,7 +226,9 @@ def test_a_video_without_a_session_begins_one_beside_it(session: Path, tmp_path:
     assert tab.seen["guide"]["first"] is True
     tab.do(do="add_key", frame=0)
     tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)
-    assert len(load_session(session.parent / "person.keypose" / "session.json").keyframes) == 1
+    assert (
+        len(load_session(session.parent / "person.keypose" / "session.json").subject.keyframes) == 1
+    )
     tab.leave()
     keypose.end()
 
@@ -260,7 +262,7 @@ def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
     tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)
     reader.leave()
     second.end()
-    assert load_session(session).keyframes[0].rotations_wxyz["left_forearm"][0] > 0.9
+    assert load_session(session).subject.keyframes[0].rotations_wxyz["left_forearm"][0] > 0.9
 
 
 def test_what_another_program_let_go_of_can_be_written_again(

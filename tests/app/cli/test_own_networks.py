@@ -76,10 +76,10 @@ def test_it_is_added_listed_drafted_with_tracked_with_and_removed(
     shutil.copytree(BALANCE, tmp_path / "balance")
     path = tmp_path / "balance" / "session.json"
     session = load_session(path)
-    save_session(session.model_copy(update={"keyframes": session.keyframes[:2]}), path)
+    save_session(session.changed({"keyframes": session.subject.keyframes[:2]}), path)
     asked = ("--network", "mine", "--cues", "brightness,keypoints", "--quality", "preview")
     assert run("track", path, *asked) in (0, 1)
-    assert load_session(path).results is not None
+    assert load_session(path).subject.results is not None
 
     assert run("models", "remove", "mine") == 0
     assert list(added_folder().iterdir()) == []
@@ -97,7 +97,7 @@ def test_the_published_method_needs_no_network() -> None:
     for method, refused in (("paper", False), ("keypose", True)):
         settings = session.settings.model_copy(update={**of, "method": method})
         with pytest.raises(KeypointError, match="no network 'mine'") if refused else nullcontext():
-            tracker_of(session.model_copy(update={"settings": settings}), video)
+            tracker_of(session.changed({"settings": settings}), video)
 
 
 @pytest.mark.parametrize("bundled", [THUNDER, FULL])

@@ -23,7 +23,7 @@ def session(tmp_path: Path) -> Path:
     """The sample's true motion as drafts between two keyframes, its frames 30 to 32 without any."""
     (tmp_path / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
     sample = load_session(PERSON / "session.json")
-    skeleton, truth = Skeleton.of(sample.body), np.load(PERSON / "truth.npz")
+    skeleton, truth = Skeleton.of(sample.subject.body), np.load(PERSON / "truth.npz")
     poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
     dense = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
     drafts = [
@@ -32,33 +32,33 @@ def session(tmp_path: Path) -> Path:
         if each.frame not in (30, 31, 32)
     ]
     given = {"keyframes": (dense[0], dense[-1]), "drafts": tuple(drafts)}
-    save_session(sample.model_copy(update=given), tmp_path / "session.json")
+    save_session(sample.changed(given), tmp_path / "session.json")
     return tmp_path / "session.json"
 
 
 def test_the_session_gets_the_keyframes_that_are_printed(
     session: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = load_session(session).keyframes
+    before = load_session(session).subject.keyframes
     assert main(["reduce", str(session), "--tolerance", "6cm", "--dry-run", "--json"]) == 0
     reported = json.loads(capsys.readouterr().out)
-    assert load_session(session).keyframes == before
+    assert load_session(session).subject.keyframes == before
     assert main(["reduce", str(session), "--tolerance", "6cm"]) == 0
     words = capsys.readouterr().out
     saved = load_session(session)
-    assert [keyframe.frame for keyframe in saved.keyframes] == reported["frames"]
-    assert (saved.keyframes[0], saved.keyframes[-1]) == before
-    assert saved.drafts == ()
+    assert [keyframe.frame for keyframe in saved.subject.keyframes] == reported["frames"]
+    assert (saved.subject.keyframes[0], saved.subject.keyframes[-1]) == before
+    assert saved.subject.drafts == ()
     assert (reported["kept"], reported["frames_without_a_pose"]) == (2, 3)
     count = len(reported["frames"])
     assert f"{count} keyframes for 70 drafted frames, 2 of them there before" in words
     assert "3 frames have no pose" in words
-    assert saved.first_motion is not None
-    assert [(run.first_frame, run.last_frame) for run in saved.first_motion.own] == [
+    assert saved.subject.first_motion is not None
+    assert [(run.first_frame, run.last_frame) for run in saved.subject.first_motion.own] == [
         (0, 29),
         (33, 72),
     ]
-    assert session.with_name(saved.first_motion.file).is_file()
+    assert session.with_name(saved.subject.first_motion.file).is_file()
 
 
 def test_one_keyframe_in_twenty_frames_where_nothing_else_is_asked_for(

@@ -160,7 +160,7 @@ def test_the_words_for_a_gap_do_not_span_tracked_frames(
 ) -> None:
     parts = cases.result(cases.segment(6, 8), cases.segment(0, 2))
     session = save_result(load_session(session_path), session_path, parts)
-    save_session(session.model_copy(update={"keyframes": ()}), session_path)
+    save_session(session.changed({"keyframes": ()}), session_path)
     command: list[str | Path] = ["shot", session_path, "--frame", "4", "--out", tmp_path / "a.png"]
     assert "the tracked frames are 0 to 2, 6 to 8." in refused(capsys, tmp_path, command)
 

@@ -39,6 +39,6 @@ def test_a_session_to_be_tracked_knows_them(
     with Video.open(write_film(tmp_path, period)) as video:
         begun = new_session(video, tmp_path / "session.json")
         session = with_repeats(begun, video, 0, FRAMES)
-        found = session.video.repeats
+        found = session.view.video.repeats
         assert (found and found.frames) == frames
         assert with_repeats(session, video, 0, 1) is session

@@ -22,11 +22,11 @@ MOTION = wandering(SHOWN.truth)
 def path(tmp_path: Path) -> Path:
     """Somebody who strides, tracked, with a film of as many frames."""
     path = sample(tmp_path)
-    video = load_session(path).video
+    video = load_session(path).view.video
     last = 60
     given = session_of(SHOWN, MOTION, video=video)
-    given = given.model_copy(
-        update={"keyframes": tuple(k for k in given.keyframes if k.frame <= last)}
+    given = given.changed(
+        {"keyframes": tuple(k for k in given.subject.keyframes if k.frame <= last)}
     )
     save_session(save_results(given, path, results_of(given, MOTION)), path)
     return path
@@ -38,12 +38,12 @@ def test_feet_stand_and_what_changed_and_is_left_is_printed(
     assert main(["stand", str(path)]) == 0
     words = capsys.readouterr().out
     saved = load_session(path)
-    assert f"{len(saved.pins)} pins on the floor" in words
+    assert f"{len(saved.subject.pins)} pins on the floor" in words
     assert "3 keyframes give way in depth" in words
     assert "by how the person stands" in words
     assert "Soles within 0." in words or "Soles within 1." in words
-    assert saved.floor_m is not None
-    assert saved.up_camera is not None
+    assert saved.world.floor_m is not None
+    assert saved.world.up_world is not None
     results = load_results(saved, path)
     assert results.unsolved(saved) == []
     assert results.space(saved)
@@ -67,8 +67,8 @@ def test_the_film_is_looked_at_only_for_what_is_up(
 ) -> None:
     x, y, z = UP.tolist()
     session = load_session(path)
-    save_session(session.model_copy(update={"up_camera": (x, y, z)}), path)
-    path.with_name(session.video.path).unlink()
+    save_session(session.changed({"up_camera": (x, y, z)}), path)
+    path.with_name(session.view.video.path).unlink()
     assert main(["stand", str(path)]) == 0
     assert "The camera looks" not in capsys.readouterr().out
 
@@ -89,6 +89,6 @@ def test_what_is_not_tracked_is_refused_in_one_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = sample(tmp_path)
-    save_session(load_session(path).model_copy(update={"results": None}), path)
+    save_session(load_session(path).changed({"results": None}), path)
     assert main(["stand", str(path)]) == 2
     assert capsys.readouterr().err == "Nothing is tracked yet: track the motion first.\n"

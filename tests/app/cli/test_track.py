@@ -31,11 +31,11 @@ def test_tracking_writes_beside_the_session(session_path: Path) -> None:
     before = load_session(session_path)
     assert main(["track", str(session_path)]) == 0
     session = load_session(session_path)
-    assert session.results is not None
+    assert session.subject.results is not None
     assert load_trajectory(session, session_path).last_frame == 8
-    assert session.model_copy(update={"results": None}) == before
+    assert session.changed({"results": None}) == before
     names = {path.name for path in session_path.parent.iterdir()}
-    written = {"session.json", "session.json.previous", session.results.tracks}
+    written = {"session.json", "session.json.previous", session.subject.results.tracks}
     assert names == {"frames", NAME, *written}
 
 
@@ -47,7 +47,7 @@ def test_tracking_into_a_folder_leaves_the_session_as_it_is(
     assert everything_in(session_path.parent) == before
     moved = tmp_path / "new" / "try" / "session.json"
     session = load_session(moved)
-    assert session.video.path == "../../job/frames"
+    assert session.view.video.path == "../../job/frames"
     assert load_trajectory(session, moved).last_frame == 8
     assert main(["shot", str(moved), "--frame", "2", "--out", str(tmp_path / "a.png")]) == 0
 
@@ -56,7 +56,7 @@ def test_an_absolute_path_of_the_video_stays(session_path: Path, tmp_path: Path)
     frames = str(session_path.parent / "frames")
     cases.altered(session_path, lambda data: data["video"].update(path=frames))
     assert main(["track", str(session_path), "--out", str(tmp_path / "try")]) == 0
-    assert load_session(tmp_path / "try" / "session.json").video.path == frames
+    assert load_session(tmp_path / "try" / "session.json").view.video.path == frames
 
 
 def test_a_session_that_is_open_in_the_page_is_left_alone_and_a_copy_offered(
@@ -89,7 +89,7 @@ def test_only_segments_between_two_frames_are_tracked(
     monkeypatch.setattr(follow, "rerun", tracker(("good",) * len(spans)))
     assert main(["track", str(session_path), "--frames", frames, "--json"]) == 0
     assert json.loads(capsys.readouterr().out.splitlines()[-1])["segments_of"] == len(spans)
-    results = load_session(session_path).results
+    results = load_session(session_path).subject.results
     assert results is not None
     assert [(one.first_frame, one.last_frame) for one in results.segments] == spans
 
@@ -108,8 +108,8 @@ def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     command = ["track", str(session_path), "--method", "paper", "--quality", "preview"]
     assert main(command) == 0
     session = load_session(session_path)
-    assert session.results is not None
-    assert (session.results.method, session.results.quality) == ("paper", "preview")
+    assert session.subject.results is not None
+    assert (session.subject.results.method, session.subject.results.quality) == ("paper", "preview")
     assert (session.settings.method, session.settings.quality) == ("keypose", "full")
 
 
@@ -136,7 +136,7 @@ def test_the_start_and_what_is_left_out_are_of_this_run_only(
 
     monkeypatch.setattr(follow, "rerun", track)
     before = load_session(session_path).settings
-    parts = load_session(session_path).body.names
+    parts = load_session(session_path).subject.body.names
     command = ["track", str(session_path), "--initial", "templates"]
     assert main([*command, "--leave-out", parts[0], "--leave-out", parts[-1]]) == 0
     assert asked[0].settings.initial == "templates"
@@ -212,7 +212,7 @@ def test_leaving_out_a_part_that_is_not_there_names_those_that_are(
     folder = session_path.parent
     sentence = refused(capsys, folder, ["track", session_path, "--leave-out", "third_hand"])
     assert "no part 'third_hand'" in sentence
-    assert load_session(session_path).body.names[0] in sentence
+    assert load_session(session_path).subject.body.names[0] in sentence
 
 
 def test_an_unknown_start_is_refused_with_those_that_are_known(
@@ -228,13 +228,13 @@ def test_edits_made_while_tracking_are_kept(
     def track(*given: Any, **more: Any) -> Iterator[Any]:
         yield from tracker()(*given, **more)
         edited = load_session(session_path)
-        save_session(edited.model_copy(update={"keyframes": edited.keyframes[:2]}), session_path)
+        save_session(edited.changed({"keyframes": edited.subject.keyframes[:2]}), session_path)
 
     monkeypatch.setattr(follow, "rerun", track)
     assert main(["track", str(session_path)]) == 0
     session = load_session(session_path)
-    assert len(session.keyframes) == 2
-    assert session.results is not None
+    assert len(session.subject.keyframes) == 2
+    assert session.subject.results is not None
 
 
 def test_a_lost_segment_gives_exit_code_1(
@@ -243,7 +243,7 @@ def test_a_lost_segment_gives_exit_code_1(
     monkeypatch.setattr(follow, "rerun", tracker(("good", "lost")))
     assert main(["track", str(session_path)]) == 1
     assert "frames 4–8: lost: add a keyframe near 2" in capsys.readouterr().out
-    assert load_session(session_path).results is not None
+    assert load_session(session_path).subject.results is not None
 
 
 def test_ctrl_c_keeps_the_finished_segments(
@@ -355,7 +355,7 @@ def test_what_changed_while_tracking_leaves_the_results_out_of_date(
     monkeypatch.setattr(follow, "rerun", track)
     assert main(["track", str(session_path)]) == 0
     session = load_session(session_path)
-    assert session.camera.fx == 70.0
+    assert session.view.camera.fx == 70.0
     words = outdated_words(session, load_trajectory(session, session_path))
     assert words is not None
     assert "camera" in words

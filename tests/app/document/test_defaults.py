@@ -46,12 +46,12 @@ def test_a_new_session_begins_with_the_defaults(config: Path, tmp_path: Path) ->
             'body = "elderly_female"\nmethod = "paper"\nsmooth = false\nnetwork = "mine"\n'
         )
         own = new_session(video, tmp_path / "session.json")
-    assert (usual.body.name, usual.settings.method, usual.settings.smooth) == (
+    assert (usual.subject.body.name, usual.settings.method, usual.settings.smooth) == (
         "adult_male",
         "keypose",
         True,
     )
-    assert (own.body.name, own.settings.method, own.settings.smooth) == (
+    assert (own.subject.body.name, own.settings.method, own.settings.smooth) == (
         "elderly_female",
         "paper",
         False,

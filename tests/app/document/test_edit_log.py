@@ -79,7 +79,7 @@ def labels(path: Path) -> list[str]:
 
 
 async def test_undo_and_redo_survive_a_restart(path: Path) -> None:
-    first = load_session(path).keyframes
+    first = load_session(path).subject.keyframes
     async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20), {"do": "delete_key", "frame": 24}, {"do": "undo"})
     async with opened_store(path) as store:
@@ -88,9 +88,9 @@ async def test_undo_and_redo_survive_a_restart(path: Path) -> None:
         assert len(edit.history.past) == 2
         assert len(edit.history.future) == 1
         await done(store, {"do": "redo"})
-        assert [k.frame for k in load_session(path).keyframes] == [0, 48, 72]
+        assert [k.frame for k in load_session(path).subject.keyframes] == [0, 48, 72]
         await done(store, {"do": "undo"}, {"do": "undo"}, {"do": "undo"})
-    assert load_session(path).keyframes == first
+    assert load_session(path).subject.keyframes == first
     assert len(open_session(path).recovered.moment.history.future) == 3
 
 
@@ -114,10 +114,10 @@ async def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> 
     before = path.read_bytes()
     async with opened_store(path) as store:
         await done(store, turn(-10), turn(-20))
-    after = load_session(path).keyframes
+    after = load_session(path).subject.keyframes
     path.write_bytes(before)  # as if the power had gone before the session file was written
     drop_saved(journal_path(path))
-    assert load_session(path).keyframes == after
+    assert load_session(path).subject.keyframes == after
     async with opened_store(path) as store:
         message = (await store.join().next())[0]
         assert message["words"] == "Restored 2 edits made before Keypose ended unexpectedly."
@@ -132,13 +132,13 @@ def drop_saved(path: Path) -> None:
 async def test_a_session_changed_outside_is_taken_as_it_is_and_reported(path: Path) -> None:
     async with opened_store(path) as store:
         await done(store, turn(-10))
-    edited = load_session(path).keyframes
+    edited = load_session(path).subject.keyframes
     shutil.copy(SAMPLES / "person" / "session.json", path)
     async with opened_store(path) as store:
         message = (await store.join().next())[0]
         assert "changed outside" in message["words"]
         await done(store, {"do": "undo"})
-    assert load_session(path).keyframes == edited
+    assert load_session(path).subject.keyframes == edited
 
 
 async def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> None:
@@ -310,7 +310,13 @@ async def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -
     path.write_text(json.dumps(data))
     async with opened_store(path) as store:
         await done(store, {"do": "add_key", "frame": 30}, turn(-20))
-    assert [keyframe.frame for keyframe in load_session(path).keyframes] == [0, 24, 30, 48, 72]
+    assert [keyframe.frame for keyframe in load_session(path).subject.keyframes] == [
+        0,
+        24,
+        30,
+        48,
+        72,
+    ]
     assert len(labels(path)) == 2
 
 
@@ -337,7 +343,7 @@ async def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_reported(path: Path
         assert "damaged" in message["words"]
         await done(store, turn(-40))
     assert path.with_name("journal.jsonl.previous").read_bytes() == content
-    assert load_session(path).keyframes[0].rotations_wxyz["left_forearm"] == pytest.approx(
+    assert load_session(path).subject.keyframes[0].rotations_wxyz["left_forearm"] == pytest.approx(
         (np.cos(np.radians(20)), -np.sin(np.radians(20)), 0, 0), abs=1e-6
     )
 
@@ -389,10 +395,7 @@ async def test_going_to_a_step_is_in_the_journal_as_if_step_by_step(path: Path) 
         await done(store, {"do": "go_to_step", "done": 6, "of": 8})
     moment = open_session(path).recovered.moment
     assert (len(moment.history.past), len(moment.history.future)) == (6, 2)
-    assert (
-        moment.doc.model_dump()
-        == load_session(path).model_copy(update={"results": None}).model_dump()
-    )
+    assert moment.doc.model_dump() == load_session(path).changed({"results": None}).model_dump()
     made = [step.made_s for step in (*moment.history.past, *reversed(moment.history.future))]
     assert all(one is not None and one > 1e9 for one in made)
     assert made == sorted(made)  # type: ignore[type-var]

@@ -37,7 +37,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def _part(path: Path) -> str:
-    return load_session(path).body.names[0]
+    return load_session(path).subject.body.names[0]
 
 
 class _Failing:

@@ -104,7 +104,7 @@ def test_a_rate_is_kept_in_the_session_and_a_session_without_one_is_written_as_b
     taken(path, **SLOW_MOTION, deinterlace=False)
     video = json.loads(path.read_bytes())["video"]
     assert (video["recorded_fps"], video["deinterlace"]) == (240.0, False)
-    assert load_session(path).keyframes[1].time_s == pytest.approx(51 / 240)
+    assert load_session(path).subject.keyframes[1].time_s == pytest.approx(51 / 240)
 
 
 def test_a_new_film_and_a_folder_of_images_are_opened_with_the_rate_that_is_said(
@@ -117,7 +117,7 @@ def test_a_new_film_and_a_folder_of_images_are_opened_with_the_rate_that_is_said
         write_image(images / f"{number}.png", numbered_picture(number))
     for path, rate in ((film, 240.0), (images, 1000.0)):
         session = load_session(taken(path, recorded_fps=rate))
-        assert session.evidence.times_s(None)[-1] == (session.video.frame_count - 1) / rate
+        assert session.evidence.times_s(None)[-1] == (session.view.video.frame_count - 1) / rate
 
 
 async def test_the_page_sets_the_rate_and_undoes_it_also_after_it_was_opened_anew(
@@ -129,7 +129,7 @@ async def test_the_page_sets_the_rate_and_undoes_it_also_after_it_was_opened_ane
         edit, tab = store.app_state.edit, store.join()
         assert edit is not None
         store.leave(tab)
-        return edit.doc.keyframes[-1].time_s, float(edit.times_s[-1]), edit.frame_count
+        return edit.doc.subject.keyframes[-1].time_s, float(edit.times_s[-1]), edit.frame_count
 
     seen = []
     async with opened_store(path) as store:
@@ -168,10 +168,10 @@ def test_track_keeps_what_is_said_in_the_session_or_in_the_copy_that_it_tracks(
 ) -> None:
     asked = ["track", str(session_path), "--recorded-fps", "480000/1001"]
     assert main([*asked, "--out", str(tmp_path / "copy")]) == 0
-    assert load_session(session_path).video.recorded_fps is None
+    assert load_session(session_path).view.video.recorded_fps is None
     assert main(asked) == 0
     for path in (session_path, tmp_path / "copy" / "session.json"):
-        assert load_session(path).video.recorded_fps == pytest.approx(479.52, abs=0.001)
+        assert load_session(path).view.video.recorded_fps == pytest.approx(479.52, abs=0.001)
 
 
 @pytest.mark.parametrize("rate", ["0", "-30", "1e9", "fast", "2000000"])

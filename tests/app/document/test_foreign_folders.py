@@ -143,7 +143,7 @@ def test_a_session_named_by_a_link_is_tracked_where_it_lies(
     elsewhere.symlink_to(session_path)
     assert main(["track", str(elsewhere)]) == 0
     assert [path.name for path in elsewhere.parent.iterdir()] == ["mine.json"]
-    assert load_session(session_path).results is not None
+    assert load_session(session_path).subject.results is not None
 
 
 @pytest.mark.parametrize("name", ["motion.bvh", "shot.png"])
@@ -203,4 +203,4 @@ async def test_what_never_ends_beside_a_session_does_not_keep_it_from_opening(
     os.mkfifo(path) if kind == "pipe" else path.symlink_to("/dev/zero")
     async with opened_store(folder / "session.json") as store:
         await done(store, turned(5))
-    assert load_session(folder / "session.json").keyframes
+    assert load_session(folder / "session.json").subject.keyframes

@@ -406,7 +406,7 @@ def test_a_moved_video_is_reported(library: Library, home: Path) -> None:
     path = session_in(home / "throw")
     session = load_session(path)
     library.remember(path, session)
-    (path.parent / session.video.path).rename(home / "elsewhere")
+    (path.parent / session.view.video.path).rename(home / "elsewhere")
     (recent,) = library.contents()["recents"]
     assert recent["missing"]
 
@@ -430,7 +430,7 @@ def test_a_moved_video_is_found_again(library: Library, home: Path) -> None:
     path = session_in(home / "throw")
     session = load_session(path)
     library.remember(path, session)
-    (path.parent / session.video.path).rename(home / "elsewhere")
+    (path.parent / session.view.video.path).rename(home / "elsewhere")
     id = library.recents()[0].id
     assert library.find("recent", id, video="0/elsewhere") == path
     open_video_of(load_session(path), path).close()
@@ -512,8 +512,8 @@ def test_the_session_of_a_video_is_found_again(library: Library, home: Path) -> 
     place = library.session_for(video)
     place.parent.mkdir()
     session = load_session(SAMPLES / "box" / "session.json")
-    reference = session.video.model_copy(update={"path": "../box.mp4"})
-    save_session(session.model_copy(update={"video": reference}), place)
+    reference = session.view.video.model_copy(update={"path": "../box.mp4"})
+    save_session(session.changed({"video": reference}), place)
     assert library.session_for(video) == place
 
 
@@ -537,8 +537,8 @@ def test_only_the_samples_are_samples(library: Library, id: str) -> None:
 def test_the_words_of_the_samples_are_true(library: Library) -> None:
     for sample in library.contents()["samples"]:
         session = load_session(SAMPLES / sample["id"] / "session.json")
-        assert f"{session.video.frame_count} frames" in sample["words"]
-        assert f"{len(session.keyframes)} keyframe" in sample["words"]
+        assert f"{session.view.video.frame_count} frames" in sample["words"]
+        assert f"{len(session.subject.keyframes)} keyframe" in sample["words"]
 
 
 # --- uploads
@@ -692,6 +692,6 @@ def test_a_session_whose_video_is_gone_has_no_picture(library: Library, home: Pa
     path = session_in(home / "throw")
     session = load_session(path)
     library.remember(path, session)
-    (path.parent / session.video.path).rename(home / "gone")
+    (path.parent / session.view.video.path).rename(home / "gone")
     (recent,) = library.contents()["recents"]
     assert library.thumb(recent["thumb"].removeprefix("/thumb/").removesuffix(".jpg")) is None

@@ -23,10 +23,10 @@ BALANCE = Path(__file__).parents[3] / "sample_videos" / "balance"
 
 def session(chosen: bool | None, found: bool | None) -> Session:
     of = cases.session()
-    return of.model_copy(
-        update={
+    return of.changed(
+        {
             "settings": TrackSettings(static_camera=chosen),
-            "video": of.video.model_copy(update={"stands_still": found}),
+            "video": of.view.video.model_copy(update={"stands_still": found}),
         }
     )
 
@@ -64,7 +64,7 @@ def test_a_new_session_knows_what_was_found_and_leaves_the_choice_open(tmp_path:
     with Video.open(BALANCE / "balance.mp4") as video:
         begun = new_session(video, path)
     assert begun.settings.static_camera is None
-    assert begun.video.stands_still is True
+    assert begun.view.video.stands_still is True
     save_session(begun, path)
     assert load_session(path) == begun
 
@@ -77,7 +77,7 @@ def test_the_session_of_a_film_that_shakes_is_begun_without(tmp_path: Path) -> N
         cv2.imwrite(str(tmp_path / "frames" / f"{k}.png"), noise)
     with Video.open(tmp_path / "frames") as video:
         begun = new_session(video, tmp_path / "session.json")
-    assert begun.video.stands_still is False
+    assert begun.view.video.stands_still is False
     assert not begun.has_static_camera
 
 

@@ -101,18 +101,18 @@ def test_a_folder_of_meshes_begins_a_session_whose_camera_sees_them(
     assert piece.fresh
     assert isinstance(piece.video, SurfaceVideo)
     session = piece.session
-    assert session.video.frame_count == piece.video.info.frame_count == cases.STEPS
-    assert session.video.fingerprint == piece.video.fingerprint()
+    assert session.view.video.frame_count == piece.video.info.frame_count == cases.STEPS
+    assert session.view.video.fingerprint == piece.video.fingerprint()
     for frame in range(cases.STEPS):
-        uv = session.camera.project(piece.video.steps.shape(frame).vertices)
+        uv = session.view.camera.project(piece.video.steps.shape(frame).vertices)
         assert (uv > 0).all()
-        assert (uv < (session.camera.width, session.camera.height)).all()
+        assert (uv < (session.view.camera.width, session.view.camera.height)).all()
 
 
 def test_what_files_do_not_show_is_guessed_and_reported(tmp_path: Path, closing: ExitStack) -> None:
     piece = opened(box(tmp_path / "scan", (400.0, 300.0, 1750.0)), closing)
-    assert piece.session.surface is not None
-    assert (piece.session.surface.units, piece.session.surface.up) == ("mm", "+z")
+    assert piece.session.view.surface is not None
+    assert (piece.session.view.surface.units, piece.session.view.surface.up) == ("mm", "+z")
     (words,) = piece.news
     assert "read in mm, 1.75 m large" in words
     assert "+z up" in words
@@ -122,8 +122,8 @@ def test_what_files_do_not_show_is_guessed_and_reported(tmp_path: Path, closing:
 
 def test_what_files_give_is_not_guessed(tmp_path: Path, closing: ExitStack) -> None:
     piece = opened(box(tmp_path / "scan", (40.0, 175.0, 30.0), suffix="glb"), closing)
-    assert piece.session.surface is not None
-    assert (piece.session.surface.units, piece.session.surface.up) == ("m", "+y")
+    assert piece.session.view.surface is not None
+    assert (piece.session.view.surface.units, piece.session.view.surface.up) == ("m", "+y")
     assert piece.news == ()
 
 
@@ -149,8 +149,8 @@ def test_meshes_that_wander_far_off_are_seen_well_where_they_begin(
     mesh.export(folder / "box_1.ply")
     piece = opened(folder, closing)
     assert isinstance(piece.video, SurfaceVideo)
-    uv = piece.session.camera.project(piece.video.steps.shape(0).vertices)
-    assert np.ptp(uv[:, 1]) > 0.3 * piece.session.camera.height
+    uv = piece.session.view.camera.project(piece.video.steps.shape(0).vertices)
+    assert np.ptp(uv[:, 1]) > 0.3 * piece.session.view.camera.height
     assert ((uv > 0) & (uv < (960, 720))).all()
 
 
@@ -170,7 +170,7 @@ def test_meshes_that_were_renamed_are_found_again(tmp_path: Path, closing: ExitS
     path = cases.write_session(tmp_path / "job")
     (path.parent / "meshes").rename(path.parent / "take two")
     piece = opened(path, closing)
-    assert piece.session.video.path == "take two"
+    assert piece.session.view.video.path == "take two"
     assert any("found again" in words for words in piece.news)
 
 
@@ -189,7 +189,7 @@ def test_a_mesh_may_be_exported_again_as_it_is_asked_for(
     piece = opened(path, closing)
     assert piece.news == ("The meshes have changed since they were last opened: fit again.",)
     piece.video.frame(1)
-    assert piece.session.video.fingerprint == piece.video.fingerprint()
+    assert piece.session.view.video.fingerprint == piece.video.fingerprint()
     assert segment_keys(piece.session) != segment_keys(broken.session)
     save_session(piece.session, path)
     assert opened(path, closing).news == ()
@@ -200,7 +200,7 @@ def test_meshes_exported_again_leave_the_history_as_it_was(
 ) -> None:
     path = cases.write_session(tmp_path / "job")
     before, after = load_session(path), cases.session(keyframes=(0, 2))
-    after = before.model_copy(update={"keyframes": after.keyframes})
+    after = before.changed({"keyframes": after.subject.keyframes})
     last = Moment(before)
     edited = Moment(after, last.history.after(before, "keyframe set", 0), 2)
     journal = Journal(journal_path(path), 0)
@@ -208,12 +208,12 @@ def test_meshes_exported_again_leave_the_history_as_it_was(
     file = path.parent / "meshes" / "step_0001.ply"
     file.write_bytes(file.read_bytes() + b"\n")
     piece = opened(path, closing)
-    assert [k.frame for k in piece.session.keyframes] == [0, 2]
+    assert [k.frame for k in piece.session.subject.keyframes] == [0, 2]
     assert piece.journal.follows
     assert [step.label for step in piece.history.past] == ["keyframe set"]
-    now = piece.session.video.fingerprint
-    assert now != before.video.fingerprint
-    assert piece.history.past[0].doc.video.fingerprint == now
+    now = piece.session.view.video.fingerprint
+    assert now != before.view.video.fingerprint
+    assert piece.history.past[0].doc.view.video.fingerprint == now
 
 
 def test_as_many_meshes_as_there_were_are_wanted(tmp_path: Path) -> None:
@@ -232,8 +232,8 @@ def test_cameras_calibrated_again_are_reported_too(tmp_path: Path, closing: Exit
     rig.write_text(rig.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     piece = opened(path, closing)
     assert piece.news == ("The cameras have changed since they were last opened: fit again.",)
-    posed = {"keyframes": cases.session().keyframes, "body": cases.session().body}
-    now, then = (p.session.model_copy(update=posed) for p in (piece, before))
+    posed = {"keyframes": cases.session().subject.keyframes, "body": cases.session().subject.body}
+    now, then = (p.session.changed(posed) for p in (piece, before))
     assert segment_keys(now) != segment_keys(then)
     assert setup_hash(now) != setup_hash(then)
 
@@ -260,12 +260,12 @@ def test_meshes_are_read_as_a_person_says_until_a_body_is_posed_in_them(tmp_path
     scan = cases.meshes(tmp_path / "scan")
     path, news = open_with_reading(scan, place, Reading("cm", "+z"), None)
     assert news == ()
-    surface = load_session(path).surface
+    surface = load_session(path).view.surface
     assert surface is not None
     assert (surface.units, surface.up) == ("cm", "+z")
     again, news = open_with_reading(scan, place, Reading("in"), None)
     assert (again, news) == (path, ())
-    changed = load_session(path).surface
+    changed = load_session(path).view.surface
     assert changed is not None
     assert (changed.units, changed.up) == ("in", "+z")
     posed = cases.write_session(tmp_path / "job")
@@ -280,7 +280,7 @@ def test_cameras_give_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
     path, news = open_with_reading(scan, place, Reading(), rig)
     assert news == ()
-    surface = load_session(path).surface
+    surface = load_session(path).view.surface
     assert surface is not None
     assert (surface.units, surface.up, surface.cameras) == ("cm", "+z", "../cameras.json")
     assert opened(path, closing).video.info.frame_count == cases.STEPS
@@ -291,11 +291,11 @@ def test_what_was_said_before_stays_when_something_else_is_said(tmp_path: Path) 
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
     path, _ = open_with_reading(scan, place, Reading("mm"), rig)
     before = load_session(path)
-    assert before.surface is not None
-    chosen = before.surface.model_copy(update={"fps": 50.0, "weights": "contact"})
-    save_session(before.model_copy(update={"surface": chosen}), path)
+    assert before.view.surface is not None
+    chosen = before.view.surface.model_copy(update={"fps": 50.0, "weights": "contact"})
+    save_session(before.changed({"surface": chosen}), path)
     open_with_reading(scan, place, Reading(up="-y"), None)
-    surface = load_session(path).surface
+    surface = load_session(path).view.surface
     assert surface is not None
     assert (surface.units, surface.up, surface.fps) == ("mm", "-y", 50.0)
     assert (surface.weights, surface.cameras) == ("contact", "../cameras.json")
@@ -306,7 +306,7 @@ def test_what_was_said_before_stays_when_something_else_is_said(tmp_path: Path) 
 def test_a_copy_of_a_session_leads_to_its_meshes(tmp_path: Path, closing: ExitStack) -> None:
     path = cases.write_session(tmp_path / "job", cameras="cameras.json")
     copy = copy_session(path, tmp_path / "somewhere" / "else")
-    surface = load_session(copy).surface
+    surface = load_session(copy).view.surface
     assert surface is not None
     assert surface.cameras == "../../job/cameras.json"
     assert opened(copy, closing).video.info.frame_count == cases.STEPS
@@ -356,11 +356,11 @@ def test_a_new_body_is_as_tall_as_the_person_that_is_observed(tmp_path: Path) ->
     session, _ = new_surface_session(
         tmp_path / "meshes", tmp_path / "session.json", Reading(units="m", up="+y")
     )
-    assert height(session.body) == pytest.approx(1.5)
+    assert height(session.subject.body) == pytest.approx(1.5)
     tiny, _ = new_surface_session(
         tmp_path / "meshes", tmp_path / "session.json", Reading(units="mm", up="+y")
     )
-    assert height(tiny.body) == height(preset("adult_male"))
+    assert height(tiny.subject.body) == height(preset("adult_male"))
 
 
 def test_meshes_far_from_their_origin_are_refused_in_a_sentence(tmp_path: Path) -> None:

@@ -47,19 +47,21 @@ def _edit(path: Path) -> EditorState:
     session = load_session(path)
     return EditorState(
         doc=session,
-        skeleton=Skeleton.of(session.body),
-        file_times_s=np.arange(session.video.frame_count) / 30,
-        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+        skeleton=Skeleton.of(session.subject.body),
+        file_times_s=np.arange(session.view.video.frame_count) / 30,
+        opening=opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0)),
         results=load_results(session, path),
     )
 
 
 def test_its_verdicts_stand_where_they_stood(path: Path) -> None:
     session = load_session(path)
-    assert session.results is not None
-    assert [segment.verdict for segment in session.results.segments] == VERDICTS
-    assert {segment.quality for segment in session.results.segments} == {session.results.quality}
-    assert session.results.quality == "full"  # fast, which was a quality between
+    assert session.subject.results is not None
+    assert [segment.verdict for segment in session.subject.results.segments] == VERDICTS
+    assert {segment.quality for segment in session.subject.results.segments} == {
+        session.subject.results.quality
+    }
+    assert session.subject.results.quality == "full"  # fast, which was a quality between
     found = load_results(session, path).fitting(session)  # nothing of it is out of date
     assert {span: track.verdict for span, track in found.items()} == dict(
         zip(SPANS, VERDICTS, strict=True)
@@ -106,4 +108,4 @@ def test_saved_again_it_says_the_same_and_is_kept_as_it_was(path: Path) -> None:
         *("good", "uncertain", "uncertain", "good")
     ]
     assert path.with_name("session.json.v2").read_bytes() == content
-    assert load_session(path).results == session.results
+    assert load_session(path).subject.results == session.subject.results

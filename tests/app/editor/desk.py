@@ -26,12 +26,12 @@ def desk(*, keyframes: bool = True) -> EditorState:
     """The sample with its keyframes at 0, 24, 48 and 72, or without any."""
     session = load_session(SAMPLE)
     if not keyframes:
-        session = session.model_copy(update={"keyframes": ()})
+        session = session.changed({"keyframes": ()})
     return EditorState(
         doc=session,
-        skeleton=Skeleton.of(session.body),
-        file_times_s=np.arange(session.video.frame_count) / 30,
-        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+        skeleton=Skeleton.of(session.subject.body),
+        file_times_s=np.arange(session.view.video.frame_count) / 30,
+        opening=opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0)),
     )
 
 

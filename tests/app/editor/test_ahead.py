@@ -27,8 +27,8 @@ HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")
 def one_key(frame: int = 24) -> EditorState:
     """A desk with one keyframe alone."""
     state = desk()
-    keys = tuple(k for k in state.doc.keyframes if k.frame == frame)
-    return state.with_doc(state.doc.model_copy(update={"keyframes": keys}))
+    keys = tuple(k for k in state.doc.subject.keyframes if k.frame == frame)
+    return state.with_doc(state.doc.changed({"keyframes": keys}))
 
 
 def found(state: EditorState, frame: int = 24, to: int = 40, stop: Stop = HIDDEN) -> FoundAhead:
@@ -47,7 +47,7 @@ def followed(to: int = 40) -> EditorState:
 
 
 def drafts(doc: Session) -> list[int]:
-    return [draft.frame for draft in doc.drafts]
+    return [draft.frame for draft in doc.subject.drafts]
 
 
 @pytest.mark.parametrize("to", [40, 8])
@@ -67,14 +67,14 @@ def test_both_ways_stand_side_by_side() -> None:
     state = followed(40)
     state = with_followed(state, found(state, to=10))
     assert drafts(state.doc) == [*range(10, 24), *range(25, 41)]
-    assert len(state.doc.ahead) == 2
+    assert len(state.doc.subject.ahead) == 2
 
 
 def test_followed_once_more_replaces_what_was_followed_before() -> None:
     state = followed(40)
     state = with_followed(state, found(state, to=30))
     assert drafts(state.doc) == list(range(25, 31))
-    assert [record.to_frame for record in state.doc.ahead] == [30]
+    assert [record.to_frame for record in state.doc.subject.ahead] == [30]
 
 
 def test_next_is_the_last_frame_that_can_be_trusted() -> None:
@@ -111,9 +111,9 @@ def test_k_keeps_the_draft_as_a_keyframe_and_the_others_go() -> None:
     pose = shown_pose(state, 40).pose
     keyed = after(state, {"do": "add_key", "frame": 40})
     assert keyed.keys == (24, 40)
-    assert not keyed.doc.drafts
-    assert not keyed.doc.ahead
-    kept = keyed.doc.keyframes[-1]
+    assert not keyed.doc.subject.drafts
+    assert not keyed.doc.subject.ahead
+    kept = keyed.doc.subject.keyframes[-1]
     assert np.allclose(kept.pose(keyed.skeleton).p_camera_root, pose.p_camera_root)
     assert not kept.followed
     assert after(keyed, {"do": "undo"}).doc == state.doc
@@ -133,8 +133,8 @@ OUTDATING: list[dict[str, Any]] = [
 def test_what_outdates_it_takes_it_away_in_the_same_step(edit: dict[str, Any]) -> None:
     state = followed(40)
     changed = after(state, edit)
-    assert not changed.doc.ahead
-    assert not changed.doc.drafts
+    assert not changed.doc.subject.ahead
+    assert not changed.doc.subject.drafts
     assert after(changed, {"do": "undo"}).doc == state.doc
 
 
@@ -150,14 +150,14 @@ def test_other_edits_leave_it(edit: dict[str, Any]) -> None:
     state = after(followed(40), {"do": "go", "frame": 30})
     if edit["do"] == "key_angle":
         edit = {"do": "angles", "part": "left_shin", "x": 12.0}
-    assert after(state, edit).doc.ahead == state.doc.ahead
+    assert after(state, edit).doc.subject.ahead == state.doc.subject.ahead
 
 
 def test_a_pose_of_ones_own_stays() -> None:
     """Posed before it is not covered, and posed since it is not taken away."""
     own = after(one_key(), {"do": "go", "frame": 30}, {"do": "angles", "part": "left_shin", "x": 9})
     state = with_followed(own, found(own))
-    assert state.doc.drafts[5] == own.doc.drafts[0]
+    assert state.doc.subject.drafts[5] == own.doc.subject.drafts[0]
     changed = after(state, {"do": "go", "frame": 35}, {"do": "angles", "part": "left_shin", "x": 9})
     gone = after(changed, {"do": "delete_key", "frame": 24})
     assert drafts(gone.doc) == [30, 35]
@@ -166,9 +166,9 @@ def test_a_pose_of_ones_own_stays() -> None:
 def test_drafting_the_whole_film_takes_its_place() -> None:
     state = followed(40)
     poses = {30: shown_pose(state, 30).pose}
-    drafted = with_clip_drafted(state, (28, 32), state.doc.body, poses, None)
+    drafted = with_clip_drafted(state, (28, 32), state.doc.subject.body, poses, None)
     assert drafts(drafted.doc) == [30]
-    assert not drafted.doc.ahead
+    assert not drafted.doc.subject.ahead
 
 
 def test_where_it_cannot_begin_it_says_why() -> None:

@@ -27,7 +27,7 @@ def joints(state: EditorState) -> dict[str, Array]:
 
 def pixels(state: EditorState) -> dict[str, Array]:
     found = joints(state)
-    uv = state.doc.camera.project(np.array(list(found.values())))
+    uv = state.doc.view.camera.project(np.array(list(found.values())))
     return dict(zip(found, uv, strict=True))
 
 
@@ -54,7 +54,11 @@ def test_a_limb_goes_the_other_way_in_depth_and_stays_where_it_is_seen(
     assert depth(before, part, end) * depth(turned, part, end) < 0
     seen = pixels(before)
     assert max(np.linalg.norm(uv - seen[name]) for name, uv in pixels(turned).items()) < LIMB_PX
-    still = [name for name in before.doc.body.names if name.startswith(("waist", "chest", "head"))]
+    still = [
+        name
+        for name in before.doc.subject.body.names
+        if name.startswith(("waist", "chest", "head"))
+    ]
     ways = joints(before), joints(turned)
     assert all((ways[0][name] == ways[1][name]).all() for name in still), "the rest is untouched"
 
@@ -62,7 +66,7 @@ def test_a_limb_goes_the_other_way_in_depth_and_stays_where_it_is_seen(
 def test_a_limb_that_would_be_seen_elsewhere_is_not_turned(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its joints do not bend that way, and the nearest that they do is another picture."""
     before = after(desk(), {"do": "go", "frame": 24})
-    shin = before.doc.body.index("right_shin")
+    shin = before.doc.subject.body.index("right_shin")
     plain = posing.turned_in_depth
 
     def swung(*given: Any) -> Pose:
@@ -103,11 +107,11 @@ def test_what_lies_across_the_view_is_not_turned() -> None:
 def test_between_keyframes_a_limb_is_turned_and_keyed_alone() -> None:
     before = after(desk(), {"do": "go", "frame": 12})
     turned = after(before, {"do": "turn_in_depth", "part": "left_forearm", "partial": True})
-    (keyed,) = turned.doc.part_keyframes
+    (keyed,) = turned.doc.subject.part_keyframes
     assert keyed.frame == 12
     assert keyed.parts == ("left_upper_arm", "left_forearm", "left_hand")
-    assert turned.doc.keyframes == before.doc.keyframes
-    assert turned.doc.drafts == ()
+    assert turned.doc.subject.keyframes == before.doc.subject.keyframes
+    assert turned.doc.subject.drafts == ()
     assert (
         depth(before, "left_forearm", "left_hand") * depth(turned, "left_forearm", "left_hand") < 0
     )

@@ -141,17 +141,17 @@ def test_what_lies_behind_a_view_cannot_be_dragged_there(edit: dict[str, Any]) -
 
 def test_a_document_that_could_not_be_read_back_is_refused_by_the_name_of_its_action() -> None:
     doc = desk().doc
-    nowhere = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
+    nowhere = doc.changed({"up_camera": (float("nan"), 0.0, 0.0)})
     with pytest.raises(ActionRefused, match=r"^Up direction: not possible \(up_camera: .*finite"):
         require_sound(doc, nowhere, "up direction")
 
 
 def test_poses_that_were_not_touched_are_held_against_a_body_that_was() -> None:
     doc = desk().doc
-    part = doc.body.parts[1]
-    far = doc.body.with_part(part.model_copy(update={"joint_m": (0.0, 0.0, -90.0)}))
+    part = doc.subject.body.parts[1]
+    far = doc.subject.body.with_part(part.model_copy(update={"joint_m": (0.0, 0.0, -90.0)}))
     with pytest.raises(ActionRefused, match="behind the camera"):
-        require_sound(doc, doc.model_copy(update={"body": far}), "resize")
+        require_sound(doc, doc.changed({"body": far}), "resize")
 
 
 def test_a_session_that_could_not_be_read_back_is_not_written_over_one_that_can(
@@ -159,7 +159,7 @@ def test_a_session_that_could_not_be_read_back_is_not_written_over_one_that_can(
 ) -> None:
     doc, path = desk().doc, tmp_path / "session.json"
     save_session(doc, path)
-    broken = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
+    broken = doc.changed({"up_camera": (float("nan"), 0.0, 0.0)})
     with pytest.raises(KeyposeError, match="could not be opened again"):
         save_session(broken, path)
     assert load_session(path) == doc

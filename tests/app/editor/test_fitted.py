@@ -68,19 +68,19 @@ def test_sizes_want_two_keyframes() -> None:
 
 
 def sized(state: EditorState, height_cm: float = 190.0, focal: float = 1.0) -> EditorState:
-    body, camera = with_height(state.doc.body, height_cm), state.doc.camera
+    body, camera = with_height(state.doc.subject.body, height_cm), state.doc.view.camera
     camera = camera.model_copy(update={"fx": focal * camera.fx, "fy": focal * camera.fy})
-    poses = {k.frame: nudged(k.pose(state.skeleton)) for k in state.doc.keyframes}
+    poses = {k.frame: nudged(k.pose(state.skeleton)) for k in state.doc.subject.keyframes}
     return with_sizes_fitted(state, body, camera, poses)
 
 
 def test_fitted_sizes_are_one_step_with_all_keyframes_and_undo_is_exact() -> None:
     before = desk()
     done = sized(before)
-    assert done.doc.body != before.doc.body
-    assert done.skeleton.body is done.doc.body
+    assert done.doc.subject.body != before.doc.subject.body
+    assert done.skeleton.body is done.doc.subject.body
     assert done.keys == before.keys
-    for old, new in zip(before.doc.keyframes, done.doc.keyframes, strict=True):
+    for old, new in zip(before.doc.subject.keyframes, done.doc.subject.keyframes, strict=True):
         assert new.root_m[0] == pytest.approx(old.root_m[0] + 0.02)
         assert new.time_s == old.time_s
     undone = after(done, BACK)
@@ -91,26 +91,28 @@ def test_fitted_sizes_are_one_step_with_all_keyframes_and_undo_is_exact() -> Non
 def test_a_draft_goes_as_much_farther_away_as_the_fitted_lens_is_longer() -> None:
     drafted = after(desk(), {"do": "go", "frame": 10}, {"do": "root", "x": 0.3})
     done = sized(drafted, focal=1.2)
-    (old,), (new,) = drafted.doc.drafts, done.doc.drafts
+    (old,), (new,) = drafted.doc.subject.drafts, done.doc.subject.drafts
     assert new.root_m == pytest.approx((old.root_m[0], old.root_m[1], 1.2 * old.root_m[2]))
 
 
 def test_sizes_that_put_a_joint_behind_the_camera_are_refused() -> None:
     state = desk()
-    near = {k.frame: Pose.rest(state.skeleton, (0.0, 0.0, 0.01)) for k in state.doc.keyframes}
+    near = {
+        k.frame: Pose.rest(state.skeleton, (0.0, 0.0, 0.01)) for k in state.doc.subject.keyframes
+    }
     with pytest.raises(KeyposeError, match="behind the camera"):
-        with_sizes_fitted(state, state.doc.body, state.doc.camera, near)
+        with_sizes_fitted(state, state.doc.subject.body, state.doc.view.camera, near)
 
 
 def test_another_body_forgets_parts_left_out_that_it_does_not_have() -> None:
     state = desk()
     settings = state.doc.settings.model_copy(update={"left_out": ("left_hand", "head")})
-    state = state.with_doc(state.doc.model_copy(update={"settings": settings}))
-    reported = state.doc.body.model_dump()
+    state = state.with_doc(state.doc.changed({"settings": settings}))
+    reported = state.doc.subject.body.model_dump()
     reported["parts"] = [part for part in reported["parts"] if part["name"] != "left_hand"]
     reported["mirror_pairs"] = [
         pair for pair in reported["mirror_pairs"] if "left_hand" not in pair
     ]
     doc = with_body(state, Body.model_validate(reported))
     assert doc.settings.left_out == ("head",)
-    assert Session.model_validate_json(doc.model_dump_json()).body == doc.body
+    assert Session.model_validate_json(doc.model_dump_json()).subject.body == doc.subject.body

@@ -26,7 +26,7 @@ def drafted(state: EditorState, poses: dict[int, Pose]) -> EditorState:
 def joints(state: EditorState, pose: Pose) -> tuple[Array, Array]:
     """(3,) shoulder and elbow."""
     p = pose_transforms(state.skeleton, pose)[:, :3, 3]
-    index = state.doc.body.index
+    index = state.doc.subject.body.index
     return p[index(SHOULDER)], p[index(ELBOW)]
 
 
@@ -57,8 +57,8 @@ def test_an_arm_that_became_level_is_bent_to_the_side_where_it_is_drafted_beside
 ) -> None:
     """Its elbow is dragged out until the upper arm lies level, and back."""
     state = after(desk(), {"do": "go", "frame": FRAME})
-    pose, index = shown_pose(state).pose, state.doc.body.index(SHOULDER)
-    camera = state.doc.camera
+    pose, index = shown_pose(state).pose, state.doc.subject.body.index(SHOULDER)
+    camera = state.doc.view.camera
     beside = turned_in_depth(state.skeleton, camera, pose, index) if turned else pose
     assert (farther_m(state, beside) * farther_m(state, pose) < 0) == turned
     state = drafted(state, {FRAME - 1: beside, FRAME + 1: beside})

@@ -20,7 +20,7 @@ def test_several_keyframes_move_together_with_their_poses_as_one_step() -> None:
     before = desk()
     moved = after(before, retime([24, 48], [30, 54]))
     assert moved.keys == (0, 30, 54, 72)
-    was, now = before.doc.keyframes[1], moved.doc.keyframes[1]
+    was, now = before.doc.subject.keyframes[1], moved.doc.subject.keyframes[1]
     assert (now.root_m, now.rotations_wxyz) == (was.root_m, was.rotations_wxyz)
     assert now.time_s == moved.times_s[30]
     assert moved.history.past[-1].label == "move 2 keyframes"
@@ -36,7 +36,10 @@ def test_stretching_keeps_every_pose_and_is_called_so() -> None:
     before = desk()
     stretched = after(before, retime([24, 48], [24, 60]))
     assert stretched.keys == (0, 24, 60, 72)
-    assert stretched.doc.keyframes[2].rotations_wxyz == before.doc.keyframes[2].rotations_wxyz
+    assert (
+        stretched.doc.subject.keyframes[2].rotations_wxyz
+        == before.doc.subject.keyframes[2].rotations_wxyz
+    )
     assert stretched.history.past[-1].label == "stretch 2 keyframes"
 
 
@@ -64,7 +67,7 @@ def test_a_limb_that_is_keyed_alone_is_never_swallowed() -> None:
         after(copied, {"do": "paste_pose"})
     replaced = after(copied, {"do": "go", "frame": 12}, {"do": "paste_pose", "replace": True})
     assert replaced.keys == (0, 12, 24, 36, 48, 72)
-    assert replaced.doc.part_keyframes == ()
+    assert replaced.doc.subject.part_keyframes == ()
 
 
 def test_frames_outside_the_video_and_those_without_a_keyframe_are_refused() -> None:
@@ -84,9 +87,9 @@ def test_a_message_has_one_frame_for_each_in_order(frames: list[int], to: list[i
 
 def test_a_draft_where_a_keyframe_goes_does_not_hide_it() -> None:
     drafted = after(desk(), {"do": "go", "frame": 30}, {"do": "root", "x": 0.1})
-    assert [draft.frame for draft in drafted.doc.drafts] == [30]
+    assert [draft.frame for draft in drafted.doc.subject.drafts] == [30]
     moved = after(drafted, retime([24, 48], [30, 54]))
-    assert moved.doc.drafts == ()
+    assert moved.doc.subject.drafts == ()
 
 
 def test_several_keyframes_are_deleted_as_one_step() -> None:

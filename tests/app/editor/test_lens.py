@@ -20,7 +20,7 @@ from tests.app.editor.desk import after, desk
 def seen(state: EditorState) -> Array:
     """(P, 2) where the joints are seen at the present frame."""
     Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
-    return state.doc.camera.without_distortion().project(Ts[:, :3, 3])
+    return state.doc.view.camera.without_distortion().project(Ts[:, :3, 3])
 
 
 def across_deg(camera: Camera) -> float:
@@ -29,7 +29,7 @@ def across_deg(camera: Camera) -> float:
 
 @pytest.mark.parametrize(("mm", "deg"), [(26, 69.4), (13, 108.3), (77, 26.3), (36, 53.1)])
 def test_a_lens_shows_as_much_across_as_on_film(mm: float, deg: float) -> None:
-    camera = after(desk(), {"do": "lens", "mm": mm}).doc.camera
+    camera = after(desk(), {"do": "lens", "mm": mm}).doc.view.camera
     assert across_deg(camera) == pytest.approx(deg, abs=0.1)
     assert camera.focal_mm == pytest.approx(mm)
 
@@ -50,27 +50,29 @@ def test_the_session_keeps_what_the_lens_rests_on(
     message: dict[str, object], source: str, is_guess: bool
 ) -> None:
     doc = after(desk(), message).doc
-    assert (doc.lens_source, doc.lens_is_guess) == (source, is_guess)
-    assert Session.model_validate_json(doc.model_dump_json()).lens_source == source
+    assert (doc.view.lens_source, doc.view.lens_is_guess) == (source, is_guess)
+    assert Session.model_validate_json(doc.model_dump_json()).view.lens_source == source
 
 
 def test_a_session_that_was_never_asked_says_nothing_of_it() -> None:
     doc = desk().doc
     assert "lens_source" not in doc.model_dump_json()
-    guessed = doc.model_copy(update={"camera": Camera.guess(640, 360)})
-    assert guessed.lens_is_guess
-    assert not doc.lens_is_guess
+    guessed = doc.changed({"camera": Camera.guess(640, 360)})
+    assert guessed.view.lens_is_guess
+    assert not doc.view.lens_is_guess
 
 
 def test_depth_on_a_guessed_lens_is_as_doubtful_as_usual_lenses_differ_from_it() -> None:
     guessed = after(desk(), {"do": "lens"})
-    assert guessed.doc.depth_share is not None
+    assert guessed.doc.view.depth_share is not None
     farthest = max(
-        abs(Camera.from_field_of_view(640, 360, np.radians(deg)).fx / guessed.doc.camera.fx - 1)
+        abs(
+            Camera.from_field_of_view(640, 360, np.radians(deg)).fx / guessed.doc.view.camera.fx - 1
+        )
         for deg in (40, 65)
     )
-    assert guessed.doc.depth_share == pytest.approx(farthest)
-    assert after(guessed, {"do": "lens", "mm": 26}).doc.depth_share is None
+    assert guessed.doc.view.depth_share == pytest.approx(farthest)
+    assert after(guessed, {"do": "lens", "mm": 26}).doc.view.depth_share is None
 
 
 @pytest.mark.parametrize("message", [{"do": "lens", "mm": 77}, {"do": "field_of_view", "deg": 30}])
@@ -78,9 +80,9 @@ def test_what_was_posed_stays_where_it_is_seen_and_stands_farther_away(
     message: dict[str, object],
 ) -> None:
     before, longer = desk(), after(desk(), message)
-    ratio = longer.doc.camera.fx / before.doc.camera.fx
+    ratio = longer.doc.view.camera.fx / before.doc.view.camera.fx
     assert ratio > 1.3
-    for one, other in zip(before.doc.keyframes, longer.doc.keyframes, strict=True):
+    for one, other in zip(before.doc.subject.keyframes, longer.doc.subject.keyframes, strict=True):
         np.testing.assert_allclose(other.root_m, np.array(one.root_m) * (1, 1, ratio))
     root = seen(before)[0], seen(longer)[0]
     np.testing.assert_allclose(*root, atol=1e-6)
@@ -97,15 +99,15 @@ def test_before_anything_is_posed_the_body_fills_the_picture_with_any_lens() -> 
 
 def test_an_action_camera_bends_straight_edges_and_another_lens_does_not() -> None:
     bent = after(desk(), {"do": "lens", "mm": 16, "bent": True})
-    camera = bent.doc.camera
+    camera = bent.doc.view.camera
     x = np.linspace(0.1, 1.2, 12)
     p = np.stack([x, 0 * x, np.ones_like(x)], axis=1)
     seen_at = (camera.project(p)[:, 0] - camera.cx) / camera.fx
     np.testing.assert_allclose(seen_at, np.arctan(x), atol=2e-3)
     still = after(bent, {"do": "lens", "mm": 20})
-    assert still.doc.camera.distortion == camera.distortion
+    assert still.doc.view.camera.distortion == camera.distortion
     straight = after(bent, {"do": "lens", "mm": 26, "bent": False})
-    assert not straight.doc.camera.is_distorted
+    assert not straight.doc.view.camera.is_distorted
 
 
 def test_a_lens_so_wide_that_the_body_comes_behind_the_camera_is_refused() -> None:
@@ -118,9 +120,9 @@ def test_a_lens_so_wide_that_the_body_comes_behind_the_camera_is_refused() -> No
 
 def test_a_level_camera_is_one_press_and_one_step() -> None:
     level = after(desk(), {"do": "level_camera"})
-    assert level.doc.up_camera == (0.0, -1.0, 0.0)
+    assert level.doc.world.up_world == (0.0, -1.0, 0.0)
     assert level.history.total == 1
-    assert after(level, {"do": "undo"}).doc.up_camera is None
+    assert after(level, {"do": "undo"}).doc.world.up_world is None
 
 
 def upright(camera: Camera, x_m: float, tilt_deg: float) -> list[tuple[float, float]]:
@@ -131,14 +133,14 @@ def upright(camera: Camera, x_m: float, tilt_deg: float) -> list[tuple[float, fl
 
 
 def test_two_verticals_show_how_far_the_camera_looks_down() -> None:
-    camera = desk().doc.camera
+    camera = desk().doc.view.camera
     (a, b), other = upright(camera, -1.5, 14.0), upright(camera, 1.5, 14.0)
     one = after(desk(), {"do": "vertical", "a": a, "b": b})
-    assert one.doc.up_camera is not None
-    assert abs(one.doc.up_camera[2]) < 0.05
+    assert one.doc.world.up_world is not None
+    assert abs(one.doc.world.up_world[2]) < 0.05
     both = after(one, {"do": "vertical", "a": a, "b": b, "other": other})
-    assert both.doc.up_camera is not None
-    assert math.degrees(math.asin(-both.doc.up_camera[2])) == pytest.approx(14.0, abs=0.2)
+    assert both.doc.world.up_world is not None
+    assert math.degrees(math.asin(-both.doc.world.up_world[2])) == pytest.approx(14.0, abs=0.2)
 
 
 @pytest.mark.parametrize(

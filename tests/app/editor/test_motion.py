@@ -99,7 +99,7 @@ def test_the_floor_lies_under_the_soles_and_where_it_is_set() -> None:
     lowest = min(-path[:, 1].max() for path in found.paths.values())
     assert found.floor_m == pytest.approx(lowest, abs=0.06)
     state = desk()
-    doc = state.doc.model_copy(update={"floor_m": -2.5})
+    doc = state.doc.changed({"floor_m": -2.5})
     assert feet_paths(state.with_doc(doc)).floor_m == -2.5
 
 
@@ -111,7 +111,7 @@ def test_without_a_keyframe_there_is_a_floor_and_no_way() -> None:
 
 def test_a_body_without_feet_is_followed_by_the_ends_of_its_limbs() -> None:
     arms = load_body(SAMPLES / "bodies" / "three_arms.json")
-    doc = desk().doc.model_copy(update={"body": arms, "keyframes": ()})
+    doc = desk().doc.changed({"body": arms, "keyframes": ()})
     posed = after(
         replace(desk(keyframes=False)).with_doc(doc),
         {"do": "root", "x": 0.1},
@@ -124,9 +124,9 @@ def test_a_body_without_feet_is_followed_by_the_ends_of_its_limbs() -> None:
 
 def test_a_long_film_is_reported_in_a_thousand_moments_with_every_keyframe() -> None:
     state = desk()
-    last = state.doc.keyframes[-1].model_copy(update={"frame": 7201, "time_s": 240.0})
-    video = state.doc.video.model_copy(update={"frame_count": 9000})
-    doc = state.doc.model_copy(update={"keyframes": (*state.doc.keyframes, last), "video": video})
+    last = state.doc.subject.keyframes[-1].model_copy(update={"frame": 7201, "time_s": 240.0})
+    video = state.doc.view.video.model_copy(update={"frame_count": 9000})
+    doc = state.doc.changed({"keyframes": (*state.doc.subject.keyframes, last), "video": video})
     frames = feet_paths(state.with_doc(doc)).frames
     assert len(frames) < 1100
     assert {0, 24, 48, 72, 7201} <= set(frames.tolist())

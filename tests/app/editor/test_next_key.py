@@ -23,7 +23,7 @@ MIDDLE = 12
 def tracked_desk() -> EditorState:
     """The sample with 0–24 tracked: 10 cm to the side of where interpolation has the body."""
     state = desk()
-    start, end = (find(state.doc.keyframes, f).pose(state.skeleton) for f in (0, 24))  # type: ignore[union-attr]
+    start, end = (find(state.doc.subject.keyframes, f).pose(state.skeleton) for f in (0, 24))  # type: ignore[union-attr]
     path = interpolate(start, end, 0, 24)
     moved = Trajectory(0, path.Rs_parent_part, path.ps_camera_root + np.array([0.1, 0, 0]))
     key = segment_keys(state.doc)[0, 24]
@@ -50,7 +50,7 @@ def test_an_edit_there_begins_with_the_tracked_pose() -> None:
     turned = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
     assert shown_pose(turned).source == "draft"
     np.testing.assert_allclose(angles(turned, "left_forearm")[0], -50)
-    others = [name for name in state.doc.body.names if name != "left_forearm"]
+    others = [name for name in state.doc.subject.body.names if name != "left_forearm"]
     for name in others:
         np.testing.assert_allclose(angles(turned, name), angles(state, name), atol=1e-3)
     np.testing.assert_allclose(
@@ -79,7 +79,7 @@ def test_k_keeps_the_tracked_pose() -> None:
 
 def found_in_the_film(posed: EditorState, found_by: str = "drafted") -> EditorState:
     """Its only draft as one that no person posed."""
-    (draft,) = posed.doc.drafts
+    (draft,) = posed.doc.subject.drafts
     return posed.with_doc(with_drafts(posed.doc, [draft.model_copy(update={found_by: True})]))
 
 
@@ -98,7 +98,7 @@ def test_what_was_found_in_the_film_gives_way_to_what_is_tracked_later(found_by:
 
 def test_the_curve_of_angles_shows_the_pose_that_is_shown() -> None:
     state = tracked_desk()
-    forearm = state.doc.body.index("left_forearm")
+    forearm = state.doc.subject.body.index("left_forearm")
     posed = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
     np.testing.assert_allclose(angle_curve(posed, forearm)[MIDDLE], angles(posed, "left_forearm"))
     found = found_in_the_film(posed)

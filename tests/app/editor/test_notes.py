@@ -86,7 +86,7 @@ def person() -> EditorState:
 
 
 def corrections(state: EditorState) -> tuple[KeypointCorrection, ...]:
-    return state.doc.keypoint_corrections
+    return state.doc.view.keypoint_corrections
 
 
 def test_dragging_a_keypoint_is_one_step_and_leaves_the_pose() -> None:
@@ -96,8 +96,8 @@ def test_dragging_a_keypoint_is_one_step_and_leaves_the_pose() -> None:
     assert corrections(moved) == (
         KeypointCorrection(frame=3, joint="left_wrist", uv=(103.0, 50.12)),
     )
-    assert moved.doc.keyframes == before.doc.keyframes
-    assert moved.doc.drafts == before.doc.drafts
+    assert moved.doc.subject.keyframes == before.doc.subject.keyframes
+    assert moved.doc.subject.drafts == before.doc.subject.drafts
     assert len(moved.history.past) == len(before.history.past) + 1
     assert moved.history.past[-1].label == "correct the keypoint left wrist"
     assert after(moved, {"do": "undo"}).doc == before.doc
@@ -126,7 +126,7 @@ def test_there_is_one_correction_of_each_and_they_are_in_order() -> None:
 def test_of_a_bent_lens_it_is_kept_where_the_film_shows_it() -> None:
     bent = after(person(), {"do": "distortion", "k1": -0.2, "k2": 0.02})
     state = after(bent, {**WRIST, "at": [20, 30]})
-    camera = state.doc.camera
+    camera = state.doc.view.camera
     (uv,) = [each.uv for each in corrections(state)]
     assert np.linalg.norm(np.subtract(uv, (20, 30))) > 1
     shown = camera.without_distortion().project(camera.back_project(np.array(uv), 1.0))

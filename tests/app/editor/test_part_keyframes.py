@@ -29,9 +29,9 @@ KEY_12 = {"do": "key_parts", "frame": 12}
 def pull(handle: str, by: tuple[float, float], **more: Any) -> dict[str, Any]:
     """A drag of a handle by pixels of the main view, at frame 12."""
     state = after(desk(), *AT_12)
-    body = state.doc.body
+    body = state.doc.subject.body
     Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
-    u, v = state.doc.camera.project(Ts[body.index(handle), :3, 3]).tolist()
+    u, v = state.doc.view.camera.project(Ts[body.index(handle), :3, 3]).tolist()
     at = [u + by[0], v + by[1]]
     held = {"kind": "end", "name": handle}
     return {"do": "drag", "handle": held, "view": "main", "from": [u, v], "at": at, **more}
@@ -46,18 +46,18 @@ ARM_KEYED = (pull("right_hand", (20, -15), stroke="a"), {"do": "end_stroke", "st
 
 def test_the_limb_that_was_posed_is_keyed_alone_and_its_draft_is_gone() -> None:
     state = keyed(*ARM_KEYED)
-    (part,) = state.doc.part_keyframes
+    (part,) = state.doc.subject.part_keyframes
     assert (part.frame, part.parts) == (12, RIGHT_ARM)
-    assert state.doc.drafts == ()
+    assert state.doc.subject.drafts == ()
     assert state.keys == (0, 24, 48, 72)
     assert state.history.undo(state.doc) is not None
-    assert after(state, {"do": "undo"}).doc.drafts[0].frame == 12
+    assert after(state, {"do": "undo"}).doc.subject.drafts[0].frame == 12
 
 
 def test_a_drag_may_key_its_limb_at_once_as_one_step_of_undo() -> None:
     moves = [pull("right_hand", (k, -k), stroke="a", partial=True) for k in (4, 9)]
     state = keyed(*moves, {"do": "end_stroke", "stroke": "a"})
-    assert [part.parts for part in state.doc.part_keyframes] == [RIGHT_ARM]
+    assert [part.parts for part in state.doc.subject.part_keyframes] == [RIGHT_ARM]
     back = after(state, {"do": "undo"})
     assert back.doc == desk().doc
     assert state.history.past[-1].label == "move right hand"
@@ -71,57 +71,57 @@ def test_a_drag_that_moves_the_whole_body_keys_no_limb() -> None:
 
 def test_limbs_are_keyed_beside_those_that_are_keyed_already() -> None:
     state = keyed(*ARM_KEYED, {**KEY_12, "parts": ["left_shin"]})
-    assert set(state.doc.part_keyframes[0].parts) == {*RIGHT_ARM, *LEFT_LEG}
+    assert set(state.doc.subject.part_keyframes[0].parts) == {*RIGHT_ARM, *LEFT_LEG}
     arm = after(state, {"do": "unkey_parts", "frame": 12, "parts": ["left_foot"]})
-    assert arm.doc.part_keyframes[0].parts == RIGHT_ARM
+    assert arm.doc.subject.part_keyframes[0].parts == RIGHT_ARM
     none = after(arm, {"do": "unkey_parts", "frame": 12, "parts": ["right_hand"]})
-    assert none.doc.part_keyframes == ()
+    assert none.doc.subject.part_keyframes == ()
 
 
 def test_the_selected_limb_is_keyed_where_nothing_was_posed() -> None:
     state = keyed({"do": "select", "part": "left_shin"}, KEY_12)
-    assert state.doc.part_keyframes[0].parts == LEFT_LEG
-    stands = state.doc.part_keyframes[0].pose(state.skeleton)
+    assert state.doc.subject.part_keyframes[0].parts == LEFT_LEG
+    stands = state.doc.subject.part_keyframes[0].pose(state.skeleton)
     known = pose_behind(desk(), 12).pose
     assert np.allclose(stands.Rs_parent_part, known.Rs_parent_part, atol=1e-9)
 
 
 def test_a_limb_posed_again_at_its_keyframe_changes_the_keyframe() -> None:
     state = keyed(*ARM_KEYED, pull("right_hand", (-30, 4)))
-    assert state.doc.drafts == ()
-    (part,) = state.doc.part_keyframes
+    assert state.doc.subject.drafts == ()
+    (part,) = state.doc.subject.part_keyframes
     assert part.parts == RIGHT_ARM
-    assert part != keyed(*ARM_KEYED).doc.part_keyframes[0]
+    assert part != keyed(*ARM_KEYED).doc.subject.part_keyframes[0]
     other = keyed(*ARM_KEYED, pull("left_hand", (-3, 4)))
-    assert len(other.doc.part_keyframes[0].parts) == 6
+    assert len(other.doc.subject.part_keyframes[0].parts) == 6
 
 
 def test_the_whole_body_posed_at_a_part_keyframe_waits_as_a_draft_until_k() -> None:
     moved = pull("right_hand", (9, 9)) | {"handle": {"kind": "root"}}
     state = keyed(*ARM_KEYED, moved)
-    assert [draft.frame for draft in state.doc.drafts] == [12]
+    assert [draft.frame for draft in state.doc.subject.drafts] == [12]
     whole = after(state, {"do": "add_key", "frame": 12})
     assert whole.keys == (0, 12, 24, 48, 72)
-    assert whole.doc.part_keyframes == ()
+    assert whole.doc.subject.part_keyframes == ()
 
 
 def test_k_makes_a_part_keyframe_whole_as_it_is_shown() -> None:
     state = keyed(*ARM_KEYED)
     whole = after(state, {"do": "add_key", "frame": 12})
     assert whole.keys == (0, 12, 24, 48, 72)
-    assert whole.doc.part_keyframes == ()
-    shown, pose = shown_pose(state).pose, whole.doc.keyframes[1].pose(state.skeleton)
+    assert whole.doc.subject.part_keyframes == ()
+    shown, pose = shown_pose(state).pose, whole.doc.subject.keyframes[1].pose(state.skeleton)
     assert np.allclose(shown.Rs_parent_part, pose.Rs_parent_part, atol=1e-9)
 
 
 def test_part_keyframes_are_moved_copied_and_deleted_like_keyframes() -> None:
     state = keyed(*ARM_KEYED)
     moved = after(state, {"do": "move_key", "frame": 12, "to": 15})
-    assert [part.frame for part in moved.doc.part_keyframes] == [15]
-    assert moved.doc.part_keyframes[0].time_s == 0.5
+    assert [part.frame for part in moved.doc.subject.part_keyframes] == [15]
+    assert moved.doc.subject.part_keyframes[0].time_s == 0.5
     both = after(state, {"do": "duplicate_key", "frame": 12, "to": 15})
-    assert [part.frame for part in both.doc.part_keyframes] == [12, 15]
-    assert after(both, {"do": "delete_key", "frame": 12}).doc.part_keyframes[0].frame == 15
+    assert [part.frame for part in both.doc.subject.part_keyframes] == [12, 15]
+    assert after(both, {"do": "delete_key", "frame": 12}).doc.subject.part_keyframes[0].frame == 15
     with pytest.raises(ActionRefused, match="Frame 24 is already a keyframe"):
         after(state, {"do": "move_key", "frame": 12, "to": 24})
     alone = after(state, {"do": "delete_key", "frame": 72})
@@ -131,7 +131,7 @@ def test_part_keyframes_are_moved_copied_and_deleted_like_keyframes() -> None:
 
 def test_a_keyframe_that_comes_to_its_frame_takes_its_place() -> None:
     state = after(keyed(*ARM_KEYED), {"do": "go", "frame": 12}, {"do": "reset_pose"})
-    assert after(state, {"do": "add_key", "frame": 12}).doc.part_keyframes == ()
+    assert after(state, {"do": "add_key", "frame": 12}).doc.subject.part_keyframes == ()
 
 
 @pytest.mark.parametrize(
@@ -155,11 +155,11 @@ def test_what_cannot_be_keyed_is_said_in_one_sentence(
 
 
 def test_a_part_belongs_to_its_limb_and_takes_along_what_hangs_on_it() -> None:
-    body = desk().doc.body
+    body = desk().doc.subject.body
     assert limbs_of(body, ["right_forearm"]) == RIGHT_ARM
     assert limbs_of(body, ["head"]) == ("neck", "head")
     assert {*RIGHT_ARM, "neck", "left_hand"} <= set(limbs_of(body, ["chest"]))
-    with_clavicles = after(desk(), {"do": "clavicles", "on": True}).doc.body
+    with_clavicles = after(desk(), {"do": "clavicles", "on": True}).doc.subject.body
     assert limbs_of(with_clavicles, ["right_hand"]) == RIGHT_ARM
     assert limbs_of(with_clavicles, ["right_clavicle"]) == ("right_clavicle", *RIGHT_ARM)
 
@@ -168,16 +168,18 @@ def test_a_part_that_the_body_loses_leaves_the_keyframe_and_the_rest_of_it_stays
     jointed = after(desk(), {"do": "clavicles", "on": True}, *AT_12)
     state = after(jointed, {**KEY_12, "parts": ["right_clavicle"]})
     without = after(state, {"do": "clavicles", "on": False})
-    assert without.doc.part_keyframes[0].parts == RIGHT_ARM
-    stub = state.doc.body.model_copy(update={"parts": state.doc.body.parts[:1], "mirror_pairs": ()})
-    assert with_body(state, stub).part_keyframes == ()
+    assert without.doc.subject.part_keyframes[0].parts == RIGHT_ARM
+    stub = state.doc.subject.body.model_copy(
+        update={"parts": state.doc.subject.body.parts[:1], "mirror_pairs": ()}
+    )
+    assert with_body(state, stub).subject.part_keyframes == ()
 
 
 def test_a_longer_lens_moves_part_keyframes_away_with_the_keyframes() -> None:
     state = keyed(*ARM_KEYED)
-    longer = after(state, {"do": "lens", "mm": 2 * state.doc.camera.focal_mm})
-    assert longer.doc.part_keyframes[0].root_m[2] == pytest.approx(
-        2 * state.doc.part_keyframes[0].root_m[2], rel=1e-6
+    longer = after(state, {"do": "lens", "mm": 2 * state.doc.view.camera.focal_mm})
+    assert longer.doc.subject.part_keyframes[0].root_m[2] == pytest.approx(
+        2 * state.doc.subject.part_keyframes[0].root_m[2], rel=1e-6
     )
 
 

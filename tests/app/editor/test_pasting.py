@@ -51,7 +51,7 @@ def test_keyframes_are_pasted_from_the_playhead_on_as_far_apart_as_they_were() -
 def test_one_keyframe_is_a_pose_and_needs_no_keyframe_where_it_goes() -> None:
     assert text_of(24)["keypose"] == "pose"
     state = pasted(desk(), text_of(24), 30)
-    assert [draft.frame for draft in state.doc.drafts] == [30]
+    assert [draft.frame for draft in state.doc.subject.drafts] == [30]
     assert state.keys == desk().keys
     assert state.history.past[-1].label == "paste the pose"
 
@@ -107,7 +107,11 @@ def test_a_body_without_any_of_the_parts_takes_nothing_and_says_so() -> None:
 def test_another_session_whose_body_is_a_box_takes_no_person() -> None:
     box = load_session(SAMPLE.parents[1] / "box" / "session.json")
     other = replace(
-        desk(), doc=box, skeleton=Skeleton.of(box.body), file_times_s=np.arange(200) / 30, frame=0
+        desk(),
+        doc=box,
+        skeleton=Skeleton.of(box.subject.body),
+        file_times_s=np.arange(200) / 30,
+        frame=0,
     )
     with pytest.raises(ActionRefused, match="no part that this body has"):
         pasted(other, text_of(24), 0)
@@ -142,4 +146,4 @@ def test_a_text_is_as_small_as_a_message_may_be() -> None:
 def test_softness_is_copied_with_a_keyframe() -> None:
     state = after(desk(), {"do": "soften_key", "frame": 24}, {"do": "copy_pose", "frames": [0, 24]})
     state = after(state, {"do": "go", "frame": 40}, {"do": "paste_pose"})
-    assert [k.frame for k in state.doc.keyframes if k.soft] == [24, 64]
+    assert [k.frame for k in state.doc.subject.keyframes if k.soft] == [24, 64]

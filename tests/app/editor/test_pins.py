@@ -39,13 +39,13 @@ def pinned(first: int, last: int, frame: int | None = None) -> EditorState:
 
 
 def spans(state: EditorState) -> list[tuple[int, int]]:
-    return [pin.span for pin in state.doc.pins]
+    return [pin.span for pin in state.doc.subject.pins]
 
 
 def stepping(stands: tuple[int, int], m_per_frame: float = 0.05) -> EditorState:
     """The sample tracked over 0–24, the body moving sideways but for these frames."""
     edit = desk()
-    pose = edit.doc.keyframes[0].pose(edit.skeleton)
+    pose = edit.doc.subject.keyframes[0].pose(edit.skeleton)
     frames = np.arange(25)
     moved = m_per_frame * (np.minimum(frames, stands[0]) + np.maximum(frames - stands[1], 0))
     ps = pose.p_camera_root + moved[:, None] * [1.0, 0.0, 0.0]
@@ -60,7 +60,7 @@ def stepping(stands: tuple[int, int], m_per_frame: float = 0.05) -> EditorState:
 
 def test_a_foot_is_pinned_by_heel_and_toe_and_a_hand_by_its_joint() -> None:
     state = after(desk(), {**FOOT, "frame": 30}, {"do": "set_pin", "part": "left_hand", "frame": 3})
-    assert [pin.landmarks for pin in state.doc.pins] == [SOLE, ()]
+    assert [pin.landmarks for pin in state.doc.subject.pins] == [SOLE, ()]
 
 
 @pytest.mark.parametrize("frame", [8, 10, 14])
@@ -110,13 +110,13 @@ def test_a_new_pin_ends_where_the_next_one_of_the_same_foot_begins() -> None:
 
 def test_a_corner_is_pinned_where_one_points_at_it() -> None:
     state = after(desk(), {"do": "go", "frame": 24})
-    hand = state.doc.body.parts[state.doc.body.index("left_hand")]
-    T = pose_transforms(state.skeleton, state.doc.keyframes[1].pose(state.skeleton))
-    T_hand = T[state.doc.body.index("left_hand")]
+    hand = state.doc.subject.body.parts[state.doc.subject.body.index("left_hand")]
+    T = pose_transforms(state.skeleton, state.doc.subject.keyframes[1].pose(state.skeleton))
+    T_hand = T[state.doc.subject.body.index("left_hand")]
     for corner in hand.shape.mesh().vertices:
-        uv = state.doc.camera.project(T_hand[:3, :3] @ corner + T_hand[:3, 3]).tolist()
+        uv = state.doc.view.camera.project(T_hand[:3, :3] @ corner + T_hand[:3, 3]).tolist()
         pointed = {"do": "set_pin", "part": "left_hand", "frame": 24, "corner": uv}
-        (pin,) = after(state, pointed).doc.pins
+        (pin,) = after(state, pointed).doc.subject.pins
         assert pin.point_m == pytest.approx(corner)
         assert pin.landmarks == ()
 
@@ -166,7 +166,7 @@ def test_one_drag_of_a_bar_is_one_step_of_undo() -> None:
 
 def test_whole_foot_heel_or_toes_can_be_held_unless_another_pin_holds_them() -> None:
     state = after(pinned(10, 40), {"do": "change_pin", "index": 0, "landmarks": ["left_toe"]})
-    assert state.doc.pins[0].landmarks == ("left_toe",)
+    assert state.doc.subject.pins[0].landmarks == ("left_toe",)
     both = after(state, {**FOOT, "frame": 12, "landmarks": ["left_heel"]})
     with pytest.raises(ActionRefused, match=r"Another pin holds this point in frames 0–24\."):
         after(both, {"do": "change_pin", "index": 0, "landmarks": list(SOLE)})
@@ -181,7 +181,7 @@ def test_a_split_pin_is_two_that_touch() -> None:
 
 def test_an_unpinned_foot_is_had_back_with_undo() -> None:
     state = after(pinned(10, 40), {"do": "delete_pin", "index": 0})
-    assert state.doc.pins == ()
+    assert state.doc.subject.pins == ()
     assert spans(after(state, {"do": "undo"})) == [(10, 40)]
 
 
@@ -200,16 +200,16 @@ def proposing() -> EditorState:
 
 def test_all_proposals_are_accepted_in_one_step_and_are_proposed_again_when_it_is_undone() -> None:
     state = after(proposing(), {"do": "accept_pins"})
-    assert state.doc.pins == PROPOSED
+    assert state.doc.subject.pins == PROPOSED
     assert open_proposals(state) == ()
     undone = after(state, {"do": "undo"})
-    assert undone.doc.pins == ()
+    assert undone.doc.subject.pins == ()
     assert open_proposals(undone) == PROPOSED
 
 
 def test_one_proposal_is_accepted_alone() -> None:
     state = after(proposing(), {"do": "accept_pins", "part": "left_foot", "first": 30})
-    assert state.doc.pins == PROPOSED[2:]
+    assert state.doc.subject.pins == PROPOSED[2:]
     assert open_proposals(state) == PROPOSED[:2]
     with pytest.raises(ActionRefused, match="No pin is proposed here any more"):
         after(state, {"do": "accept_pins", "part": "left_foot", "first": 30})
@@ -234,25 +234,25 @@ def test_what_is_pinned_already_is_not_proposed() -> None:
 
 def test_the_first_pin_on_the_floor_lays_it_under_the_foot() -> None:
     state = after(desk(), {**FOOT, "frame": 24, "floor": True})
-    height = state.doc.floor_m
+    height = state.doc.world.floor_m
     assert height is not None
     assert -3 < height < 0
     other = after(state, {"do": "set_pin", "part": "right_foot", "frame": 40, "floor": True})
-    assert other.doc.floor_m == height
-    assert after(state, {"do": "undo"}).doc.floor_m is None
+    assert other.doc.world.floor_m == height
+    assert after(state, {"do": "undo"}).doc.world.floor_m is None
 
 
 def test_the_floor_is_given_taken_from_pinned_feet_or_forgotten() -> None:
     with pytest.raises(ActionRefused, match="No foot is pinned yet"):
         after(desk(), {"do": "floor", "pinned_feet": True})
     given = after(desk(), {"do": "floor", "height_m": -1.5})
-    assert given.doc.floor_m == -1.5
+    assert given.doc.world.floor_m == -1.5
     taken = after(given, {**FOOT, "frame": 24}, {"do": "floor", "pinned_feet": True})
     by_foot = after(desk(), {**FOOT, "frame": 36, "floor": True})
-    assert taken.doc.floor_m == pytest.approx(by_foot.doc.floor_m, abs=0.02)
-    assert after(taken, {"do": "floor"}).doc.floor_m is None
+    assert taken.doc.world.floor_m == pytest.approx(by_foot.doc.world.floor_m, abs=0.02)
+    assert after(taken, {"do": "floor"}).doc.world.floor_m is None
     under = after(desk(), {"do": "go", "frame": 36}, {"do": "floor", "under": "left_foot"})
-    assert under.doc.floor_m == by_foot.doc.floor_m
+    assert under.doc.world.floor_m == by_foot.doc.world.floor_m
 
 
 def test_up_is_found_from_pinned_feet_in_one_step() -> None:
@@ -261,19 +261,19 @@ def test_up_is_found_from_pinned_feet_in_one_step() -> None:
     other = {"do": "set_pin", "part": "right_foot", "frame": 66, "floor": True}
     pinned = after(desk(), {**FOOT, "frame": 6}, other)
     found = after(pinned, {"do": "up_from_feet"})
-    assert found.doc.up_camera is not None
-    assert found.doc.up_from_feet
-    assert found.doc.floor_m != pinned.doc.floor_m
+    assert found.doc.world.up_world is not None
+    assert found.doc.world.up_from_feet
+    assert found.doc.world.floor_m != pinned.doc.world.floor_m
     assert after(found, {"do": "undo"}).doc == pinned.doc
     drawn = after(found, {"do": "vertical", "a": (100, 40), "b": (103, 200)})
-    assert not drawn.doc.up_from_feet
+    assert not drawn.doc.world.up_from_feet
 
 
 def horizon(doc: Session, tilt_deg: float, roll_deg: float) -> dict[str, object]:
     """The horizon as it is seen where the camera looks down and leans by so much."""
     tilt, roll = math.radians(tilt_deg), math.radians(roll_deg)
     up = exp_rotation((0.0, 0.0, roll)) @ exp_rotation((tilt, 0.0, 0.0)) @ (0.0, -1.0, 0.0)
-    ends = horizon_of(doc.camera, up)
+    ends = horizon_of(doc.view.camera, up)
     assert ends is not None
     return {"do": "horizon", "a": tuple(ends[0]), "b": tuple(ends[1])}
 
@@ -281,13 +281,13 @@ def horizon(doc: Session, tilt_deg: float, roll_deg: float) -> dict[str, object]
 def test_a_drawn_horizon_shows_what_is_up_and_lays_the_floor_under_the_lower_foot() -> None:
     state = desk()
     drawn = after(state, horizon(state.doc, 6, -3))
-    assert drawn.doc.up_camera is not None
-    assert tilt_and_roll(drawn.doc.up_camera) == pytest.approx((-6, -3), abs=1e-3)
-    up, pose = np.array(drawn.doc.up_camera), shown_pose(drawn).pose
+    assert drawn.doc.world.up_world is not None
+    assert tilt_and_roll(drawn.doc.world.up_world) == pytest.approx((-6, -3), abs=1e-3)
+    up, pose = np.array(drawn.doc.world.up_world), shown_pose(drawn).pose
     p = joint_positions(drawn.skeleton, pose_transforms(drawn.skeleton, pose))
     names = joint_names(drawn.skeleton)
     soles = [k for k, name in enumerate(names) if name.endswith(("_heel", "_toe"))]
-    assert drawn.doc.floor_m == pytest.approx((p[soles] @ up).min(), abs=1e-3)
+    assert drawn.doc.world.floor_m == pytest.approx((p[soles] @ up).min(), abs=1e-3)
     assert after(drawn, {"do": "undo"}).doc == state.doc
 
 
@@ -295,12 +295,12 @@ def test_a_drawn_horizon_lays_the_floor_under_pinned_feet_before_others() -> Non
     pinned = after(desk(), {**FOOT, "frame": 6})
     drawn = after(pinned, horizon(pinned.doc, 4, 2))
     laid = after(drawn, {"do": "floor", "pinned_feet": True})
-    assert drawn.doc.floor_m == laid.doc.floor_m
+    assert drawn.doc.world.floor_m == laid.doc.world.floor_m
 
 
 def test_a_horizon_below_the_feet_is_refused_and_loses_nothing() -> None:
     state = desk()
-    low = state.doc.camera.height - 4
+    low = state.doc.view.camera.height - 4
     with pytest.raises(
         ActionRefused, match=r"foot stands above this line\. Draw the horizon higher\.$"
     ):
@@ -310,8 +310,8 @@ def test_a_horizon_below_the_feet_is_refused_and_loses_nothing() -> None:
 def test_a_horizon_without_a_posed_body_gives_up_alone() -> None:
     state = desk(keyframes=False)
     drawn = after(state, horizon(state.doc, 6, 0))
-    assert drawn.doc.up_camera is not None
-    assert drawn.doc.floor_m is None
+    assert drawn.doc.world.up_world is not None
+    assert drawn.doc.world.floor_m is None
 
 
 # --- keyframes
@@ -319,11 +319,11 @@ def test_a_horizon_without_a_posed_body_gives_up_alone() -> None:
 
 def test_a_soft_keyframe_stays_soft_however_it_is_posed_until_it_is_made_exact() -> None:
     soft = after(desk(), {"do": "soften_key", "frame": 24}, {"do": "go", "frame": 24})
-    assert [k.frame for k in soft.doc.keyframes if k.soft] == [24]
+    assert [k.frame for k in soft.doc.subject.keyframes if k.soft] == [24]
     posed = after(soft, {"do": "angles", "part": "head", "x": 12})
-    assert [k.frame for k in posed.doc.keyframes if k.soft] == [24]
+    assert [k.frame for k in posed.doc.subject.keyframes if k.soft] == [24]
     exact = after(posed, {"do": "exact_key", "frame": 24})
-    assert not any(k.soft for k in exact.doc.keyframes)
+    assert not any(k.soft for k in exact.doc.subject.keyframes)
     assert after(exact, {"do": "exact_key", "frame": 24}) is exact
 
 
@@ -355,8 +355,8 @@ def test_a_pinned_foot_stays_while_numbers_of_other_parts_change(numbers: dict[s
 
 def foot_at(state: EditorState) -> Any:
     """The left ankle at frame 24, camera frame."""
-    pose = next(k for k in state.doc.keyframes if k.frame == 24).pose(state.skeleton)
-    return pose_transforms(state.skeleton, pose)[state.doc.body.index("left_foot"), :3, 3]
+    pose = next(k for k in state.doc.subject.keyframes if k.frame == 24).pose(state.skeleton)
+    return pose_transforms(state.skeleton, pose)[state.doc.subject.body.index("left_foot"), :3, 3]
 
 
 # --- refusals and names
@@ -385,8 +385,8 @@ def test_what_cannot_be_pinned_is_refused_in_a_sentence(message: dict[str, Any],
 def test_a_body_without_the_pinned_part_is_refused() -> None:
     state = pinned(10, 40)
     renamed = state.with_doc(
-        state.doc.model_copy(
-            update={"pins": (state.doc.pins[0].model_copy(update={"part": "wing"}),)}
+        state.doc.changed(
+            {"pins": (state.doc.subject.pins[0].model_copy(update={"part": "wing"}),)}
         )
     )
     with pytest.raises(ActionRefused, match="Wing is pinned and not part"):

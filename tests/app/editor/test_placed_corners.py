@@ -22,10 +22,10 @@ def box() -> EditorState:
 
 def seen(state: EditorState) -> Array:
     """(8, 2) pixels of its corners."""
-    corners = state.doc.body.parts[0].shape.corners()
+    corners = state.doc.subject.body.parts[0].shape.corners()
     assert corners is not None
     T = pose_transforms(state.skeleton, shown_pose(state).pose)[0]
-    return state.doc.camera.without_distortion().project(apply_transform(T, corners))
+    return state.doc.view.camera.without_distortion().project(apply_transform(T, corners))
 
 
 def pulled(state: EditorState, index: int, way: tuple[float, float], stroke: str) -> EditorState:
@@ -96,18 +96,18 @@ def test_six_corners_change_sizes_only_while_no_other_frame_was_posed_with_them(
     """Both in one step, which undo takes back."""
     there = shown_pose(box).pose
     turned = Pose(exp_rotation(np.array([[0.6, 0.5, 0.1]])), there.p_camera_root)
-    wider = with_size(with_size(box.doc.body, "box", "width", 45.0), "box", "depth", 20.0)
+    wider = with_size(with_size(box.doc.subject.body, "box", "width", 45.0), "box", "depth", 20.0)
     T = pose_transforms(box.skeleton, turned)[0]
     corners = wider.parts[0].shape.corners()
     assert corners is not None
-    goals = box.doc.camera.without_distortion().project(apply_transform(T, corners))
+    goals = box.doc.view.camera.without_distortion().project(apply_transform(T, corners))
     elsewhere = after(box, {"do": "go", "frame": 20}, {"do": "add_key", "frame": 20})
     changed = []
     for state in (box, after(elsewhere, {"do": "go", "frame": 7})):
         for index in (0, 2, 4, 6, 3, 7):
-            assert state.doc.body == box.doc.body
+            assert state.doc.subject.body == box.doc.subject.body
             state = pulled(state, index, tuple(goals[index] - seen(state)[index]), f"c{index}")
-        changed.append(state.doc.body != box.doc.body)
+        changed.append(state.doc.subject.body != box.doc.subject.body)
         assert len(placed(state)) == 6
-        assert after(state, {"do": "undo"}).doc.body == box.doc.body
+        assert after(state, {"do": "undo"}).doc.subject.body == box.doc.subject.body
     assert changed == [True, False]

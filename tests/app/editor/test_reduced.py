@@ -44,13 +44,13 @@ def drafted(state: EditorState, frames: range = range(LAST + 1)) -> EditorState:
         for n in frames
         if n not in keyed
     )
-    return state.with_doc(state.doc.model_copy(update={"drafts": drafts}))
+    return state.with_doc(state.doc.changed({"drafts": drafts}))
 
 
 def reduced(doc: Session, found: Reducible, metres: float = 0.05) -> Reduction:
-    skeleton = Skeleton.of(doc.body)
+    skeleton = Skeleton.of(doc.subject.body)
     given = found.motion, Tolerance(metres), found.required, found.parts
-    return reduce_motion(skeleton, doc.camera, *given)
+    return reduce_motion(skeleton, doc.view.camera, *given)
 
 
 def shown(state: EditorState) -> Trajectory:
@@ -62,8 +62,8 @@ def shown(state: EditorState) -> Trajectory:
 
 def interpolated(doc: Session) -> Trajectory:
     """What is shown of a motion that is not tracked."""
-    skeleton = Skeleton.of(doc.body)
-    poses = [(k.frame, k.pose(skeleton)) for k in doc.keyframes]
+    skeleton = Skeleton.of(doc.subject.body)
+    poses = [(k.frame, k.pose(skeleton)) for k in doc.subject.keyframes]
     return joined([interpolate(p, q, a, b) for (a, p), (b, q) in pairwise(poses)])
 
 
@@ -73,9 +73,9 @@ def test_drafts_become_keyframes_from_which_interpolation_is_within_the_toleranc
     assert (found.source, found.required) == ("drafts", (0, 24, 48, 72))
     frames = reduced(state.doc, found).frames
     doc = reduced_session(state.doc, found, frames, state.times_s, None)
-    assert tuple(k.frame for k in doc.keyframes) == frames
-    assert doc.drafts == ()
-    assert [k.time_s for k in doc.keyframes] == [state.times_s[n] for n in frames]
+    assert tuple(k.frame for k in doc.subject.keyframes) == frames
+    assert doc.subject.drafts == ()
+    assert [k.time_s for k in doc.subject.keyframes] == [state.times_s[n] for n in frames]
     skeleton = state.skeleton
     away = interpolated(doc).joints(skeleton) - found.motion.joints(skeleton)
     assert np.linalg.norm(away, axis=-1).max() <= 0.05 + 1e-9
@@ -87,14 +87,14 @@ def test_keyframes_that_a_person_posed_stay_unless_they_may_go() -> None:
     )
     found = reducible(state.doc, {}, None)
     doc = reduced_session(state.doc, found, reduced(state.doc, found).frames, state.times_s, None)
-    before = {k.frame: k for k in state.doc.keyframes}
-    assert {k.frame: k for k in doc.keyframes if k.frame in before} == before
+    before = {k.frame: k for k in state.doc.subject.keyframes}
+    assert {k.frame: k for k in doc.subject.keyframes if k.frame in before} == before
 
     found = reducible(state.doc, {}, None, replacing=True)
     assert found.required == ()
     few = reduced(state.doc, found, 1.0).frames
     doc = reduced_session(state.doc, found, few, state.times_s, None, replacing=True)
-    assert [k.frame for k in doc.keyframes] == [0, 72]
+    assert [k.frame for k in doc.subject.keyframes] == [0, 72]
 
 
 def test_a_draft_that_a_person_posed_stays_a_draft() -> None:
@@ -103,7 +103,7 @@ def test_a_draft_that_a_person_posed_stays_a_draft() -> None:
     )
     found = reducible(state.doc, {}, None)
     doc = reduced_session(state.doc, found, reduced(state.doc, found).frames, state.times_s, None)
-    assert [draft.frame for draft in doc.drafts] == [11]
+    assert [draft.frame for draft in doc.subject.drafts] == [11]
 
 
 def test_a_reduction_is_one_step_of_undo(tmp_path: Path) -> None:
@@ -168,9 +168,9 @@ def test_the_motion_is_kept_and_only_segments_within_it_start_from_it(tmp_path: 
     before, now = segment_keys(state.doc), segment_keys(doc)
     assert now[0, 24] == before[0, 24]
     assert now[48, 72] == before[48, 72]
-    bare = segment_keys(doc.model_copy(update={"first_motion": None}))
+    bare = segment_keys(doc.changed({"first_motion": None}))
     assert all((now[span] != bare[span]) == (span[0] >= 24 and span[1] <= 48) for span in now)
-    assert [d.frame for d in doc.drafts] == [20, 21, 22, 23, 49, 50]
+    assert [d.frame for d in doc.subject.drafts] == [20, 21, 22, 23, 49, 50]
 
 
 def test_what_was_kept_of_other_frames_stays_with_gaps_between(tmp_path: Path) -> None:
@@ -180,11 +180,13 @@ def test_what_was_kept_of_other_frames_stays_with_gaps_between(tmp_path: Path) -
         rows = slice(first, last + 1)
         return Trajectory(first, MOTION.Rs_parent_part[rows], MOTION.ps_camera_root[rows])
 
-    doc = doc.model_copy(update={"first_motion": save_own_motion(doc, path, part(40, 60))})
-    early = {run.digest for run in doc.first_motion.own} if doc.first_motion else set()
-    doc = doc.model_copy(update={"first_motion": save_own_motion(doc, path, part(2, 9))})
-    assert doc.first_motion is not None
-    runs = doc.first_motion.own
+    doc = doc.changed({"first_motion": save_own_motion(doc, path, part(40, 60))})
+    early = (
+        {run.digest for run in doc.subject.first_motion.own} if doc.subject.first_motion else set()
+    )
+    doc = doc.changed({"first_motion": save_own_motion(doc, path, part(2, 9))})
+    assert doc.subject.first_motion is not None
+    runs = doc.subject.first_motion.own
     assert [(run.first_frame, run.last_frame) for run in runs] == [(2, 9), (40, 60)]
     assert runs[1].digest in early
     kept = load_first_motion_of(doc, tmp_path)
@@ -199,13 +201,16 @@ def test_a_limb_is_keyed_alone_between_the_keyframes() -> None:
     doc = reduced_session(
         state.doc, found, reduced(state.doc, found, 0.02).frames, state.times_s, None
     )
-    assert doc.keyframes == state.doc.keyframes
-    assert doc.part_keyframes
-    assert {each.parts for each in doc.part_keyframes} == {
+    assert doc.subject.keyframes == state.doc.subject.keyframes
+    assert doc.subject.part_keyframes
+    assert {each.parts for each in doc.subject.part_keyframes} == {
         ("left_upper_arm", "left_forearm", "left_hand")
     }
-    assert not {each.frame for each in doc.part_keyframes} & {0, 24, 48, 72}
-    assert Session.model_validate_json(doc.model_dump_json()).part_keyframes == doc.part_keyframes
+    assert not {each.frame for each in doc.subject.part_keyframes} & {0, 24, 48, 72}
+    assert (
+        Session.model_validate_json(doc.model_dump_json()).subject.part_keyframes
+        == doc.subject.part_keyframes
+    )
 
 
 @pytest.mark.parametrize(
@@ -242,7 +247,7 @@ def test_an_imported_motion_is_laid_on_the_keyframes_before_it_is_reduced() -> N
     found = reducible(state.doc, {}, moved)
     assert found.source == "imported"
     skeleton = state.skeleton
-    for keyframe in state.doc.keyframes:
+    for keyframe in state.doc.subject.keyframes:
         pose, own = found.motion.pose(keyframe.frame), keyframe.pose(skeleton)
         assert isinstance(pose, Pose)
         np.testing.assert_allclose(pose.p_camera_root, own.p_camera_root, atol=1e-9)

@@ -37,12 +37,12 @@ def doubting(**peaks: tuple[int, float]) -> EditorState:
     parts = edit.skeleton.part_count
     error = np.full((73, parts), np.nan)
     for part in ("chest", "head", *peaks):
-        error[:, edit.doc.body.index(part)] = RIGHT_PX
+        error[:, edit.doc.subject.body.index(part)] = RIGHT_PX
     for part, (frame, px) in peaks.items():
-        error[frame - 1 : frame + 2, edit.doc.body.index(part)] = px - 1
-        error[frame, edit.doc.body.index(part)] = px
+        error[frame - 1 : frame + 2, edit.doc.subject.body.index(part)] = px - 1
+        error[frame, edit.doc.subject.body.index(part)] = px
     error[[0, 24, 48, 72]] *= 0
-    poses = {key.frame: key.pose(edit.skeleton) for key in edit.doc.keyframes}
+    poses = {key.frame: key.pose(edit.skeleton) for key in edit.doc.subject.keyframes}
     found = {}
     for (first, last), key in segment_keys(edit.doc).items():
         path = interpolate(poses[first], poses[last], first, last)
@@ -86,7 +86,7 @@ def test_a_place_is_as_many_centimetres_off_as_its_pixels_are_at_its_depth() -> 
     place = reviewed(state).places[0]
     assert place.cm is not None
     p = place.end_m
-    uv = state.doc.camera.project(np.stack([p, p + np.array([place.cm / 100, 0.0, 0.0])]))
+    uv = state.doc.view.camera.project(np.stack([p, p + np.array([place.cm / 100, 0.0, 0.0])]))
     assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(14.0, rel=0.02)
 
 
@@ -129,7 +129,7 @@ def test_what_is_accepted_stays_away_and_is_one_step_of_undo() -> None:
         9,
         11,
     )
-    assert accepted.doc.keyframes == state.doc.keyframes
+    assert accepted.doc.subject.keyframes == state.doc.subject.keyframes
     assert named(after(accepted, {"do": "undo"})) == named(state)
 
 
@@ -143,7 +143,9 @@ def test_one_look_settles_all_limbs_and_moments_near_it_and_the_same_is_not_aske
 
 
 def test_there_are_few_places_however_much_is_in_doubt() -> None:
-    every = {name: (frame, 20.0 + frame) for frame, name in enumerate(desk().doc.body.names, 3)}
+    every = {
+        name: (frame, 20.0 + frame) for frame, name in enumerate(desk().doc.subject.body.names, 3)
+    }
     assert len(named(doubting(**every))) <= 3
 
 
@@ -202,14 +204,14 @@ def test_a_limb_that_was_keyed_by_itself_is_right_there() -> None:
 def drafting() -> EditorState:
     """Drafts at 30 and 40, the second of which is to be confirmed."""
     edit = desk()
-    pose = edit.doc.keyframes[1]
+    pose = edit.doc.subject.keyframes[1]
     drafts = tuple(
         pose.model_copy(update={"frame": frame, "time_s": frame / 30}) for frame in (30, 40)
     )
     places = [{"frame": 40, "reason": "flip", "parts": ["left_forearm"]}]
     given = {"first_frame": 30, "last_frame": 40, "places": places}
     update = {"drafts": drafts, "drafted": Drafted.model_validate(given)}
-    return edit.with_doc(edit.doc.model_copy(update=update))
+    return edit.with_doc(edit.doc.changed(update))
 
 
 def test_a_draft_to_confirm_is_a_place_and_becomes_a_keyframe_when_it_is_accepted() -> None:
@@ -217,8 +219,10 @@ def test_a_draft_to_confirm_is_a_place_and_becomes_a_keyframe_when_it_is_accepte
     (place,) = reviewed(state).places
     assert (place.frame, place.px) == (40, None)
     assert reason_of_place(place) == "left forearm may point the other way"
-    Ts = pose_transforms(state.skeleton, state.doc.drafts[1].pose(state.skeleton))
-    assert np.linalg.norm(place.end_m - Ts[state.doc.body.index("left_forearm"), :3, 3]) < 0.5
+    Ts = pose_transforms(state.skeleton, state.doc.subject.drafts[1].pose(state.skeleton))
+    assert (
+        np.linalg.norm(place.end_m - Ts[state.doc.subject.body.index("left_forearm"), :3, 3]) < 0.5
+    )
     keyed = after(state, {"do": "accept_place", "frame": 40, "part": "left_forearm"})
     assert 40 in keyed.keys
     assert named(keyed) == []

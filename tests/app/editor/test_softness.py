@@ -30,19 +30,19 @@ def drafted(frame: int = 12) -> EditorState:
     state = after(desk(), {"do": "go", "frame": frame})
     pose = shown_pose(state).pose
     state = after(state, {"do": "root", "x": float(pose.p_camera_root[0])})
-    draft = find(state.doc.drafts, frame)
+    draft = find(state.doc.subject.drafts, frame)
     assert draft is not None
     found = draft.model_copy(update={"drafted": True, "soft": False})
-    return state.with_doc(state.doc.model_copy(update={"drafts": (found,)}))
+    return state.with_doc(state.doc.changed({"drafts": (found,)}))
 
 
 def tracked(state: EditorState, smooth: bool = True) -> EditorState:
     """Every segment tracked, and a centimetre to the right of what is between its keyframes."""
     settings = TrackSettings(smooth=smooth)
-    doc = state.doc.model_copy(update={"settings": settings})
+    doc = state.doc.changed({"settings": settings})
     state, results = state.with_doc(doc), Results()
     for (first, last), key in segment_keys(doc).items():
-        start, end = (find(doc.keyframes, frame) for frame in (first, last))
+        start, end = (find(doc.subject.keyframes, frame) for frame in (first, last))
         assert start is not None
         assert end is not None
         path = interpolate(start.pose(state.skeleton), end.pose(state.skeleton), first, last)
@@ -56,7 +56,7 @@ def tracked(state: EditorState, smooth: bool = True) -> EditorState:
 
 
 def softness(state: EditorState, frame: int) -> Any:
-    keyframe = find(state.doc.keyframes, frame)
+    keyframe = find(state.doc.subject.keyframes, frame)
     assert keyframe is not None
     return keyframe.soft
 
@@ -97,7 +97,7 @@ DRAFTED: dict[str, tuple[list[dict[str, Any]], int, bool]] = {
 def test_a_keyframe_made_of_a_draft_counts_as_one_until_somebody_poses_it(case: str) -> None:
     messages, frame, found = DRAFTED[case]
     keyed = after(drafted(), {"do": "add_key", "frame": 12}, *messages)
-    keyframe = find(keyed.doc.keyframes, frame)
+    keyframe = find(keyed.doc.subject.keyframes, frame)
     assert keyframe is not None
     assert keyframe.drafted == found
 
@@ -127,7 +127,7 @@ def test_a_keyframe_stays_exact_until_it_is_softened_and_then_in_depth_when_it_i
 def test_a_soft_keyframe_is_shown_as_the_motion_passes_it_and_its_own_pose_as_a_ghost() -> None:
     exact = tracked(desk())
     soft = tracked(after(desk(), {"do": "soften_key", "frame": FRAME}))
-    own = find(soft.doc.keyframes, FRAME)
+    own = find(soft.doc.subject.keyframes, FRAME)
     assert own is not None
     there = shown_pose(soft, FRAME)
     assert there.source == "keyframe"

@@ -79,12 +79,12 @@ def test_what_an_edit_leaves_can_be_saved_and_read_again(edit: dict[str, Any]) -
 
 def test_a_pose_set_where_no_keyframe_is_becomes_a_draft_and_k_makes_it_a_keyframe() -> None:
     state = after(desk(), {"do": "go", "frame": 12}, TURN)
-    assert [d.frame for d in state.doc.drafts] == [12]
+    assert [d.frame for d in state.doc.subject.drafts] == [12]
     assert state.keys == (0, 24, 48, 72)
     assert shown_pose(state).source == "draft"
     keyed = after(state, {"do": "add_key", "frame": 12})
     assert keyed.keys == (0, 12, 24, 48, 72)
-    assert keyed.doc.drafts == ()
+    assert keyed.doc.subject.drafts == ()
     np.testing.assert_allclose(angles(keyed, "left_forearm")[0], -40, atol=1e-6)
 
 
@@ -238,7 +238,7 @@ def test_cues_are_chosen_and_undone_like_any_setting() -> None:
 
 def test_copy_and_paste_mirrored_exchanges_the_sides() -> None:
     state = after(desk(), {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
-    for left, right in state.doc.body.mirror_pairs:
+    for left, right in state.doc.subject.body.mirror_pairs:
         there, here = angles(desk(), left), angles(state, right)
         np.testing.assert_allclose(here, there * (1, -1, -1), atol=1e-6)
     back = after(state, {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
@@ -251,9 +251,9 @@ def test_the_first_body_stands_whole_before_the_camera() -> None:
     state = desk(keyframes=False)
     standing = shown_pose(state)
     assert standing.source == "rest"
-    uv = state.doc.camera.project(standing.pose.p_camera_root)
-    assert 0 <= uv[0] < state.doc.camera.width
-    assert 0 <= uv[1] < state.doc.camera.height
+    uv = state.doc.view.camera.project(standing.pose.p_camera_root)
+    assert 0 <= uv[0] < state.doc.view.camera.width
+    assert 0 <= uv[1] < state.doc.view.camera.height
 
 
 def test_between_keyframes_the_pose_is_interpolated_and_outside_held() -> None:
@@ -287,7 +287,7 @@ def test_a_keyframe_that_comes_to_a_drafted_frame_is_what_is_shown_there() -> No
     drafted = after(desk(), {"do": "go", "frame": 12}, TURN)
     for do in ("move_key", "duplicate_key"):
         state = after(drafted, {"do": do, "frame": 24, "to": 12})
-        assert state.doc.drafts == ()
+        assert state.doc.subject.drafts == ()
         assert shown_pose(state).source == "keyframe"
 
 
@@ -295,7 +295,7 @@ def test_a_draft_is_deleted_alone_and_what_stood_behind_it_is_shown_again() -> N
     before = after(desk(), {"do": "go", "frame": 12})
     drafted = after(before, TURN)
     state = after(drafted, {"do": "delete_draft", "frame": 12})
-    assert state.doc.drafts == ()
+    assert state.doc.subject.drafts == ()
     assert state.keys == before.keys
     assert shown_pose(state).source == shown_pose(before).source == "between"
     assert state.history.past[-1].label == "delete draft 12"
@@ -304,16 +304,16 @@ def test_a_draft_is_deleted_alone_and_what_stood_behind_it_is_shown_again() -> N
 
 def test_an_edit_at_a_frame_with_a_keyframe_and_a_draft_can_be_seen() -> None:
     start = desk()
-    draft = start.doc.keyframes[0]
-    state = after(start.with_doc(start.doc.model_copy(update={"drafts": (draft,)})), TURN)
+    draft = start.doc.subject.keyframes[0]
+    state = after(start.with_doc(start.doc.changed({"drafts": (draft,)})), TURN)
     np.testing.assert_allclose(angles(state, "left_forearm")[0], -40, atol=1e-6)
 
 
 def test_a_body_of_other_parts_stands_though_nothing_is_posed_yet() -> None:
     start = desk(keyframes=False)
-    parts = start.doc.body.parts[:1]
-    one = start.doc.body.model_copy(update={"parts": parts, "mirror_pairs": ()})
-    state = after(start.with_doc(start.doc.model_copy(update={"body": one})))
+    parts = start.doc.subject.body.parts[:1]
+    one = start.doc.subject.body.model_copy(update={"parts": parts, "mirror_pairs": ()})
+    state = after(start.with_doc(start.doc.changed({"body": one})))
     assert len(shown_pose(state).pose.Rs_parent_part) == 1
     state = after(state, {"do": "preset", "name": "adult_male"}, {"do": "add_key", "frame": 0})
     assert len(shown_pose(state).pose.Rs_parent_part) == 16
@@ -338,8 +338,8 @@ def test_undo_says_what_it_takes_back_as_a_person_would() -> None:
 
 def joints_at(state: EditorState, frame: int) -> dict[str, np.ndarray]:  # type: ignore[type-arg]
     """Where a keyframe's joints are, by name."""
-    skeleton = Skeleton.of(state.doc.body)
-    keyframe = next(k for k in state.doc.keyframes if k.frame == frame)
+    skeleton = Skeleton.of(state.doc.subject.body)
+    keyframe = next(k for k in state.doc.subject.keyframes if k.frame == frame)
     places = joint_positions(skeleton, pose_transforms(skeleton, keyframe.pose(skeleton)))
     return dict(zip(joint_names(skeleton), places, strict=True))
 
@@ -354,7 +354,7 @@ def test_adding_clavicles_moves_no_joint_and_removing_them_turns_no_arm() -> Non
     raised, was = joints_at(shrugged, 24), joints_at(moving, 24)
     assert np.linalg.norm(raised["left_upper_arm"] - was["left_upper_arm"]) > 0.05
     plain = after(shrugged, {"do": "clavicles", "on": False})
-    assert plain.doc.body == before.doc.body
+    assert plain.doc.subject.body == before.doc.subject.body
     left = joints_at(plain, 24)
     for one, other in (("left_upper_arm", "left_forearm"), ("left_forearm", "left_hand")):
         np.testing.assert_allclose(left[other] - left[one], raised[other] - raised[one], atol=1e-6)
@@ -362,19 +362,19 @@ def test_adding_clavicles_moves_no_joint_and_removing_them_turns_no_arm() -> Non
 
 def test_a_preset_keeps_the_clavicles_that_were_asked_for() -> None:
     state = after(desk(), {"do": "clavicles", "on": True}, {"do": "preset", "name": "elderly_male"})
-    assert has_clavicles(state.doc.body)
-    assert without_clavicles(state.doc.body) == preset("elderly_male")
+    assert has_clavicles(state.doc.subject.body)
+    assert without_clavicles(state.doc.subject.body) == preset("elderly_male")
 
 
 def test_a_preset_without_arms_takes_no_clavicles() -> None:
     state = after(desk(), {"do": "clavicles", "on": True}, {"do": "preset", "name": "box"})
-    assert state.doc.body == preset("box")
+    assert state.doc.subject.body == preset("box")
 
 
 def test_a_renamed_part_is_renamed_wherever_the_session_names_it() -> None:
     before = desk()
     state = after(before, {"do": "rename_part", "part": "left_forearm", "name": "arm"})
-    for old, new in zip(before.doc.keyframes, state.doc.keyframes, strict=True):
+    for old, new in zip(before.doc.subject.keyframes, state.doc.subject.keyframes, strict=True):
         rotations = dict(old.rotations_wxyz)
         if "left_forearm" in rotations:
             rotations["arm"] = rotations.pop("left_forearm")
@@ -389,7 +389,7 @@ def test_the_first_part_stays() -> None:
 
 def test_a_body_without_arms_has_no_clavicles() -> None:
     state = desk()
-    trunk = Body(name="trunk", parts=state.doc.body.parts[:4])
+    trunk = Body(name="trunk", parts=state.doc.subject.body.parts[:4])
     bare = replace(state, doc=with_body(state, trunk))
     with pytest.raises(ActionRefused, match="Clavicles need a chest with two upper arms"):
         after(bare, {"do": "clavicles", "on": True})

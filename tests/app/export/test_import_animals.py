@@ -21,7 +21,7 @@ from tests.tracker.formats import animals, recordings
 
 DOG = preset("dog")
 SKELETON = Skeleton.of(DOG)
-CAMERA = recordings.session("person").camera
+CAMERA = recordings.session("person").view.camera
 PLACES = {
     "Nose": ("head", "nose"), "L_front_paw": ("left_front_lower_leg", "left_front_paw"),
     "paw_fore_R": ("right_front_lower_leg", "right_front_paw"),
@@ -59,7 +59,7 @@ UV = _seen()
 def path(tmp_path: Path) -> Path:
     """A session of a dog without keyframes, beside a film."""
     shutil.copy(recordings.SAMPLES / "person" / "person.mp4", tmp_path)
-    session = recordings.session("person").model_copy(update={"keyframes": (), "body": DOG})
+    session = recordings.session("person").changed({"keyframes": (), "body": DOG})
     save_session(session, tmp_path / "session.json")
     return tmp_path / "session.json"
 
@@ -84,7 +84,7 @@ def test_a_dogs_keypoints_become_drafts_seen_where_they_are(
     assert all(draft["miss_px"] < 2.0 for draft in reported["drafts"])
     assert reported["matched"]["tip"] == "tail.end"
     assert not reported["left_out"]
-    assert len(load_session(path).drafts) == 2
+    assert len(load_session(path).subject.drafts) == 2
 
 
 def test_what_matched_and_what_did_not_is_listed(

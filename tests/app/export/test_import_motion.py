@@ -47,7 +47,7 @@ Floats = NDArray[np.float64]
 
 TRUTH = recordings.trajectory("person")
 SESSION = recordings.session("person")
-SKELETON = Skeleton.of(SESSION.body)
+SKELETON = Skeleton.of(SESSION.subject.body)
 NAMES = joint_names(SKELETON)
 TIMES_S = np.arange(len(TRUTH)) / 30
 R, P = exp_rotation([0.4, -1.1, 2.0]), np.array([4.0, -7.0, 2.5])
@@ -104,8 +104,8 @@ def test_our_own_motion_comes_back_to_a_millimetre(path: Path, kind: str) -> Non
     before = load_session(path)
     assert _run("import", path, file) == 0
     after = load_session(path)
-    assert after.keyframes == before.keyframes
-    assert after.model_copy(update={"first_motion": None}) == before
+    assert after.subject.keyframes == before.subject.keyframes
+    assert after.changed({"first_motion": None}) == before
     away = _away(_imported(path))
     parts = SKELETON.part_count  # BVH says nothing of heels
     assert len(away) == len(TRUTH)
@@ -144,15 +144,15 @@ def test_what_was_matched_left_out_and_met_is_reported(
 
 
 def test_without_keyframes_the_body_stands_upright_in_the_picture(path: Path) -> None:
-    session = load_session(path).model_copy(update={"keyframes": ()})
+    session = load_session(path).changed({"keyframes": ()})
     to_y_up = np.array([1.0, -1.0, -1.0])
     motion = JointMotion(NAMES, TRUTH.joints(SKELETON) * to_y_up + [9, 5, 3], TIMES_S, "y up", "m")
     found = fit_to_session(session, motion, "a.bvh", TIMES_S).fit.trajectory
     p = found.transforms(SKELETON)[..., :3, 3]
     assert (p[:, SKELETON.body.index("head"), 1] < p[:, SKELETON.body.index("left_foot"), 1]).all()
-    uv = session.camera.project(found.joints(SKELETON))
+    uv = session.view.camera.project(found.joints(SKELETON))
     assert uv.min() > 0
-    assert (uv.max(axis=(0, 1)) < (session.camera.width, session.camera.height)).all()
+    assert (uv.max(axis=(0, 1)) < (session.view.camera.width, session.view.camera.height)).all()
     z_up = motion.ps_world_joint @ np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
     same = JointMotion(NAMES, z_up, TIMES_S, "z up", "m")
     again = fit_to_session(session, same, "a.c3d", TIMES_S).fit.trajectory
@@ -212,9 +212,9 @@ def test_the_keys_of_segments_know_what_they_start_from(path: Path) -> None:
         segment_keys(s)[0, 24]
         for s in (
             session,
-            session.model_copy(update={"settings": templates}),
+            session.changed({"settings": templates}),
             imported,
-            imported.model_copy(update={"settings": templates}),
+            imported.changed({"settings": templates}),
         )
     ]
     assert keys[1] == keys[3]  # what is not used does not count
@@ -244,9 +244,9 @@ def test_a_noisy_import_is_a_better_start_than_the_methods_own(
     def error(session: Session, initial: str, motion: Trajectory | None) -> float:
         settings = {"method": method, "quality": quality, "initial": initial}
         chosen = session.settings.model_copy(update=settings)
-        result = _tracked(session.model_copy(update={"settings": chosen}), path, motion)
+        result = _tracked(session.changed({"settings": chosen}), path, motion)
         assert result.segments[0].closing_error < 1e-9
-        found = evaluate(SKELETON, session.camera, result.trajectory, TRUTH, (0, 24))
+        found = evaluate(SKELETON, session.view.camera, result.trajectory, TRUTH, (0, 24))
         assert found.estimate.pixels is not None
         return found.estimate.pixels.overall.mean
 
@@ -279,8 +279,8 @@ def test_the_command_tracks_from_the_motion_beside_the_session(path: Path) -> No
     _run("import", path, file)
     session = load_session(path)
     settings = session.settings.model_copy(update={"initial": "import", "quality": "preview"})
-    changes = {"settings": settings, "keyframes": session.keyframes[:2]}
-    session = session.model_copy(update=changes)
+    changes = {"settings": settings, "keyframes": session.subject.keyframes[:2]}
+    session = session.changed(changes)
     save_session(session, path)
     _run("track", path)
     tracked = load_trajectory(load_session(path), path)
@@ -297,7 +297,7 @@ def test_import_is_asked_for_but_there_is_none(path: Path) -> None:
     session = load_session(path)
     settings = session.settings.model_copy(update={"initial": "import"})
     with pytest.raises(SessionError, match="no imported motion"):
-        _tracked(session.model_copy(update={"settings": settings}), path)
+        _tracked(session.changed({"settings": settings}), path)
 
 
 def test_a_damaged_or_missing_motion_is_reported(path: Path) -> None:
@@ -305,8 +305,8 @@ def test_a_damaged_or_missing_motion_is_reported(path: Path) -> None:
     file.write_text(bvh_of(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
     session = load_session(path)
-    assert session.first_motion is not None
-    place = path.parent / session.first_motion.file
+    assert session.subject.first_motion is not None
+    place = path.parent / session.subject.first_motion.file
     content = place.read_bytes()
     place.write_bytes(content[:-40])
     with pytest.raises(SessionError, match="damaged"):
@@ -330,7 +330,7 @@ def test_a_joint_of_another_name_is_known_once_it_is_said(path: Path) -> None:
     file.write_text(_wide(TRUTH.joints(SKELETON), names), newline="")
     for message, known in (([], False), (["--map", "grip=left_hand"], True)):
         assert _run("import", path, file, *message) == 0
-        reference = load_session(path).first_motion
+        reference = load_session(path).subject.first_motion
         assert reference is not None
         assert (reference.matched.get("grip") == "left_hand") == known
 
@@ -349,7 +349,7 @@ def _keypoints(layout: str, noise: float = 0.0) -> Keypoints:
     )
     for frame in range(len(TRUTH)):
         ps = laid.at(pose_transforms(SKELETON, TRUTH.pose(frame)))
-        seen = SESSION.camera.project(ps) + rng.normal(0, noise, (len(ps), 2))
+        seen = SESSION.view.camera.project(ps) + rng.normal(0, noise, (len(ps), 2))
         uv[frame, known.indices] = seen
     visibility[:, known.indices] = 1.0
     return Keypoints(0, names, uv, visibility)
@@ -368,7 +368,7 @@ def _judged(draft: Any) -> tuple[float, float]:
     """Mean distance of all joints in pixels, and how the root is turned, degrees."""
     pose, truth = draft.keyframe.pose(SKELETON), TRUTH.pose(draft.keyframe.frame)
     uv, uv_true = (
-        SESSION.camera.project(pose_transforms(SKELETON, p)[:, :3, 3]) for p in (pose, truth)
+        SESSION.view.camera.project(pose_transforms(SKELETON, p)[:, :3, 3]) for p in (pose, truth)
     )
     turn = log_rotation(pose.Rs_parent_part[0].T @ truth.Rs_parent_part[0])
     away = np.linalg.norm(uv - uv_true, axis=-1).mean()
@@ -383,7 +383,7 @@ def _drafts(session: Session, keypoints: Keypoints, frames: list[int]) -> tuple[
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("keyed", [False, True])
 def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, keyed: bool) -> None:
-    session = SESSION if keyed else SESSION.model_copy(update={"keyframes": ()})
+    session = SESSION if keyed else SESSION.changed({"keyframes": ()})
     drafts = _drafts(session, _keypoints(layout), [6, 36, 66])
     assert [draft.keyframe.frame for draft in drafts] == [6, 36, 66]
     for draft in drafts:
@@ -395,7 +395,7 @@ def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, k
 
 
 def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
-    session = SESSION.model_copy(update={"keyframes": SESSION.keyframes[:1]})
+    session = SESSION.changed({"keyframes": SESSION.subject.keyframes[:1]})
     for draft in _drafts(session, _keypoints("COCO_17", noise=2.0), [12, 36]):
         away, turn = _judged(draft)
         assert away < 6.0
@@ -408,13 +408,13 @@ def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None
     file.write_text(json.dumps(_coco(_keypoints("COCO_17"))))
     assert _run("import", path, file, "--keypoints", "--frames", "24,30,48") == 0
     once = load_session(path)
-    assert once.keyframes == before.keyframes
-    assert [draft.frame for draft in once.drafts] == [30]
-    assert once.drafts[0].time_s == pytest.approx(1.0)
+    assert once.subject.keyframes == before.subject.keyframes
+    assert [draft.frame for draft in once.subject.drafts] == [30]
+    assert once.subject.drafts[0].time_s == pytest.approx(1.0)
     assert _run("import", path, file, "--keypoints", "--frames", "30,36", "--exchange") == 0
     twice = load_session(path)
-    assert twice.drafts[0] == once.drafts[0]
-    assert [draft.frame for draft in twice.drafts] == [30, 36]
+    assert twice.subject.drafts[0] == once.subject.drafts[0]
+    assert [draft.frame for draft in twice.subject.drafts] == [30, 36]
     content = everything_in(path.parent)
     assert _run("import", path, file, "--keypoints", "--frames", "30,36,48") == 0
     assert everything_in(path.parent) == content
@@ -427,10 +427,10 @@ def test_a_file_that_does_not_name_its_keypoints_gives_drafts_of_the_right_ones(
     file = path.parent / "points.json"
     file.write_text(json.dumps(_coco(_keypoints(layout))))
     assert _run("import", path, file, "--keypoints", "--frames", "30") == 0
-    (draft,) = load_session(path).drafts
+    (draft,) = load_session(path).subject.drafts
     truth = pose_transforms(SKELETON, TRUTH.pose(30))[:, :3, 3]
     ours = pose_transforms(SKELETON, draft.pose(SKELETON))[:, :3, 3]
-    away = SESSION.camera.project(ours) - SESSION.camera.project(truth)
+    away = SESSION.view.camera.project(ours) - SESSION.view.camera.project(truth)
     assert np.linalg.norm(away, axis=-1).mean() < 1.0
 
 
@@ -446,7 +446,7 @@ def test_what_the_limbs_do_not_show_is_asked_for_and_reported_by_the_option(
     message = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
     assert "BODY_25 or BODY_25B. Choose with --layout." in message
     assert _run("import", path, file, "--keypoints", "--layout", "body_25b") == 0
-    assert [draft.frame for draft in load_session(path).drafts] == [30]
+    assert [draft.frame for draft in load_session(path).subject.drafts] == [30]
 
 
 @pytest.mark.parametrize(
@@ -469,7 +469,7 @@ def test_keypoints_of_another_video_leave_the_session_as_it_was(
 def test_every_labelled_picture_is_drafted_where_they_lie_far_apart(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    session = load_session(path).model_copy(update={"keyframes": ()})
+    session = load_session(path).changed({"keyframes": ()})
     save_session(session, path)
     seen, file = _coco(_keypoints("COCO_17")), path.parent / "points.json"
     labelled = [{**seen[n], "image_id": n + 1} for n in (3, 5, 30, 70)] + [
@@ -477,12 +477,12 @@ def test_every_labelled_picture_is_drafted_where_they_lie_far_apart(
     ]
     file.write_text(json.dumps(labelled))
     assert _run("import", path, file, "--keypoints", "--offset-frames", "-1") == 0
-    assert [draft.frame for draft in load_session(path).drafts] == [3, 30, 70]
+    assert [draft.frame for draft in load_session(path).subject.drafts] == [3, 30, 70]
     assert "Note: Left out 1 frame outside the video" in capsys.readouterr().err
 
 
 def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
-    session = SESSION.model_copy(update={"keyframes": ()})
+    session = SESSION.changed({"keyframes": ()})
     wrong = _keypoints("BODY_25").exchanged()
     for draft in _drafts(session, wrong.exchanged(), [36]):
         assert _judged(draft)[0] < 1.0
@@ -504,7 +504,7 @@ def test_a_session_saved_before_imports_existed_is_read(path: Path) -> None:
     data.pop("first_motion", None)
     path.write_text(json.dumps(data))
     session = load_session(path)
-    assert session.first_motion is None
+    assert session.subject.first_motion is None
     assert session.settings.initial == "auto"
     save_session(session, path)
     assert load_session(path) == session

@@ -51,7 +51,7 @@ def opened(path: Path, results: Results) -> EditorState:
     save_session(save_results(session, path, results), path)
     with open_video_of(session, path) as video:
         times_s, timecode = video.info.times_s, video.info.timecode
-    opening = opening_pose(session.body, session.camera, (0.0, -1.0, 0.0))
+    opening = opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0))
     return EditorState(session, cases.SKELETON, times_s, opening, results, timecode=timecode)
 
 
@@ -297,8 +297,8 @@ def test_times_are_those_of_a_video_that_was_renamed(
 
 def with_a_gap(path: Path) -> EditorState:
     """Keyframes at 0, 2, 6 and 8, nothing tracked from 2 to 6."""
-    keyframes = cases.session(None, (0, 2, 6, LAST)).keyframes
-    session = load_session(path).model_copy(update={"keyframes": keyframes})
+    keyframes = cases.session(None, (0, 2, 6, LAST)).subject.keyframes
+    session = load_session(path).changed({"keyframes": keyframes})
     save_session(session, path)
     ends = [results_cases.track(session, 0, 2), results_cases.track(session, 6, LAST, kind="lost")]
     return opened(path, Results().with_result(ends[0]).with_result(ends[1]))

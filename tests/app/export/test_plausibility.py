@@ -29,12 +29,12 @@ from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
 
 SESSION = recordings.session("person")
-SKELETON = Skeleton.of(SESSION.body)
+SKELETON = Skeleton.of(SESSION.subject.body)
 TRUTH = recordings.trajectory("person")
 NAMES = joint_names(SKELETON)
 TIMES_S = np.arange(len(TRUTH)) / 30
 FIRST = Trajectory(0, TRUTH.Rs_parent_part[:8], TRUTH.ps_camera_root[:8])
-WITHOUT_KEYFRAMES = SESSION.model_copy(update={"keyframes": ()})
+WITHOUT_KEYFRAMES = SESSION.changed({"keyframes": ()})
 TO_Y_UP = np.array([1.0, -1.0, -1.0])
 HIPS = ["left_thigh", "right_thigh"]
 REST = Trajectory(0, np.tile(np.eye(3), (1, SKELETON.part_count, 1, 1)), np.zeros((1, 3)))
@@ -168,13 +168,13 @@ def test_a_file_of_one_frame_is_a_draft_and_never_stands_over_a_keyframe(
     file.write_text(bvh_of(SKELETON, pose, 1 / 30))
     before = load_session(path)
     assert main(["import", str(path), str(file), "--offset-frames", "9"]) == 0
-    (draft,) = load_session(path).drafts
+    (draft,) = load_session(path).subject.drafts
     assert draft.frame == 9
     ours = draft.pose(SKELETON)
     posed = Trajectory(9, ours.Rs_parent_part[None], ours.p_camera_root[None])
     assert np.allclose(_distances(posed), _distances(pose), atol=0.01)
     capsys.readouterr()
-    keyframe = before.keyframes[0].frame
+    keyframe = before.subject.keyframes[0].frame
     order = ["import", path, file, "--offset-frames", keyframe]
     assert f"frame {keyframe} of the video is posed" in refused(capsys, path.parent, order)
 

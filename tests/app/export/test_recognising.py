@@ -17,7 +17,7 @@ from keypose.tracker.video.info import VideoInfo
 from tests.tracker.formats import recordings
 
 SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
-SKELETON = Skeleton.of(SESSION.body)
+SKELETON = Skeleton.of(SESSION.subject.body)
 DEEPLABCUT = "scorer,net,net,net\nbodyparts,nose,nose,nose\ncoords,x,y,likelihood\n0,1,2,0.9\n"
 
 

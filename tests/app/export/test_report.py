@@ -146,22 +146,22 @@ def test_light_dark_and_paper_have_their_colours(doubtful_path: Path) -> None:
 
 def test_names_from_files_stay_words(doubtful_path: Path, tmp_path: Path) -> None:
     session = load_session(doubtful_path)
-    body = session.body.model_copy(update={"name": EVIL})
-    results = session.results
+    body = session.subject.body.model_copy(update={"name": EVIL})
+    results = session.subject.results
     assert results is not None
     lost = results.segments[1].model_copy(
         update={"verdict": Verdict(kind="lost", cause="other", text=EVIL)}
     )
-    hashed = setup_hash(session.model_copy(update={"body": body}))
+    hashed = setup_hash(session.changed({"body": body}))
     segments = (results.segments[0], lost)
     results = results.model_copy(update={"segments": segments, "tracked_for": hashed})
-    video = session.video.model_copy(update={"path": EVIL.replace("/", "\\")})
+    video = session.view.video.model_copy(update={"path": EVIL.replace("/", "\\")})
     changed = {"body": body, "results": results, "video": video}
     place = tmp_path / "<b onclick=x>'\"&" / "session.json"
     place.parent.mkdir()
     tracks = doubtful_path.parent / results.tracks
     (place.parent / tracks.name).write_bytes(tracks.read_bytes())
-    page = report_html(session.model_copy(update=changed), place)
+    page = report_html(session.changed(changed), place)
     found = read(page)
     assert {tag for tag, _ in found.tags}.isdisjoint({"script", "b onclick=x", "img"})
     assert not [name for _, a in found.tags for name in a if name.startswith("on")]
@@ -173,7 +173,7 @@ def test_notes_are_in_the_report_as_they_were_written(session_path: Path) -> Non
     session = load_session(session_path)
     assert "Notes" not in read(report_of(session_path)).words
     notes = (Note(frame=1, text=EVIL), Note(frame=2))
-    save_session(session.model_copy(update={"notes": notes}), session_path)
+    save_session(session.changed({"notes": notes}), session_path)
     found = read(report_of(session_path))
     assert "Notes" in found.words
     assert EVIL in found.text
@@ -312,8 +312,8 @@ def test_a_best_pass_that_is_not_there_is_no_figure(doubtful_path: Path, best: i
 
 def test_a_body_of_which_nothing_is_tracked_has_a_report(session_path: Path) -> None:
     session = load_session(session_path)
-    parts = tuple(part.model_copy(update={"tracked": ()}) for part in session.body.parts)
-    still = session.model_copy(update={"body": session.body.model_copy(update={"parts": parts})})
+    parts = tuple(part.model_copy(update={"tracked": ()}) for part in session.subject.body.parts)
+    still = session.changed({"body": session.subject.body.model_copy(update={"parts": parts})})
     with open_video_of(session, session_path) as video:
         assert "2 not tracked" in read(report_html(still, session_path, video)).text
 

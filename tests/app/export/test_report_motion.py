@@ -137,7 +137,7 @@ def test_page_and_command_line_write_the_same_coordinates_and_angles(
     session = load_session(path)
     with open_video_of(session, path) as video:
         times_s = video.info.times_s
-    opening = opening_pose(session.body, session.camera, (0.0, -1.0, 0.0))
+    opening = opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0))
     edit = EditorState(session, SKELETON, times_s, opening, results)
     assert main(["export", str(path), "--format", "mot,csv", "--out", str(tmp_path)]) == 0
     assert motion_archive("mot", edit).content == (tmp_path / "motion.mot").read_bytes()

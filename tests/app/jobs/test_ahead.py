@@ -37,8 +37,8 @@ def worked(cache: WorkerCache, session: Session, frame: int, *, cancel: bool) ->
 
 def one_key(frame: int) -> Session:
     session = load_session(BOX)
-    keys = tuple(k for k in session.keyframes if k.frame == frame)
-    return session.model_copy(update={"keyframes": keys, "results": None})
+    keys = tuple(k for k in session.subject.keyframes if k.frame == frame)
+    return session.changed({"keyframes": keys, "results": None})
 
 
 def test_it_shows_how_far_it_is_and_what_it_found(cache: WorkerCache) -> None:

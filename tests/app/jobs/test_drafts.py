@@ -99,7 +99,7 @@ def test_a_network_that_is_not_here_is_one_sentence_that_says_how_to_add_it(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     session = Session.model_validate_json(content)
     settings = session.settings.model_copy(update={"network": "mine"})
-    named = session.model_copy(update={"settings": settings}).model_dump_json().encode()
+    named = session.changed({"settings": settings}).model_dump_json().encode()
     (end,) = reported(order(named))
     assert isinstance(end, Failed)
     assert end.words.endswith("`keypose models add mine --from FILE --sha256 DIGEST`.")

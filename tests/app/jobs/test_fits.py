@@ -24,7 +24,7 @@ from tests.tracker import session_cases as cases
 
 SESSION = cases.session()
 CONTENT = SESSION.model_dump_json().encode()
-POSE = SESSION.keyframes[0].pose(cases.SKELETON)
+POSE = SESSION.subject.keyframes[0].pose(cases.SKELETON)
 
 
 class Bench:
@@ -88,7 +88,7 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
     assert given["video"] == "v.mp4"
     assert sorted(given["keyposes"]) == [0, 8]
     assert list(given["tracked"]) == [3]
-    assert given["masks"] == SESSION.ignore_masks
+    assert given["masks"] == SESSION.view.ignore_masks
     assert given["cancelled"]() is False
 
 

@@ -40,7 +40,7 @@ class Quiet:
 def session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Path]:
     """A network that puts an elbow beside where the arm bends, and one frame that is posed."""
     given, skeleton = cases.session(), Skeleton.of(WALK.body)
-    video = given.video.model_copy(
+    video = given.view.video.model_copy(
         update={"frame_count": FRAMES, "width": CAMERA.width, "height": CAMERA.height}
     )
     posed = Keyframe.of(skeleton, WALK.poses[POSED], POSED, POSED / 30)
@@ -52,7 +52,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Path]:
     uv[:, ELBOW] += BESIDE_PX
     path = tmp_path_factory.mktemp("walk") / "session.json"
     keypoints = replace(WALK.keypoints, uv=uv)
-    made = given.model_copy(update=fields)
+    made = given.changed(fields)
     return save_keypoints(made, path, keypoints, "network", network="0", seeds=(0,)), path.parent
 
 
@@ -70,7 +70,7 @@ def off_px(poses: dict[int, Pose]) -> float:
 
 def test_drafts_near_a_posed_keyframe_have_learned_from_it(session: tuple[Session, Path]) -> None:
     doc, folder = session
-    alone = lifted(doc.model_copy(update={"keyframes": ()}), folder)
+    alone = lifted(doc.changed({"keyframes": ()}), folder)
     beside = lifted(doc, folder)
     assert POSED not in beside
     assert off_px(beside) < 0.8 * off_px(alone)
@@ -79,4 +79,4 @@ def test_drafts_near_a_posed_keyframe_have_learned_from_it(session: tuple[Sessio
 def test_without_their_keypoints_they_cannot_be_found_anew(session: tuple[Session, Path]) -> None:
     doc, folder = session
     with pytest.raises(KeypointError, match="keypoints of the drafts are gone"):
-        lifted(doc.model_copy(update={"keypoints": None}), folder)
+        lifted(doc.changed({"keypoints": None}), folder)

@@ -69,7 +69,7 @@ def test_the_time_left_is_reported_once_it_can_be_known() -> None:
 
 
 def test_other_segments_change_nothing() -> None:
-    ends = session().keyframes[::2]
+    ends = session().subject.keyframes[::2]
     other = SegmentFinished(0, 1, track(session(keyframes=ends), 0, 8))
     assert begun().after(other).share == 0.0
 

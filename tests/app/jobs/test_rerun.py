@@ -47,13 +47,13 @@ def copied(folder: Path, pins: tuple[Pin, ...] = (), **settings: Any) -> Path:
     path = folder / "session.json"
     path.write_text(json.dumps(reported), encoding="utf-8")
     session = load_session(path)
-    start, end = session.keyframes
-    skeleton = Skeleton.of(session.body)
+    start, end = session.subject.keyframes
+    skeleton = Skeleton.of(session.subject.body)
     poses = (start.pose(skeleton), end.pose(skeleton))
     between = interpolate(*poses, start.frame, end.frame).pose(BETWEEN)
     middle = Keyframe.of(skeleton, between, BETWEEN, BETWEEN / 30)
     changed = {"keyframes": (start, middle, end), "pins": pins}
-    save_session(session.model_copy(update=changed), path)
+    save_session(session.changed(changed), path)
     return path
 
 
@@ -109,7 +109,7 @@ def test_page_command_and_batch_write_the_same_bytes(
     for way, by in WAYS.items():
         path = copied(tmp_path / way, **settings)
         by(path)
-        results = load_session(path).results
+        results = load_session(path).subject.results
         assert results is not None
         assert all(s.key and s.quality == settings["quality"] for s in results.segments)
         written[way] = (path.read_bytes(), path.with_name(results.tracks).read_bytes())
@@ -125,7 +125,7 @@ def test_page_and_command_write_the_same_motion_in_space(tmp_path: Path) -> None
             by_the_page_until_solved(path)
         else:
             by_the_command(path)
-        results = load_session(path).results
+        results = load_session(path).subject.results
         assert results is not None
         (stretch,) = results.space
         assert [(pin.part, pin.first_frame, pin.last_frame) for pin in stretch.pins] == [
@@ -150,7 +150,7 @@ def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
     monkeypatch.setattr("keypose.app.jobs.rerun.solved", fail)
     with pytest.raises(ZeroDivisionError):
         save_found(session, path, found)
-    results = load_session(path).results
+    results = load_session(path).subject.results
     assert results is not None
     assert len(results.segments) == 2
     assert results.space == ()

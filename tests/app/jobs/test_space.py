@@ -66,9 +66,9 @@ def test_an_order_reports_every_stretch_and_then_its_end() -> None:
 )  # fmt: skip
 def test_exact_keyframes_stay_where_they_are_posed(repeats: Repeats | None) -> None:
     of = smooth(pinned())
-    of = of.model_copy(update={"video": of.video.model_copy(update={"repeats": repeats})})
+    of = of.changed({"video": of.view.video.model_copy(update={"repeats": repeats})})
     one = solution(of)
-    for keyframe in of.keyframes:
+    for keyframe in of.subject.keyframes:
         pose, wanted = one.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)
         np.testing.assert_allclose(pose.p_camera_root, wanted.p_camera_root, atol=1e-9)
         np.testing.assert_allclose(pose.Rs_parent_part, wanted.Rs_parent_part, atol=1e-6)
@@ -170,7 +170,7 @@ def test_a_failed_solve_loses_nothing_of_what_was_tracked(
             of,
             beside,
             found(of),
-            lambda them: save_session(of.model_copy(update={"results": them}), beside),
+            lambda them: save_session(of.changed({"results": them}), beside),
         )
     for place in (path, beside):
         assert len(load_results(load_session(place), place).fitting(of)) == 2
@@ -190,6 +190,6 @@ def test_a_segment_tracked_anew_is_solved_from_what_was_tracked_of_the_others(
 
 
 def load_tracks_name(path: Path) -> str:
-    results = load_session(path).results
+    results = load_session(path).subject.results
     assert results is not None
     return results.tracks

@@ -135,8 +135,8 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     assert (more.missing, less.missing) == (1, 2)
     save_session(save_results(session, path, Results().with_result(more)), path)
     session = load_session(path)
-    assert session.results is not None
-    (summary,) = session.results.segments
+    assert session.subject.results is not None
+    (summary,) = session.subject.results.segments
     assert summary.missing == more.missing
     loaded = load_results(session, path)
     (back,) = loaded.fitting(session).values()
@@ -163,12 +163,12 @@ def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
     video = bench.video(session, *given)
     again = Session.model_validate_json(session.model_dump_json())
     assert bench.fitter(again, *given) is one
-    assert session.surface is not None
-    other = session.surface.model_copy(update={"weights": "none"})
-    assert bench.fitter(session.model_copy(update={"surface": other}), *given) is not one
+    assert session.view.surface is not None
+    other = session.view.surface.model_copy(update={"weights": "none"})
+    assert bench.fitter(session.changed({"surface": other}), *given) is not one
     assert bench.video(session, *given) is video
-    farther = session.surface.model_copy(update={"p_camera_surface": (0.0, 0.0, 9.0)})
-    moved = bench.video(session.model_copy(update={"surface": farther}), *given)
+    farther = session.view.surface.model_copy(update={"p_camera_surface": (0.0, 0.0, 9.0)})
+    moved = bench.video(session.changed({"surface": farther}), *given)
     assert moved is not video
 
 
@@ -209,9 +209,9 @@ def test_a_mesh_less_in_the_folder_is_refused_for_every_step_would_be_another_on
 def _moved_keyframe(session: Session, by_m: float) -> Session:
     at = pose_at(0)
     pose = Pose(at.Rs_parent_part, at.p_camera_root + np.array([by_m, 0.0, 0.0]))
-    keyframe = Keyframe.of(Skeleton.of(session.body), pose, 0, 0.0)
-    others = tuple(k for k in session.keyframes if k.frame)
-    return session.model_copy(update={"keyframes": (keyframe, *others)})
+    keyframe = Keyframe.of(Skeleton.of(session.subject.body), pose, 0, 0.0)
+    others = tuple(k for k in session.subject.keyframes if k.frame)
+    return session.changed({"keyframes": (keyframe, *others)})
 
 
 @pytest.mark.parametrize(
@@ -224,11 +224,11 @@ def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_reported_
     if wrong == "a pose beside the mesh":
         session = _moved_keyframe(session, 0.35)
     else:
-        assert session.surface is not None
+        assert session.view.surface is not None
         units = "mm" if "millimetres" in wrong else "dm"
-        at = session.keyframes[0].pose(Skeleton.of(session.body)).p_camera_root
+        at = session.subject.keyframes[0].pose(Skeleton.of(session.subject.body)).p_camera_root
         update = {"units": units, "p_camera_surface": tuple(map(float, at))}
-        session = session.model_copy(update={"surface": session.surface.model_copy(update=update)})
+        session = session.changed({"surface": session.view.surface.model_copy(update=update)})
     tracks = segments(done(bench, path, session))
     off = Verdict.check("body_off_surface", (0, 0))
     assert [track.verdict for track in tracks] == [off] * 2
@@ -265,7 +265,7 @@ def test_cameras_that_do_not_count_are_not_asked(
 def test_only_what_a_segment_needs_travels_with_its_order() -> None:
     session = cases.session(keyframes=(0, 1, 2, 3, 4))
     (*_, last) = ((*span, key) for span, key in segment_keys(session).items())
-    kept = [keyframe.frame for keyframe in _only_needed(session, [last]).keyframes]
+    kept = [keyframe.frame for keyframe in _only_needed(session, [last]).subject.keyframes]
     assert kept == [0, 3, 4]
     assert _only_needed(session, [last]).model_keyframe == session.model_keyframe
 
@@ -287,7 +287,7 @@ def test_a_first_pose_is_laid_into_its_mesh_by_the_bodys_own_solids(
     bench: WorkerCache, path: Path, keyed: bool
 ) -> None:
     if not keyed:
-        session = load_session(path).model_copy(update={"keyframes": (), "results": None})
+        session = load_session(path).changed({"keyframes": (), "results": None})
         save_session(session, path)
     truth = pose_at(0)
     turn = exp_rotation(np.array([[0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.05, 0.0, 0.15]]))
@@ -332,7 +332,7 @@ def test_a_session_without_keyframes_cannot_be_fitted(path: Path) -> None:
 def test_what_a_session_says_is_what_is_done(
     chosen: dict[str, str], expected: tuple[bool, bool, float, bool]
 ) -> None:
-    surface = cases.session(**chosen).surface  # type: ignore[arg-type]
+    surface = cases.session(**chosen).view.surface  # type: ignore[arg-type]
     assert surface is not None
     options = options_of(surface)
     assert (options.contact, options.photo, options.plane, options.smooth) == expected

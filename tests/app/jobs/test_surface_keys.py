@@ -24,8 +24,8 @@ TWO = cases.session(keyframes=(1, 3))
 
 
 def surface(of: Session, **changes: Any) -> Session:
-    assert of.surface is not None
-    return of.model_copy(update={"surface": of.surface.model_copy(update=changes)})
+    assert of.view.surface is not None
+    return of.changed({"surface": of.view.surface.model_copy(update=changes)})
 
 
 def nudged(of: Session, frame: int) -> Session:
@@ -34,15 +34,15 @@ def nudged(of: Session, frame: int) -> Session:
         k.model_copy(update={"root_m": (*k.root_m[:2], k.root_m[2] + 0.1)})
         if k.frame == frame
         else k
-        for k in of.keyframes
+        for k in of.subject.keyframes
     )
-    return of.model_copy(update={"keyframes": keyframes})
+    return of.changed({"keyframes": keyframes})
 
 
 def decided(of: Session) -> Session:
     """With a person's word on whether the camera stands still, as every older session has it."""
     settings = of.settings.model_copy(update={"static_camera": False})
-    return of.model_copy(update={"settings": settings})
+    return of.changed({"settings": settings})
 
 
 def changed(before: Session, after: Session) -> list[tuple[int, int]]:
@@ -85,17 +85,17 @@ def test_how_surfaces_are_read_and_fitted_decides_every_segment(change: dict[str
 
 
 def test_meshes_that_were_exported_again_decide_every_segment() -> None:
-    video = TWO.video.model_copy(update={"fingerprint": "sha256:cd"})
-    other = TWO.model_copy(update={"video": video})
+    video = TWO.view.video.model_copy(update={"fingerprint": "sha256:cd"})
+    other = TWO.changed({"video": video})
     assert changed(TWO, other) == list(TWO.spans)
     assert setup_hash(other) != setup_hash(TWO)
     assert mark_of(other) == mark_of(TWO)  # it is no edit of a person's
 
 
 def test_the_camera_that_looks_and_the_clock_decide_nothing() -> None:
-    nearer = TWO.camera.model_copy(update={"fx": 1000.0, "fy": 1000.0})
+    nearer = TWO.view.camera.model_copy(update={"fx": 1000.0, "fy": 1000.0})
     settings = TWO.settings.model_copy(update={"static_camera": True, "initial": "templates"})
-    other = TWO.model_copy(update={"camera": nearer, "settings": settings})
+    other = TWO.changed({"camera": nearer, "settings": settings})
     assert changed(TWO, surface(other, fps=50.0)) == []
     assert setup_hash(surface(other, fps=50.0)) == setup_hash(TWO)
 
@@ -113,8 +113,8 @@ def test_the_pose_in_the_mesh_that_moves_decides_every_segment_and_others_only_t
 
 def test_which_end_is_keyed_decides() -> None:
     one, other = cases.session(keyframes=(0,)), cases.session(keyframes=(4,))
-    same_pose = one.keyframes[0].model_copy(update={"frame": 4, "time_s": 1.0})
-    assert changed(one, other.model_copy(update={"keyframes": (same_pose,)})) == [(0, 4)]
+    same_pose = one.subject.keyframes[0].model_copy(update={"frame": 4, "time_s": 1.0})
+    assert changed(one, other.changed({"keyframes": (same_pose,)})) == [(0, 4)]
 
 
 def test_other_meshes_are_not_taken_for_another_film(tmp_path: Any) -> None:
@@ -153,16 +153,16 @@ def test_a_keyframe_taken_away_or_set_at_an_end_puts_the_motion_out_of_date(
     session = load_session(path)
     tracks = load_tracks(session, path)
     assert outdated_words(session, tracks) is None
-    assert session.results is not None
-    assert [segment.open_ends for segment in session.results.segments] == [(0,), ()]
+    assert session.subject.results is not None
+    assert [segment.open_ends for segment in session.subject.results.segments] == [(0,), ()]
     if frame == 4:
-        keyframes = session.keyframes[:1]
+        keyframes = session.subject.keyframes[:1]
     else:  # where the motion goes through it already
         found = tracks.pose(0)
         assert found is not None
-        fresh = Keyframe.of(Skeleton.of(session.body), found, 0, 0.0)
-        keyframes = (fresh, *session.keyframes)
-    words = outdated_words(session.model_copy(update={"keyframes": keyframes}), tracks)
+        fresh = Keyframe.of(Skeleton.of(session.subject.body), found, 0, 0.0)
+        keyframes = (fresh, *session.subject.keyframes)
+    words = outdated_words(session.changed({"keyframes": keyframes}), tracks)
     assert words is not None
     assert f"set, changed or removed at frame {frame})" in words
 
@@ -177,7 +177,7 @@ def test_a_session_about_a_film_is_written_as_ever() -> None:
     results = saved.Results(
         tracks="tracks-000000000000.npz", method="keypose", quality="full", segments=(segment,)
     )
-    reported = session_json(of.model_copy(update={"results": results}))
+    reported = session_json(of.changed({"results": results}))
     digest = "9c89e89a62601f798e61c0953c824d376b50d1beca0ce7cc1e091b2ac5402655"
     assert hashlib.sha256(reported).hexdigest() == digest
     assert b'"surface"' not in reported

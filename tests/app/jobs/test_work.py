@@ -58,7 +58,7 @@ def done(
     settings: TrackSettings | None = None,
 ) -> list[Report]:  # fmt: skip
     """All reports of a job over both segments."""
-    session = cases.session().model_copy(update={"settings": settings or TrackSettings()})
+    session = cases.session().changed({"settings": settings or TrackSettings()})
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
     job = Track.of(session, Path("video"), wanted, stages or ("full",))
     return reported(job, bench, cancelled, threads)
@@ -86,7 +86,7 @@ def test_passes_are_reported_but_not_those_of_a_preview() -> None:
 
 
 def test_results_carry_the_key_they_were_ordered_with() -> None:
-    keys = segment_keys(cases.session().model_copy(update={"settings": TrackSettings()}))
+    keys = segment_keys(cases.session().changed({"settings": TrackSettings()}))
     for found in segments(done(FakeBench(at_ease))):
         assert keys[found.span] == found.key
 

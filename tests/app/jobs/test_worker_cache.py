@@ -36,15 +36,17 @@ def test_pictures_stay_prepared_when_keyframes_or_the_body_change(
     of, video = place
     one = bench.tracker(of, video)
     clip = one.loader((0, 4)).load(0, 4)
-    fewer = of.model_copy(update={"keyframes": of.keyframes[::2]})
-    taller = of.body.with_part(of.body.parts[2].model_copy(update={"joint_m": (0.3, -0.2, 0.0)}))
-    for session in (of, fewer, of.model_copy(update={"body": taller})):
+    fewer = of.changed({"keyframes": of.subject.keyframes[::2]})
+    taller = of.subject.body.with_part(
+        of.subject.body.parts[2].model_copy(update={"joint_m": (0.3, -0.2, 0.0)})
+    )
+    for session in (of, fewer, of.changed({"body": taller})):
         other = bench.tracker(session, video)
         assert tuple(other.spans) == session.spans
         assert other.loader((0, 4)) is one.loader((0, 4))
-        assert other.skeleton.body == session.body
+        assert other.skeleton.body == session.subject.body
     assert one.spans == [(0, 4), (4, 8)]
-    assert one.skeleton.body == of.body
+    assert one.skeleton.body == of.subject.body
     assert one.loader((0, 4)).load(0, 4) is clip
 
 
@@ -73,7 +75,7 @@ def test_pictures_are_prepared_anew_for_another_camera_mask_or_plate(
 ) -> None:
     of, video = place
     one = bench.tracker(of, video)
-    other = bench.tracker(of.model_copy(update=change), video)
+    other = bench.tracker(of.changed(change), video)
     assert other.loader((0, 4)) is not one.loader((0, 4))
     assert other.loader((0, 4)).video is one.loader((0, 4)).video
 

@@ -60,7 +60,7 @@ def _standing(body: str) -> Pose:
 def walking() -> Pose:
     """The person in the middle of a step, all limbs bent a little."""
     session = load_session(SAMPLES / "person" / "session.json")
-    pose = session.keyframes[1].pose(Skeleton.of(session.body))
+    pose = session.subject.keyframes[1].pose(Skeleton.of(session.subject.body))
     return Pose(pose.Rs_parent_part, np.array([0.1, -0.1, 5.0]))
 
 
@@ -68,7 +68,7 @@ def walking() -> Pose:
 def tumbling() -> Pose:
     """The gymnast, upside down."""
     session = load_session(SAMPLES / "balance" / "session.json")
-    pose = session.keyframes[0].pose(Skeleton.of(session.body))
+    pose = session.subject.keyframes[0].pose(Skeleton.of(session.subject.body))
     return Pose(pose.Rs_parent_part, np.array([-0.2, 0.1, 4.0]))
 
 

@@ -161,9 +161,9 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     from tests.app.posing.posing_cases import SAMPLES
 
     session = load_session(SAMPLES / "person" / "session.json")
-    bare = [part.model_copy(update={"limits_deg": {}}) for part in session.body.parts]
-    without = session.model_copy(update={"body": session.body.replaced(bare)})
-    assert without.body != session.body
+    bare = [part.model_copy(update={"limits_deg": {}}) for part in session.subject.body.parts]
+    without = session.changed({"body": session.subject.body.replaced(bare)})
+    assert without.subject.body != session.subject.body
     assert setup_hash(without) == setup_hash(session)
 
 

@@ -23,12 +23,14 @@ Floats = NDArray[np.float64]
 
 def _seen(session: Session, pose: Pose) -> dict[str, Floats]:
     """Pixels of joints and landmarks by their names."""
-    skeleton = Skeleton.of(session.body)
+    skeleton = Skeleton.of(session.subject.body)
     places = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
     places += [
-        ((i, p),) for i, part in enumerate(session.body.parts) for p in part.landmarks.values()
+        ((i, p),)
+        for i, part in enumerate(session.subject.body.parts)
+        for p in part.landmarks.values()
     ]
-    uv = session.camera.project(
+    uv = session.view.camera.project(
         BodyPoints(skeleton, tuple(places)).at(pose_transforms(skeleton, pose))
     )
     return dict(zip(joint_names(skeleton), uv, strict=True))
@@ -43,10 +45,10 @@ def _other(name: str) -> str:
 @pytest.mark.parametrize("frame", [0, 48])
 def test_the_left_limbs_are_seen_where_the_right_ones_were(frame: int) -> None:
     session = recordings.session("person")
-    skeleton = Skeleton.of(session.body)
-    pose = next(k for k in session.keyframes if k.frame == frame).pose(skeleton)
+    skeleton = Skeleton.of(session.subject.body)
+    pose = next(k for k in session.subject.keyframes if k.frame == frame).pose(skeleton)
     before = _seen(session, pose)
-    after = _seen(session, swap_left_right(skeleton, session.camera, pose))
+    after = _seen(session, swap_left_right(skeleton, session.view.camera, pose))
     away = [np.linalg.norm(after[_other(name)] - uv) for name, uv in before.items()]
     stayed = [np.linalg.norm(after[name] - uv) for name, uv in before.items()]
     assert np.mean(away) < 1.5
@@ -55,9 +57,9 @@ def test_the_left_limbs_are_seen_where_the_right_ones_were(frame: int) -> None:
 
 def test_a_really_filmed_man_is_turned_around_at_about_his_distance() -> None:
     session = recordings.session("balance")
-    skeleton = Skeleton.of(session.body)
-    pose = session.keyframes[0].pose(skeleton)
-    found = swap_left_right(skeleton, session.camera, pose)
+    skeleton = Skeleton.of(session.subject.body)
+    pose = session.subject.keyframes[0].pose(skeleton)
+    found = swap_left_right(skeleton, session.view.camera, pose)
     assert found.p_camera_root[2] == pytest.approx(pose.p_camera_root[2], rel=0.1)
     before, after = _seen(session, pose), _seen(session, found)
     assert np.mean([np.linalg.norm(after[_other(n)] - uv) for n, uv in before.items()]) < 8.0
@@ -65,21 +67,21 @@ def test_a_really_filmed_man_is_turned_around_at_about_his_distance() -> None:
 
 def _state(session: Session) -> EditorState:
     return EditorState(
-        doc=session.model_copy(update={"results": None}),
-        skeleton=Skeleton.of(session.body),
-        file_times_s=np.arange(session.video.frame_count) / 30,
-        opening=opening_pose(session.body, session.camera),
+        doc=session.changed({"results": None}),
+        skeleton=Skeleton.of(session.subject.body),
+        file_times_s=np.arange(session.view.video.frame_count) / 30,
+        opening=opening_pose(session.subject.body, session.view.camera),
         results=Results(),
         frame=0,
-        selected=session.body.parts[0].name,
+        selected=session.subject.body.parts[0].name,
     )
 
 
 def test_the_page_exchanges_and_takes_back_in_one_step() -> None:
     state = _state(recordings.session("person"))
     after = update(state, Exchange())
-    assert after.doc.keyframes[0] != state.doc.keyframes[0]
-    assert after.doc.keyframes[1:] == state.doc.keyframes[1:]
+    assert after.doc.subject.keyframes[0] != state.doc.subject.keyframes[0]
+    assert after.doc.subject.keyframes[1:] == state.doc.subject.keyframes[1:]
     assert update(after, Undo()).doc == state.doc
 
 

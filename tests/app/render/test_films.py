@@ -94,8 +94,8 @@ def test_the_uneven_times_of_a_video_are_kept(tmp_path: Path) -> None:
         for number, at in enumerate(pts):
             writer.add(np.full((cases.HEIGHT, cases.WIDTH, 3), 25 * number, np.uint8), at)
     session = cases.session(clip)
-    reference = session.video.model_copy(update={"path": "clip.mp4"})
-    save_session(session.model_copy(update={"video": reference}), tmp_path / "session.json")
+    reference = session.view.video.model_copy(update={"path": "clip.mp4"})
+    save_session(session.changed({"video": reference}), tmp_path / "session.json")
     for view in ("main", "side"):
         out = tmp_path / f"{view}.mp4"
         assert film(tmp_path / "session.json", out, "--frames", "2-8", "--view", view) == 0

@@ -111,7 +111,7 @@ def require_surface_at(changed: Mask, there: Mask, body: Mask) -> None:
 
 def eye_of(view: ViewName, session: Session, poses: KnownPoses) -> ViewCamera:
     studio = Studio.of(session, poses.skeleton)
-    size = (session.camera.width, session.camera.height)
+    size = (session.view.camera.width, session.view.camera.height)
     return parallel_view(poses.skeleton, posed(poses), view, size, Framing(Rs=studio.Rs))
 
 
@@ -132,7 +132,10 @@ def test_the_surface_is_seen_from_any_viewpoint_where_its_vertices_project(
     wanted = PictureOrder(view=CORNER)
     alone = still(session, None, FRAME, poses, wanted)
     both = still(session, video, FRAME, poses, wanted)
-    studio, size = Studio.of(session, poses.skeleton), (session.camera.width, session.camera.height)
+    studio, size = (
+        Studio.of(session, poses.skeleton),
+        (session.view.camera.width, session.view.camera.height),
+    )
     level, points = studio.Rs["front"], posed_points(poses.skeleton, posed(poses))
     centre = middle(points @ level.T) @ level
     view = view_from(
@@ -170,7 +173,7 @@ def test_all_four_views_show_the_surface_and_the_cameras_own_is_as_it_was(
 ) -> None:
     look = ViewStyle("all")
     both = snapshot(session, video, FRAME, posed(poses), look)
-    places = FourViewLayout.of(session.camera, session.camera.height)
+    places = FourViewLayout.of(session.view.camera, session.view.camera.height)
     main_alone = snapshot(session, video, FRAME, posed(poses), ViewStyle("main"))
     plate = 60  # where the frame's number is written
     width = places.main[0]

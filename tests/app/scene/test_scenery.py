@@ -94,15 +94,15 @@ def test_what_is_shown_follows_the_frame_the_selection_and_the_looks() -> None:
     np.testing.assert_allclose(scenery.Ts_camera_part, expected)
     assert not np.allclose(scenery.Ts_camera_part, before.Ts_camera_part)
     assert (before.selected, scenery.selected) == (frozenset(), frozenset({"head"}))
-    assert (scenery.mode, scenery.opacity, scenery.body) == ("wire", 0.2, state.doc.body)
+    assert (scenery.mode, scenery.opacity, scenery.body) == ("wire", 0.2, state.doc.subject.body)
     assert scenery.Rs_view_camera is before.Rs_view_camera
 
 
 def test_only_a_camera_of_one_distance_is_shown_as_telephoto() -> None:
     state = desk()
     assert not SceneryMaker().of(state).telephoto
-    camera = state.doc.camera.model_copy(
+    camera = state.doc.view.camera.model_copy(
         update={"projection": "telephoto", "telephoto_distance_m": 5.0}
     )
-    far = state.with_doc(state.doc.model_copy(update={"camera": camera}))
+    far = state.with_doc(state.doc.changed({"camera": camera}))
     assert SceneryMaker().of(far).telephoto

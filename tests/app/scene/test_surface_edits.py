@@ -38,16 +38,16 @@ def desk() -> EditorState:
     """The arms, posed at frame 0 alone."""
     session = load_session(SAMPLE)
     return EditorState(
-        doc=session.model_copy(update={"results": None}),
-        skeleton=Skeleton.of(session.body),
-        file_times_s=np.arange(session.video.frame_count) / 25,
-        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+        doc=session.changed({"results": None}),
+        skeleton=Skeleton.of(session.subject.body),
+        file_times_s=np.arange(session.view.video.frame_count) / 25,
+        opening=opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0)),
     )
 
 
 def surface(state: EditorState) -> Surface:
-    assert state.doc.surface is not None
-    return state.doc.surface
+    assert state.doc.view.surface is not None
+    return state.doc.view.surface
 
 
 def p_camera(state: EditorState) -> Array:
@@ -58,7 +58,7 @@ def p_camera(state: EditorState) -> Array:
 
 def observed_from(state: EditorState, index: int) -> Array:
     """(P·3) where a corner of the mesh is in every part's frame, at a keyframe."""
-    pose = state.doc.keyframes[index].pose(state.skeleton)
+    pose = state.doc.subject.keyframes[index].pose(state.skeleton)
     Ts = pose_transforms(state.skeleton, pose)
     return np.ravel(
         Ts[:, :3, :3].transpose(0, 2, 1) @ (p_camera(state)[0] - Ts[:, :3, 3])[..., None]
@@ -77,7 +77,7 @@ def test_what_is_left_out_stays() -> None:
 
 def test_other_units_leave_the_picture_as_it_was() -> None:
     before, changed = desk(), observe(desk(), units="mm")
-    camera = before.doc.camera
+    camera = before.doc.view.camera
     np.testing.assert_allclose(p_camera(changed), p_camera(before) / 10)
     np.testing.assert_allclose(
         camera.project(p_camera(changed)), camera.project(p_camera(before)), atol=1e-6
@@ -86,7 +86,7 @@ def test_other_units_leave_the_picture_as_it_was() -> None:
 
 def test_poses_go_along_with_the_surface_when_its_units_change() -> None:
     before, changed = desk(), observe(desk(), units="m")
-    old, new = (np.array(state.doc.keyframes[0].root_m) for state in (before, changed))
+    old, new = (np.array(state.doc.subject.keyframes[0].root_m) for state in (before, changed))
     np.testing.assert_allclose(new, 100 * old)
 
 
@@ -126,10 +126,10 @@ def test_axes_that_put_the_body_behind_the_camera_are_refused() -> None:
 def test_with_another_rate_everything_is_at_other_times() -> None:
     state = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 10})
     changed = observe(state, fps=50)
-    assert [key.time_s for key in changed.doc.keyframes] == [0.0, 0.2]
+    assert [key.time_s for key in changed.doc.subject.keyframes] == [0.0, 0.2]
     assert changed.times_s[10] == 0.2
     later = after(changed, {"do": "duplicate_key", "frame": 0, "to": 5})
-    assert later.doc.keyframes[1].time_s == 0.1
+    assert later.doc.subject.keyframes[1].time_s == 0.1
     undone = after(later, {"do": "undo"}, {"do": "undo"})
     assert undone.times_s[10] == 0.4
     assert undone.doc == state.doc
@@ -171,7 +171,7 @@ def reported(state: EditorState, name: str, **more: Any) -> Any:
 
 def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> EditorState:
     """The arms fitted from 0 to 18."""
-    pose = state.doc.keyframes[0].pose(state.skeleton)
+    pose = state.doc.subject.keyframes[0].pose(state.skeleton)
     path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
     track = SegmentResult.on_the_way(Pass("fit", path, 0.004), key)
     return replace(state, results=Results({key: replace(track, verdict=verdict, missing=missing)}))
@@ -238,7 +238,7 @@ def test_a_gesture_under_way_renames_no_picture() -> None:
 
 def test_surfaces_taken_by_other_cameras_have_other_pictures() -> None:
     read = surface(desk()).model_copy(update={"cameras_fingerprint": "sha256:0"})
-    state = replace(desk(), doc=desk().doc.model_copy(update={"surface": read}))
+    state = replace(desk(), doc=desk().doc.changed({"surface": read}))
     assert version(state) != version(desk())
 
 

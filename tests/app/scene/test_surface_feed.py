@@ -55,9 +55,9 @@ def edit(piece: OpenSession) -> EditorState:
 
 def observe(state: EditorState, **how: Any) -> EditorState:
     """The surfaces read otherwise, whatever the page offers."""
-    assert state.doc.surface is not None
-    surface = state.doc.surface.model_copy(update=how)
-    return replace(state, doc=state.doc.model_copy(update={"surface": surface}))
+    assert state.doc.view.surface is not None
+    surface = state.doc.view.surface.model_copy(update=how)
+    return replace(state, doc=state.doc.changed({"surface": surface}))
 
 
 @dataclass

@@ -27,7 +27,7 @@ from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 from tests.tracker.formats import recordings
 
 TRUTH, SESSION = recordings.trajectory("person"), recordings.session("person")
-BVH = recordings.bvh_of(Skeleton.of(SESSION.body), TRUTH, 1 / 30).encode()
+BVH = recordings.bvh_of(Skeleton.of(SESSION.subject.body), TRUTH, 1 / 30).encode()
 PARTS = ("nose", "left_shoulder", "right_shoulder", "left_hip", "right_hip")
 
 
@@ -87,14 +87,14 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
 
 def coco(frames: list[int]) -> bytes:
     """COCO's list of what a perfect detector sees of the true motion at these frames."""
-    skeleton, names = Skeleton.of(SESSION.body), LAYOUTS["COCO_17"]
+    skeleton, names = Skeleton.of(SESSION.subject.body), LAYOUTS["COCO_17"]
     known = matched(skeleton, names, "a.json")
     points = BodyPoints(skeleton, tuple(known.places))
     annotations = []
     for frame in frames:
         table = np.zeros((len(names), 3))
         ps = points.at(pose_transforms(skeleton, TRUTH.pose(frame)))
-        table[known.indices, :2], table[known.indices, 2] = SESSION.camera.project(ps), 1.0
+        table[known.indices, :2], table[known.indices, 2] = SESSION.view.camera.project(ps), 1.0
         annotations.append({"image_id": frame, "keypoints": table.ravel().tolist()})
     return json.dumps(annotations).encode()
 
@@ -135,7 +135,7 @@ def test_a_motion_is_recognised_and_becomes_the_first_motion_that_the_command_li
         shutil.copy(ROOT / "sample_videos" / "person" / name, place)
     (tmp_path / "walk.bvh").write_bytes(BVH)
     assert main(["import", str(place / "session.json"), str(tmp_path / "walk.bvh")]) == 0
-    reference = load_session(place / "session.json").first_motion
+    reference = load_session(place / "session.json").subject.first_motion
     assert reference is not None
     assert reference.file == written  # its name is a digest of what it holds
     desk.undo()

@@ -34,8 +34,8 @@ class Worker(IdleWorker):
     def motion(self, steps: int) -> Trajectory:
         """The keyframe's pose, held for so many frames more."""
         doc = Session.model_validate_json(self.order.session)
-        keyframe = next(k for k in doc.keyframes if k.frame == self.order.frame)
-        pose = keyframe.pose(Skeleton.of(doc.body))
+        keyframe = next(k for k in doc.subject.keyframes if k.frame == self.order.frame)
+        pose = keyframe.pose(Skeleton.of(doc.subject.body))
         Rs, ps = pose.Rs_parent_part[None], pose.p_camera_root[None]
         return Trajectory(
             self.order.frame, np.repeat(Rs, steps + 1, axis=0), np.repeat(ps, steps + 1, axis=0)
@@ -69,7 +69,7 @@ class Desk(StoreDesk):
         """Frames of the drafts that are seen."""
         edit = self.store.app_state.displayed.edit
         assert edit is not None
-        return [draft.frame for draft in edit.doc.drafts]
+        return [draft.frame for draft in edit.doc.subject.drafts]
 
     @property
     def drafts(self) -> list[int]:

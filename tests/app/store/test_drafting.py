@@ -43,7 +43,7 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 def path(tmp_path: Path) -> Path:
     path = sample(tmp_path)
     blank = {"keyframes": (), "drafts": (), "results": None, "body": BODY}
-    save_session(load_session(path).model_copy(update=blank), path)
+    save_session(load_session(path).changed(blank), path)
     return path
 
 
@@ -71,14 +71,14 @@ class Desk(StoreDesk):
         edit = self.edit
         moved = tuple(
             d.model_copy(update={"root_m": (d.root_m[0] + by_m, *d.root_m[1:])})
-            for d in edit.doc.drafts
+            for d in edit.doc.subject.drafts
         )
-        self.store._set(edit=edit.with_doc(edit.doc.model_copy(update={"drafts": moved})))
+        self.store._set(edit=edit.with_doc(edit.doc.changed({"drafts": moved})))
 
     def track(self, first: int, last: int) -> None:
         """The segment between two keyframes is tracked."""
         edit = self.edit
-        poses = {k.frame: k.pose(edit.skeleton) for k in edit.doc.keyframes}
+        poses = {k.frame: k.pose(edit.skeleton) for k in edit.doc.subject.keyframes}
         key = segment_keys(edit.doc)[first, last]
         motion = interpolate(poses[first], poses[last], first, last)
         track = replace(SegmentResult.on_the_way(Pass("pass", motion, 1.0), key), verdict=GOOD)
@@ -127,7 +127,7 @@ async def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path
         desk.find(3, 4)
         assert [draft.frame for draft in desk.doc.drafts] == [3, 4]
     (session,) = film.parent.glob("*/session.json")
-    assert load_session(session).keypoints is not None
+    assert load_session(session).view.keypoints is not None
 
 
 async def test_frames_to_confirm_are_shown_until_they_are_keyframes(desk: Desk) -> None:

@@ -38,7 +38,7 @@ def learn(*frames: int) -> None:
 
 def moved(doc: Session) -> list[int]:
     """The drafts that stand elsewhere."""
-    return [d.frame for d in doc.drafts if np.isclose(d.root_m[0], 0.1)]
+    return [d.frame for d in doc.subject.drafts if np.isclose(d.root_m[0], 0.1)]
 
 
 async def begin(desk: Desk) -> None:
@@ -54,7 +54,7 @@ async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_wit
     await begin(desk)
     assert ordered().around == (4,)
     sent = Session.model_validate_json(ordered().session)
-    assert [k.frame for k in sent.keyframes] == [4]
+    assert [k.frame for k in sent.subject.keyframes] == [4]
     learn(3, 5, 6)
     assert moved(desk.doc) == [3, 5, 6]
     assert all(draft.drafted for draft in desk.doc.drafts)

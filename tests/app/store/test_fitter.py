@@ -80,16 +80,18 @@ class Worker(IdleWorker):
 
 def _proposed(doc: Session, turned: bool) -> Proposal:
     """A taller body; `turned`: with the limbs of keyframe 24 turned as well."""
-    poses = {k.frame: k.pose(Skeleton.of(doc.body)) for k in doc.keyframes}
+    poses = {k.frame: k.pose(Skeleton.of(doc.subject.body)) for k in doc.subject.keyframes}
     turns = {}
     if turned:
-        Rs, shin = poses[24].Rs_parent_part.copy(), doc.body.index("left_shin")
+        Rs, shin = poses[24].Rs_parent_part.copy(), doc.subject.body.index("left_shin")
         Rs[shin] = Rs[shin] @ exp_rotation([np.radians(3.0), 0.0, 0.0])
         poses[24] = Pose(Rs, poses[24].p_camera_root)
         turns = {24: (("left_shin", 3.0),)}
     changes = (("shin", "length", 40.0, 42.0),)
     error = 4.1 if turned else 5.0
-    return Proposal(with_height(doc.body, 190), doc.camera, poses, changes, error, turns)
+    return Proposal(
+        with_height(doc.subject.body, 190), doc.view.camera, poses, changes, error, turns
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -111,7 +113,7 @@ class Desk(StoreDesk):
     @property
     def x_m(self) -> float:
         """Where keyframe 24 has the body."""
-        return next(k for k in self.edit.doc.keyframes if k.frame == 24).root_m[0]
+        return next(k for k in self.edit.doc.subject.keyframes if k.frame == 24).root_m[0]
 
     async def words(self) -> list[str]:
         """What the tab was noted or refused since it was asked last."""
@@ -126,7 +128,7 @@ async def desk(path: Path) -> AsyncIterator[Desk]:
 
 
 async def test_a_fitted_keyframe_is_saved_and_one_undo_takes_it_back(path: Path) -> None:
-    was = load_session(path).keyframes[1].root_m[0]
+    was = load_session(path).subject.keyframes[1].root_m[0]
     async with at_desk(path, Desk) as desk:
         before = desk.edit.doc
         desk.do(FIT)
@@ -137,7 +139,7 @@ async def test_a_fitted_keyframe_is_saved_and_one_undo_takes_it_back(path: Path)
         desk.do({"do": "undo"})
         assert desk.edit.doc is before
         desk.do({"do": "redo"})
-    assert load_session(path).keyframes[1].root_m[0] == pytest.approx(was + 0.02)
+    assert load_session(path).subject.keyframes[1].root_m[0] == pytest.approx(was + 0.02)
 
 
 async def test_the_order_carries_the_pose_that_stands_there_and_the_document_as_it_is(
@@ -148,7 +150,10 @@ async def test_the_order_carries_the_pose_that_stands_there_and_the_document_as_
     assert isinstance(order, FitPose)
     assert order.frame == 10
     assert order.pose.p_camera_root[0] == pytest.approx(0.5)
-    assert Session.model_validate_json(order.session).keyframes == desk.edit.doc.keyframes
+    assert (
+        Session.model_validate_json(order.session).subject.keyframes
+        == desk.edit.doc.subject.keyframes
+    )
     assert Path(order.video_path).name == "person.mp4"
     desk.worker.find()
     assert desk.section("keys")["drafts"] == [10]
@@ -156,7 +161,7 @@ async def test_the_order_carries_the_pose_that_stands_there_and_the_document_as_
 
 async def test_only_what_tracking_has_finished_is_evidence(desk: Desk) -> None:
     doc = desk.edit.doc
-    one, other = (k.pose(desk.edit.skeleton) for k in doc.keyframes[:2])
+    one, other = (k.pose(desk.edit.skeleton) for k in doc.subject.keyframes[:2])
     key, way = segment_keys(doc)[0, 24], interpolate(one, other, 0, 24)
     passing = SegmentResult.on_the_way(Pass("pass", way, 1.0), key)
     desk.do({"do": "go", "frame": 20})
@@ -339,7 +344,7 @@ async def test_with_live_off_nothing_is_tracked_after_a_fit(desk: Desk) -> None:
 
 
 async def test_a_session_that_is_closed_during_a_fit_stays_as_it_was(path: Path) -> None:
-    before = load_session(path).keyframes
+    before = load_session(path).subject.keyframes
     async with at_desk(path, Desk) as desk:
         desk.do(FIT)
         await desk.store.close_session()
@@ -348,7 +353,7 @@ async def test_a_session_that_is_closed_during_a_fit_stays_as_it_was(path: Path)
         await desk.store.open(path)
         desk.worker.find()
         assert desk.section("fit") is None
-    assert load_session(path).keyframes == before
+    assert load_session(path).subject.keyframes == before
 
 
 async def test_new_sizes_are_only_shown_until_they_are_applied(desk: Desk) -> None:
@@ -380,7 +385,7 @@ async def test_new_sizes_are_only_shown_until_they_are_applied(desk: Desk) -> No
 
 
 def _turns(doc: Session) -> Any:
-    return [keyframe.rotations_wxyz for keyframe in doc.keyframes]
+    return [keyframe.rotations_wxyz for keyframe in doc.subject.keyframes]
 
 
 async def test_poses_change_with_the_sizes_only_where_that_is_accepted(desk: Desk) -> None:
@@ -438,7 +443,7 @@ async def test_a_pose_that_is_kept_as_a_keyframe_meanwhile_is_fitted_all_the_sam
         {"do": "go", "frame": 10}, {"do": "root", "x": 0.5}, FIT, {"do": "add_key", "frame": 10}
     )
     desk.worker.find()
-    keyframe = next(k for k in desk.edit.doc.keyframes if k.frame == 10)
+    keyframe = next(k for k in desk.edit.doc.subject.keyframes if k.frame == 10)
     assert keyframe.root_m[0] == pytest.approx(0.52)
     assert await desk.words() == []
 

@@ -27,10 +27,10 @@ def shown(joint: str | None, angle: str = "") -> Any:
 )
 def test_it_is_that_of_the_poses(joint: str, angle: str) -> None:
     edit, found = desk(), shown(joint, angle)
-    skeleton = Skeleton.of(edit.doc.body)
-    poses = {k.frame: k.pose(skeleton) for k in edit.doc.keyframes}
+    skeleton = Skeleton.of(edit.doc.subject.body)
+    poses = {k.frame: k.pose(skeleton) for k in edit.doc.subject.keyframes}
     Rs = np.stack([pose.Rs_parent_part for pose in poses.values()])
-    true = {one.joint.part: one[angle] for one in joint_angles(edit.doc.body, Rs, np.eye(3))
+    true = {one.joint.part: one[angle] for one in joint_angles(edit.doc.subject.body, Rs, np.eye(3))
             if one.joint.name.endswith(joint)}  # fmt: skip
     assert {side["part"] for side in found["sides"]} == {*true}
     for side in found["sides"]:
@@ -57,5 +57,5 @@ def test_no_joint_has_none(joint: str | None) -> None:
 def test_what_is_no_person_has_none() -> None:
     edit = after(desk(), {"do": "joint_angle", "joint": "knee"})
     blank = {"keyframes": (), "body": preset("box")}
-    thing = replace(edit, doc=edit.doc.model_copy(update=blank))
+    thing = replace(edit, doc=edit.doc.changed(blank))
     assert joint_angle(AppState(edit=thing)) is None

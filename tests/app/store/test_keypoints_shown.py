@@ -49,7 +49,7 @@ def path(tmp_path: Path) -> Path:
     path = sample(tmp_path)
     session = load_session(path)
     settings = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
-    session = session.model_copy(update={"settings": settings})
+    session = session.changed({"settings": settings})
     save_session(save_keypoints(session, path, found(0, 40, 5.0), "draft", network="n"), path)
     return path
 

@@ -31,7 +31,7 @@ def test_a_pinned_foot_is_reported_with_its_frames_and_the_print_of_its_sole() -
     edit = after(desk(), FOOT)
     (pin,) = reported(edit)["pins"]
     assert (pin["label"], pin["side"], pin["first"], pin["last"]) == ("Left foot", "L", 20, 28)
-    keyframe = next(k for k in edit.doc.keyframes if k.frame == 24)
+    keyframe = next(k for k in edit.doc.subject.keyframes if k.frame == 24)
     Ts = pose_transforms(edit.skeleton, keyframe.pose(edit.skeleton))
     joints = joint_positions(edit.skeleton, Ts)
     toe = joints[joint_names(edit.skeleton).index("left_toe")]

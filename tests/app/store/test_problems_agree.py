@@ -61,7 +61,7 @@ def some_result(
 ) -> SegmentResult:
     """A segment as tracking may leave it: any verdict, with gains and errors or without."""
     start, end = (
-        key.pose(edit.skeleton) for key in edit.doc.keyframes if key.frame in (first, last)
+        key.pose(edit.skeleton) for key in edit.doc.subject.keyframes if key.frame in (first, last)
     )
     path = interpolate(start, end, first, last)
     found = SegmentResult.on_the_way(Pass("pass", path, 1.0), segment_keys(edit.doc)[first, last])
@@ -76,7 +76,7 @@ def some_result(
         error[:, rng.random(parts) < 0.3] = np.nan
         error[[0, -1]] = np.where(np.isfinite(error[[0, -1]]), 0.0, np.nan)
     known = replace(found.diagnostics, observability=seen, expected_gain=gain, expected_error=error)
-    verdict = some_verdict(rng, first, last, edit.doc.body.names)
+    verdict = some_verdict(rng, first, last, edit.doc.subject.body.names)
     return replace(found, verdict=verdict, diagnostics=known)
 
 
@@ -97,12 +97,12 @@ def some_state(seed: int) -> AppState:
 
 def answered(edit: EditorState, place: Any, rng: np.random.Generator) -> Any:
     message = Reviewed(
-        part=place["part"] or edit.doc.body.names[0], frame=place["frame"],
+        part=place["part"] or edit.doc.subject.body.names[0], frame=place["frame"],
         first_frame=min(place["first"], place["frame"]),
         last_frame=max(place["last"], place["frame"]),
         answer="accepted" if rng.random() < 0.7 else "unclear", seen_m=place["end"],
     )  # fmt: skip
-    return edit.doc.model_copy(update={"reviewed": (*edit.doc.reviewed, message)})
+    return edit.doc.changed({"reviewed": (*edit.doc.subject.reviewed, message)})
 
 
 def named(reported: Any) -> tuple[Any, ...]:

@@ -38,11 +38,14 @@ def path(tmp_path: Path) -> Path:
     """The sample with its true motion drafted between the keyframes."""
     path = sample(tmp_path)
     session, truth = load_session(path), np.load(path.with_name("truth.npz"))
-    skeleton, keyed = Skeleton.of(session.body), {k.frame for k in session.keyframes}
+    skeleton, keyed = (
+        Skeleton.of(session.subject.body),
+        {k.frame for k in session.subject.keyframes},
+    )
     poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
     drafts = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
     found = [d.model_copy(update={"drafted": True}) for d in drafts if d.frame not in keyed]
-    save_session(session.model_copy(update={"drafts": tuple(found)}), path)
+    save_session(session.changed({"drafts": tuple(found)}), path)
     return path
 
 

@@ -41,13 +41,13 @@ async def test_they_are_saved_and_stay_when_an_edit_is_undone(path: Path) -> Non
         desk.show_repeats(FOUND)
         edit = desk.app_state.edit
         assert edit is not None
-        assert edit.doc.video.repeats == FOUND
+        assert edit.doc.view.video.repeats == FOUND
         desk.receive(tab, {"do": "undo"})
         desk.receive(tab, {"do": "redo"})
         edit = desk.app_state.edit
         assert edit is not None
-        assert edit.doc.video.repeats == FOUND
-    assert load_session(path).video.repeats == FOUND
+        assert edit.doc.view.video.repeats == FOUND
+    assert load_session(path).view.video.repeats == FOUND
 
 
 async def test_a_drag_under_way_goes_on(path: Path) -> None:
@@ -58,4 +58,4 @@ async def test_a_drag_under_way_goes_on(path: Path) -> None:
         edit = desk.app_state.edit
         assert edit is not None
         assert edit.stroke is not None
-        assert edit.settled.video.repeats == FOUND
+        assert edit.settled.view.video.repeats == FOUND

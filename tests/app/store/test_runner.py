@@ -113,12 +113,12 @@ def finish(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> Non
 
 def surfaces(frames: int, keyframes: tuple[int, ...]) -> EditorState:
     session = surface_cases.session(frames, keyframes)
-    return replace(desk(), doc=session, skeleton=Skeleton.of(session.body))
+    return replace(desk(), doc=session, skeleton=Skeleton.of(session.subject.body))
 
 
 def few(count: int) -> EditorState:
     doc = desk().doc
-    return replace(desk(), doc=doc.model_copy(update={"keyframes": doc.keyframes[:count]}))
+    return replace(desk(), doc=doc.changed({"keyframes": doc.subject.keyframes[:count]}))
 
 
 # --- what is refused
@@ -506,7 +506,7 @@ def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Run
 
 def tracked(doc: Session) -> EditorState:
     """A session whose segments are tracked."""
-    return replace(desk(), doc=doc, skeleton=Skeleton.of(doc.body), results=both(doc))
+    return replace(desk(), doc=doc, skeleton=Skeleton.of(doc.subject.body), results=both(doc))
 
 
 def solved(runner: Runner, edit: EditorState, job: int) -> Progress:
@@ -549,7 +549,7 @@ def test_the_same_is_not_solved_twice_whatever_came_of_it(runner: Runner) -> Non
 
 
 def test_a_session_without_pins_and_smoothing_is_not_solved(runner: Runner) -> None:
-    edit = tracked(pinned().model_copy(update={"pins": ()}))
+    edit = tracked(pinned().changed({"pins": ()}))
     runner.opened(edit)
     runner.solve_space(edit)
     assert orders(runner).solved == []

@@ -22,7 +22,7 @@ from tests.app.editor.desk import SAMPLE, desk
 def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
     """The sample with 0–24 tracked and expected to gain so much, the rest not tracked."""
     edit = desk()
-    one, other = (keyframe.pose(edit.skeleton) for keyframe in edit.doc.keyframes[:2])
+    one, other = (keyframe.pose(edit.skeleton) for keyframe in edit.doc.subject.keyframes[:2])
     key, path = segment_keys(edit.doc)[0, 24], interpolate(one, other, 0, 24)
     passing = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
     known = replace(passing.diagnostics, expected_gain=need)
@@ -57,8 +57,8 @@ def test_what_could_not_be_done_as_wished_is_reported_of_its_segment() -> None:
 def expecting(error: Array | None, origin: str = "intrinsics") -> AppState:
     """The sample with these errors expected in 0–24."""
     edit = desk()
-    camera = edit.doc.camera.model_copy(update={"origin": origin})
-    edit = edit.with_doc(edit.doc.model_copy(update={"camera": camera}))
+    camera = edit.doc.view.camera.model_copy(update={"origin": origin})
+    edit = edit.with_doc(edit.doc.changed({"camera": camera}))
     (found,) = seen().edit.results.by_key.values()  # type: ignore[union-attr]
     known = replace(found.diagnostics, expected_error=error)
     key = segment_keys(edit.doc)[0, 24]
@@ -77,7 +77,7 @@ def some_errors() -> Array:
 
 def test_the_parts_expected_to_be_farthest_off_come_first_each_at_its_worst_frame() -> None:
     reported = Sections().changed(expecting(some_errors()))["errors"]
-    names = desk().doc.body.names
+    names = desk().doc.subject.body.names
     assert [one["part"] for one in reported] == [names[k] for k in (6, 5, 4, 3, 2)]
     assert [(one["first"], one["frame"], one["px"]) for one in reported[:2]] == [
         (0, 11, 9.0),
@@ -92,7 +92,9 @@ def test_an_error_in_space_is_that_in_the_picture_at_the_part_s_depth() -> None:
     found = state.edit.fitting[0, 24]
     Ts = pose_transforms(state.edit.skeleton, found.trajectory.pose(worst["frame"]))
     p = Ts[6, :3, 3]
-    uv = state.edit.doc.camera.project(np.stack([p, p + np.array([worst["cm"] / 100, 0.0, 0.0])]))
+    uv = state.edit.doc.view.camera.project(
+        np.stack([p, p + np.array([worst["cm"] / 100, 0.0, 0.0])])
+    )
     assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(worst["px"], rel=0.01)
 
 
@@ -109,7 +111,7 @@ def test_where_no_error_is_expected_of_any_part_none_is_reported() -> None:
 
 
 def test_whether_keypoints_can_count_is_reported_of_the_body() -> None:
-    box = load_session(SAMPLE.parents[1] / "box" / "session.json").body
-    edit = desk().with_doc(desk().doc.model_copy(update={"body": box, "keyframes": ()}))
+    box = load_session(SAMPLE.parents[1] / "box" / "session.json").subject.body
+    edit = desk().with_doc(desk().doc.changed({"body": box, "keyframes": ()}))
     assert Sections().changed(AppState(edit=desk()))["body"]["is_persons"]
     assert not Sections().changed(AppState(edit=edit))["body"]["is_persons"]

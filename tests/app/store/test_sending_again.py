@@ -169,14 +169,14 @@ def test_a_message_that_comes_twice_is_done_once_and_acknowledged_twice(path: Pa
     page = Page([mask(1), mask(2)])
     twice = [*page.messages, *page.messages]
     doc = asyncio.run(worked(path, twice, page))
-    assert [m.polygon[0][0] for m in doc.ignore_masks] == [1, 2]
+    assert [m.polygon[0][0] for m in doc.view.ignore_masks] == [1, 2]
 
 
 def test_two_tabs_have_numbers_of_their_own(path: Path) -> None:
     page = Page([mask(1)])
     other = {**mask(2), "n": 1, "client": "another-tab"}
     doc = asyncio.run(worked(path, [other, *page.messages], page))
-    assert [m.polygon[0][0] for m in doc.ignore_masks] == [2, 1]
+    assert [m.polygon[0][0] for m in doc.view.ignore_masks] == [2, 1]
 
 
 def test_a_gesture_under_way_is_in_no_document_yet() -> None:

@@ -64,7 +64,7 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 def path(tmp_path: Path) -> Path:
     """Somebody whose foot is pinned."""
     found = sample(tmp_path)
-    save_session(load_session(found).model_copy(update={"pins": (PIN,), "results": None}), found)
+    save_session(load_session(found).changed({"pins": (PIN,), "results": None}), found)
     return found
 
 
@@ -86,8 +86,8 @@ async def test_what_was_tracked_is_solved_at_once_and_saved(path: Path) -> None:
         assert (desk.app_state.job.state, desk.app_state.job.title[:7]) == ("done", "Tracked")
         assert len(_Tracking.newest.solved) == 1
     again = load_session(path)
-    assert again.results is not None
-    assert len(again.results.space) == 1
+    assert again.subject.results is not None
+    assert len(again.subject.results.space) == 1
     assert load_tracks(again, path).before_space is not None
 
 
@@ -95,13 +95,13 @@ async def test_a_session_that_is_opened_tracked_but_not_solved_is_solved_then(pa
     async with opened_store(path) as desk:
         desk.receive(desk.join(), TRACK)
         _Tracking.newest.track()
-    results = load_session(path).results
+    results = load_session(path).subject.results
     assert results is not None
     assert results.space == ()
     async with opened_store(path) as desk:
         assert len(_Tracking.newest.solved) == 1
         _Tracking.newest.solve()
-    results = load_session(path).results
+    results = load_session(path).subject.results
     assert results is not None
     assert len(results.space) == 1
     async with opened_store(path) as desk:
@@ -128,8 +128,8 @@ async def test_a_failing_solve_is_reported_once_and_the_tracked_motion_is_saved(
         assert (job.state, job.title, job.words) == ("failed", "Smoothing failed", words)
         assert len(_Tracking.newest.solved) == 1
     again = load_session(path)
-    assert again.results is not None
-    assert again.results.space == ()
+    assert again.subject.results is not None
+    assert again.subject.results.space == ()
     assert load_tracks(again, path).before_space is None
 
 

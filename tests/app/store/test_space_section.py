@@ -65,7 +65,7 @@ def solved(edit: EditorState, *findings: SpaceFinding, pins: tuple[PinResult, ..
 
 
 def known(edit: EditorState) -> EditorState:
-    return edit.with_doc(edit.doc.model_copy(update={"lens_source": "person"}))
+    return edit.with_doc(edit.doc.changed({"lens_source": "person"}))
 
 
 def test_the_worst_is_reported_first_with_what_mends_it() -> None:
@@ -96,10 +96,10 @@ def test_an_arm_that_is_twisted_at_a_keyframe_is_untwisted_with_one_press() -> N
 
 def test_a_guessed_lens_is_reported_last_and_only_of_a_motion_that_was_solved() -> None:
     guessed = stepping((5, 12))
-    guessed = guessed.with_doc(guessed.doc.model_copy(update={"lens_source": "guess"}))
+    guessed = guessed.with_doc(guessed.doc.changed({"lens_source": "guess"}))
     reported = solved(guessed, found("slides", 0.06))
     assert [one["kind"] for one in reported] == ["slides", "lens"]
-    share = guessed.doc.depth_share
+    share = guessed.doc.view.depth_share
     assert share is not None
     assert f"may be off by {100 * share:.0f} %." in reported[-1]["words"]
     assert Sections().changed(AppState(edit=guessed))["space"] == []
@@ -116,7 +116,7 @@ def climbing() -> EditorState:
     pins = tuple(
         Pin(part="left_foot", landmarks=SOLE, first_frame=at, last_frame=at) for at in (2, 20)
     )
-    doc = edit.doc.model_copy(update={"pins": pins})
+    doc = edit.doc.changed({"pins": pins})
     return replace(edit.with_doc(doc), results=Results({key: higher}))
 
 

@@ -45,10 +45,10 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 def path(tmp_path: Path) -> Path:
     """The sample's film with somebody who strides."""
     path = sample(tmp_path)
-    film = load_session(path).video
+    film = load_session(path).view.video
     given = session_of(SHOWN, WHOLE, video=film)
-    keyframes = tuple(k for k in given.keyframes if k.frame <= LAST)
-    save_session(given.model_copy(update={"keyframes": keyframes}), path)
+    keyframes = tuple(k for k in given.subject.keyframes if k.frame <= LAST)
+    save_session(given.changed({"keyframes": keyframes}), path)
     return path
 
 
@@ -80,7 +80,7 @@ class Desk(StoreDesk):
         )
         made = {"drafts": drafts, "keyframes": keyframes, "keypoints": KEYPOINTS,
                 "drafted": Drafted(first_frame=0, last_frame=LAST)}  # fmt: skip
-        self.store._set(edit=self.edit.with_doc(self.doc.model_copy(update=made)))
+        self.store._set(edit=self.edit.with_doc(self.doc.changed(made)))
 
     @property
     def order(self) -> Any:
@@ -221,7 +221,7 @@ async def test_what_cannot_be_found_anew_is_not_offered(at: Desk, case: str) -> 
     at.do({"do": "exact_key", "frame": KEYS[1]})
     at.do({"do": "level_camera"})
     assert at.section("camera")["lifts"] is not None
-    at.store._set(edit=at.edit.with_doc(at.doc.model_copy(update=NOTHING_TO_LIFT[case])))
+    at.store._set(edit=at.edit.with_doc(at.doc.changed(NOTHING_TO_LIFT[case])))
     assert at.section("camera")["lifts"] is None
     at.do({"do": "lift"})
     assert not Worker.newest.fits

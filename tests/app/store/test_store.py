@@ -50,7 +50,7 @@ class _Tracking(IdleWorker):
 
 
 def _track(doc: Session, first: int, last: int, key: str) -> SegmentResult:
-    skeleton, at = Skeleton.of(doc.body), {k.frame: k for k in doc.keyframes}
+    skeleton, at = Skeleton.of(doc.subject.body), {k.frame: k for k in doc.subject.keyframes}
     path = interpolate(at[first].pose(skeleton), at[last].pose(skeleton), first, last)
     n, parts, dofs = last - first, skeleton.part_count, skeleton.dof_count
     return SegmentResult(path, GOOD, _measured(n, parts, dofs), (1.0,), ("pass",), key=key)
@@ -64,9 +64,9 @@ def _measured(n: int, parts: int, dofs: int) -> Diagnostics:
 
 def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentResult:
     """The steps up to the middle; the pose there holds on."""
-    skeleton = Skeleton.of(doc.body)
+    skeleton = Skeleton.of(doc.subject.body)
     held, n, parts, dofs = last - 2, last - first, skeleton.part_count, skeleton.dof_count
-    pose = doc.keyframes[0].pose(skeleton)
+    pose = doc.subject.keyframes[0].pose(skeleton)
     return SegmentResult(
         interpolate(pose, pose, first, last), Verdict.check("not_fitted", (held + 1, last)),
         _measured(n, parts, dofs), (1.0,), ("fit",), key=key, missing=2,
@@ -85,7 +85,7 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _forearm(session: Session) -> float:
-    return session.keyframes[0].rotations_wxyz["left_forearm"][0]
+    return session.subject.keyframes[0].rotations_wxyz["left_forearm"][0]
 
 
 async def test_a_session_that_is_opened_again_in_the_middle_of_a_drag_keeps_the_drag(
@@ -111,7 +111,7 @@ async def test_a_drag_that_is_taken_back_is_not_on_disk_though_tracking_saved_me
         _Tracking.newest.finish(0)
         _Tracking.newest.report(Finished(1, cancelled=False))
         desk.receive(tab, {"do": "cancel_stroke", "stroke": "drag"})
-    assert load_session(path).results is not None
+    assert load_session(path).subject.results is not None
     assert _forearm(load_session(path)) == before
 
 
@@ -119,7 +119,7 @@ async def test_a_segment_that_was_finished_just_before_the_end_is_saved(path: Pa
     async with opened_store(path) as desk:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
         _Tracking.newest.finish(0)
-    assert load_session(path).results is not None
+    assert load_session(path).subject.results is not None
 
 
 async def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
@@ -137,8 +137,8 @@ async def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on
         desk.receive(tab, {"do": "track", "what": "changed"})
         assert len(_Tracking.newest.orders) == 2
     session = load_session(path)
-    assert session.results is not None
-    assert [(s.verdict, s.missing) for s in session.results.segments] == [
+    assert session.subject.results is not None
+    assert [(s.verdict, s.missing) for s in session.subject.results.segments] == [
         (Verdict.check("not_fitted", (3, 4)), 2)
     ]
 
@@ -161,8 +161,8 @@ async def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it
         desk.receive(desk.join(), {"do": "track", "what": "changed"})
         _Tracking.newest.report(Progress(1, 0.0))
     session = load_session(path)
-    assert session.results is not None
-    assert session.results.segments[0].missing == 2
+    assert session.subject.results is not None
+    assert session.subject.results.segments[0].missing == 2
 
 
 async def test_tracks_that_no_session_speaks_of_go_when_it_is_closed_however_young(
@@ -184,7 +184,7 @@ async def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
             for number in count():
                 _Tracking.newest.finish(number % 3)
                 await asyncio.sleep(0.05)
-                if load_session(path).results is not None:
+                if load_session(path).subject.results is not None:
                     return
 
 

@@ -47,8 +47,8 @@ def trajectory(name: str) -> Trajectory:
             Rs, ps = arrays["Rs_parent_part"], arrays["ps_camera_root"]
             return Trajectory(int(arrays["first_frame"]), Rs, ps)
     made = session(name)
-    skeleton = Skeleton.of(made.body)
-    neighbours = pairwise(made.keyframes)
+    skeleton = Skeleton.of(made.subject.body)
+    neighbours = pairwise(made.subject.keyframes)
     return joined(
         [interpolate(a.pose(skeleton), b.pose(skeleton), a.frame, b.frame) for a, b in neighbours]
     )
@@ -74,8 +74,8 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
     set.
     """
     made, motion = session(name), trajectory(name)
-    made = made.model_copy(update={"keyframes": made.keyframes[first_key:]})
-    keyframes = [keyframe.frame for keyframe in made.keyframes]
+    made = made.changed({"keyframes": made.subject.keyframes[first_key:]})
+    keyframes = [keyframe.frame for keyframe in made.subject.keyframes]
     spans = list(pairwise(keyframes))
     tracked = [span for i, span in enumerate(spans) if i not in without]
     rows = np.zeros(keyframes[-1] + 1, dtype=bool)
@@ -87,7 +87,7 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
         if i not in without
     ]
     tracks = _tracks(made, motion, rows)
-    return Recording.of(made, tracks, segments, uneven_times(made.video.frame_count))
+    return Recording.of(made, tracks, segments, uneven_times(made.view.video.frame_count))
 
 
 def recorded(skeleton: Skeleton, motion: Trajectory, fps: float) -> Recording:
@@ -97,14 +97,14 @@ def recorded(skeleton: Skeleton, motion: Trajectory, fps: float) -> Recording:
         np.full(n - 1, -1), np.zeros((n - 1, dofs)), *(np.zeros((n - 1, parts)) for _ in range(2))
     )
     tracks = Tracks(0, skeleton.body.names, motion.Rs_parent_part, motion.ps_camera_root, nothing)
-    camera = session("person").camera
+    camera = session("person").view.camera
     times_s, up = np.arange(n) / fps, np.array([0.0, -1.0, 0.0])
     return Recording(skeleton, camera, tracks, (), times_s, up, rate=fps)
 
 
 def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # type: ignore[type-arg]
     """Of the frames from the first tracked one to the last, with evidence where both ends are."""
-    skeleton = Skeleton.of(made.body)
+    skeleton = Skeleton.of(made.subject.body)
     first, last = np.flatnonzero(rows)[[0, -1]]
     keep, own = rows[first : last + 1], slice(*np.array([first, last + 1]) - motion.first_frame)
     Rs = np.where(keep[:, None, None, None], motion.Rs_parent_part[own], np.nan)
@@ -115,7 +115,7 @@ def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # t
     observability[~steps] = np.nan
     return Tracks(
         int(first),
-        made.body.names,
+        made.subject.body.names,
         Rs,
         ps,
         Diagnostics(

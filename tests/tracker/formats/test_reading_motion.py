@@ -25,7 +25,7 @@ with warnings.catch_warnings():  # it imports a library by a name that is going 
     import bvhio
 
 MOCAP = Path(__file__).parents[3].parent / "shared/data/mocap"
-SKELETON = Skeleton.of(recordings.session("person").body)
+SKELETON = Skeleton.of(recordings.session("person").subject.body)
 TRUTH = recordings.trajectory("person")
 
 BVH = """HIERARCHY

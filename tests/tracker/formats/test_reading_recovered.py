@@ -25,7 +25,7 @@ from keypose.tracker.geometry.rotations import Array, log_rotation
 from tests.tracker.formats import recordings
 
 SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
-SKELETON = Skeleton.of(SESSION.body)
+SKELETON = Skeleton.of(SESSION.subject.body)
 TIMES_S = np.arange(len(TRUTH)) / 30
 ORIGIN = np.array([0.0, 0.25, -0.03])
 """From the pelvis to the model's own origin, which is what `transl` tells."""
@@ -143,7 +143,7 @@ def test_a_motion_in_the_cameras_frame_is_laid_on_the_keyframes(tmp_path: Path) 
 
 def test_without_keyframes_it_keeps_its_place_before_the_camera(tmp_path: Path) -> None:
     motion = load_motion(_npz(tmp_path / "gvhmr.npz", **_under("smpl_params_incam")))
-    bare = SESSION.model_copy(update={"keyframes": ()})
+    bare = SESSION.changed({"keyframes": ()})
     found = fit_to_session(bare, motion, "gvhmr.npz", TIMES_S)
     place = found.scale * (TRUTH.ps_camera_root + ORIGIN)
     assert np.abs(found.fit.trajectory.ps_camera_root - place).max() < 0.05

@@ -72,7 +72,7 @@ def test_nose_and_ears_are_on_the_head_the_nose_in_front_and_each_ear_on_its_sid
 
 
 def test_a_body_of_other_parts_has_none() -> None:
-    box = recordings.session("box").body
+    box = recordings.session("box").subject.body
     dog = Body(
         name="dog",
         parts=tuple(

@@ -38,13 +38,13 @@ def test_they_are_read_back_as_they_were_written() -> None:
             "places": [{"frame": 4, "reason": "hidden", "parts": ["left_arm"]}],
         }
     )
-    given = given.model_copy(update={"drafted": drafted})
+    given = given.changed({"drafted": drafted})
     again = Session.model_validate_json(session_json(given))
-    assert again.keypoint_corrections == (
+    assert again.view.keypoint_corrections == (
         KeypointCorrection(frame=2, joint="left_wrist", uv=(20.0, 30.5)),
         KeypointCorrection(frame=3, joint="nose", uv=None),
     )
-    assert again.drafted == drafted
+    assert again.subject.drafted == drafted
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ HERE = Path("my takes/session.json")
 
 def about(of: Session, **video: Any) -> Session:
     """With its video said to be another."""
-    return of.model_copy(update={"video": of.video.model_copy(update=video)})
+    return of.changed({"video": of.view.video.model_copy(update=video)})
 
 
 def test_a_session_says_what_its_body_is_compared_with() -> None:
@@ -57,23 +57,23 @@ def test_only_a_motion_of_surfaces_ends_where_nobody_posed_anything() -> None:
 def test_the_mesh_that_moves_is_that_of_the_keyframe_named_or_of_the_first() -> None:
     assert FILM.model_keyframe is None
     assert SURFACES.evidence.model_keyframe(()) is None
-    assert SURFACES.model_keyframe == SURFACES.keyframes[0]
+    assert SURFACES.model_keyframe == SURFACES.subject.keyframes[0]
     named = surface_of(SURFACES).model_copy(update={"model_frame": 3})
     assert (
-        SurfaceEvidence(SURFACES.video, named).model_keyframe(SURFACES.keyframes)
-        == (SURFACES.keyframes[1])
+        SurfaceEvidence(SURFACES.view.video, named).model_keyframe(SURFACES.subject.keyframes)
+        == (SURFACES.subject.keyframes[1])
     )
 
 
 def test_the_name_of_that_keyframe_follows_it_to_another_frame() -> None:
     named = surface_of(SURFACES).model_copy(update={"model_frame": 3})
-    evidence = SurfaceEvidence(SURFACES.video, named)
+    evidence = SurfaceEvidence(SURFACES.view.video, named)
     assert evidence.with_key_moved(3, 2)["surface"].model_frame == 2
     assert evidence.with_key_moved(1, 2) == FILM.evidence.with_key_moved(4, 5) == {}
 
 
 def test_a_film_s_file_gives_its_times_unless_the_session_has_a_rate_as_for_surfaces() -> None:
-    of_file = np.arange(FILM.video.frame_count) / 30
+    of_file = np.arange(FILM.view.video.frame_count) / 30
     assert FILM.evidence.times_s(of_file) is of_file
     with pytest.raises(TypeError):
         FILM.evidence.times_s(None)
@@ -92,9 +92,9 @@ def test_another_film_is_another_and_meshes_may_be_exported_again() -> None:
 
 def test_paths_that_are_moved_are_the_video_s_and_the_cameras() -> None:
     read = surface_of(SURFACES).model_copy(update={"cameras": "cameras.json"})
-    fields = SurfaceEvidence(SURFACES.video, read).with_paths(lambda path: f"../{path}")
+    fields = SurfaceEvidence(SURFACES.view.video, read).with_paths(lambda path: f"../{path}")
     assert fields["surface"].cameras == "../cameras.json"
-    assert fields["video"].path == f"../{SURFACES.video.path}"
+    assert fields["video"].path == f"../{SURFACES.view.video.path}"
     assert list(FILM.evidence.with_paths(str.upper)) == ["video"]
 
 
@@ -140,4 +140,4 @@ def test_hardly_any_line_asks_whether_it_is_a_film_or_surfaces() -> None:
 
 def test_evidence_that_answers_nothing_is_none() -> None:
     with pytest.raises(TypeError, match="abstract"):
-        Evidence(FILM.video)  # type: ignore[abstract]
+        Evidence(FILM.view.video)  # type: ignore[abstract]

@@ -31,12 +31,12 @@ def refusal(*parts: dict[str, Any], **changes: Any) -> str:
 def test_part_keyframes_are_kept_as_they_were_written_with_fields_from_elsewhere() -> None:
     session = opened({**HAND, "why": "dragged in review"}, {**HAND, "frame": 6, "time_s": 0.24})
     again = Session.model_validate_json(session.model_dump_json())
-    assert again.part_keyframes == session.part_keyframes
-    first = again.part_keyframes[0]
+    assert again.subject.part_keyframes == session.subject.part_keyframes
+    first = again.subject.part_keyframes[0]
     assert isinstance(first, PartKeyframe)
     assert first.parts == ("left_hand",)
     assert first.model_extra == {"why": "dragged in review"}
-    assert [keyframe.frame for keyframe in again.keyframes] == [0, 4, 8]
+    assert [keyframe.frame for keyframe in again.subject.keyframes] == [0, 4, 8]
     assert again.spans == ((0, 4), (4, 8))
 
 

@@ -34,8 +34,8 @@ def test_pins_of_joints_landmarks_and_points_are_kept_as_they_were_written() -> 
         {"part": "left_arm", "point_m": [0.1, 0.2, 0.0], "first_frame": 3, "last_frame": 3},
     )
     again = Session.model_validate_json(opened(*pins).model_dump_json())
-    assert again.pins == opened(*pins).pins
-    points = [pin.points(again.body) for pin in again.pins]
+    assert again.subject.pins == opened(*pins).subject.pins
+    points = [pin.points(again.subject.body) for pin in again.subject.pins]
     assert points == [((0.0, 0.18, 0.03),), ((0.0, 0.0, 0.0),), ((0.1, 0.2, 0.0),)]
 
 
@@ -74,7 +74,7 @@ def test_what_cannot_be_pinned_is_refused_in_one_sentence(
 def test_heel_and_toe_may_be_held_over_different_ranges() -> None:
     thumb = {**TIP, "landmarks": ["thumb"], "first_frame": 3, "last_frame": 8}
     after = {**TIP, "first_frame": 6, "last_frame": 8}
-    assert len(opened(TIP, thumb, after).pins) == 3
+    assert len(opened(TIP, thumb, after).subject.pins) == 3
 
 
 @pytest.mark.parametrize(

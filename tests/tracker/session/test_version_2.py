@@ -117,7 +117,7 @@ def _tracked(tmp_path: Path, **segment: Any) -> Path:
 
 
 def _verdicts(path: Path) -> list[Verdict]:
-    results = load_session(path).results
+    results = load_session(path).subject.results
     assert results is not None
     return [segment.verdict for segment in results.segments]
 
@@ -172,11 +172,11 @@ def test_what_are_no_results_is_refused_in_a_sentence(tmp_path: Path, results: A
 def test_an_edit_that_only_the_journal_of_version_2_has_comes_back(tmp_path: Path) -> None:
     path = _tracked(tmp_path, verdict="check", words="check frames 1–2: chest uncertain")
     before = Moment(without_results(load_session(path)))
-    upright = before.doc.model_copy(update={"up_camera": (0.0, -1.0, 0.0)})
+    upright = before.doc.changed({"up_camera": (0.0, -1.0, 0.0)})
     records = [base_record(before), edit_record(before, replace(before, doc=upright))]
     records[0]["base"]["schema_version"] = 2
     journal_path(path).write_bytes(lines(records))
     found = open_session(path)
     assert (found.problem, found.recovered.ahead) == ("", 1)
-    assert found.session.up_camera == (0.0, -1.0, 0.0)
+    assert found.session.world.up_world == (0.0, -1.0, 0.0)
     assert _verdicts(path) == [Verdict.check("uncertain", (1, 2), "chest"), GOOD]

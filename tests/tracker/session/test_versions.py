@@ -62,7 +62,7 @@ def test_a_newer_session_can_be_looked_at_and_is_never_changed(tmp_path: Path) -
     content = _write(path, schema_version=PRESENT + 1, colour="red")
     session = load_session(path)
     assert session.is_newer
-    assert len(session.keyframes) == len(cases.KEYFRAMES)
+    assert len(session.subject.keyframes) == len(cases.KEYFRAMES)
     with pytest.raises(SessionError, match=r"of a newer Keypose \(version 4\) and is not changed"):
         save_session(session, path)
     with pytest.raises(SessionError, match="newer Keypose"):
@@ -82,6 +82,6 @@ def test_fields_that_are_not_known_survive_wherever_they_stand(tmp_path: Path) -
     data["settings"]["gpu"] = False
     path.write_text(json.dumps(data))
     session = load_session(path)
-    save_session(session.model_copy(update={"up_camera": (0.0, -1.0, 0.0)}), path)
+    save_session(session.changed({"up_camera": (0.0, -1.0, 0.0)}), path)
     data["up_camera"] = [0.0, -1.0, 0.0]
     assert json.loads(path.read_bytes()) == data

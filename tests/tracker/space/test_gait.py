@@ -146,7 +146,7 @@ def test_strides_of_the_filmed_walk_last_as_long_as_its_pins_are_apart() -> None
     """`walk_feet.json` is the sample as it was tracked; its pins are what a person accepted."""
     paths = json.loads(Path(__file__).with_name("walk_feet.json").read_text("utf-8"))
     first, root = paths["first_frame"], np.array(paths["root"])
-    pins = load_session(SAMPLES / "walk" / "session.json").pins
+    pins = load_session(SAMPLES / "walk" / "session.json").subject.pins
     feet, starts = [], {}
     for side in ("left", "right"):
         heel, toe = (np.array(paths[f"{side}_{end}"]) for end in ("heel", "toe"))

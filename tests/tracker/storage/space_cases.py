@@ -23,7 +23,7 @@ def smooth(of: Session | None = None, **changes: Any) -> Session:
     """With smoothing, and perhaps other settings."""
     given = session() if of is None else of
     settings = given.settings.model_copy(update={"smooth": True, **changes})
-    return given.model_copy(update={"settings": settings})
+    return given.changed({"settings": settings})
 
 
 def pinned(*pins: Pin, **changes: Any) -> Session:
@@ -34,9 +34,10 @@ def pinned(*pins: Pin, **changes: Any) -> Session:
 def softened(of: Session, *frames: int) -> Session:
     """With soft keyframes at these frames."""
     keyframes = tuple(
-        keyframe.model_copy(update={"soft": keyframe.frame in frames}) for keyframe in of.keyframes
+        keyframe.model_copy(update={"soft": keyframe.frame in frames})
+        for keyframe in of.subject.keyframes
     )
-    return of.model_copy(update={"keyframes": keyframes})
+    return of.changed({"keyframes": keyframes})
 
 
 def solution(stretch: SegmentRun, shift_m: float = 0.01, soft: tuple[int, ...] = ()) -> SpaceResult:
@@ -62,7 +63,7 @@ def solved(of: Session, results: Results | None = None, shift_m: float = 0.01) -
     """All that is wanted in space found."""
     found = both(of) if results is None else results
     for stretch in found.unsolved(of):
-        soft = tuple(keyframe.frame for keyframe in of.keyframes if keyframe.soft)
+        soft = tuple(keyframe.frame for keyframe in of.subject.keyframes if keyframe.soft)
         found = found.with_space(solution(stretch, shift_m, soft))
     return found
 

@@ -47,7 +47,7 @@ def wandering(motion: Trajectory, most_m: float = 0.06) -> Trajectory:
 def session_of(shown: Scene, motion: Trajectory, **changes: Any) -> Session:
     """With a keyframe in every second, as tracked there."""
     given = cases.session()
-    video = given.video.model_copy(
+    video = given.view.video.model_copy(
         update={
             "frame_count": len(motion), "width": shown.camera.width, "height": shown.camera.height,
         }
@@ -59,7 +59,7 @@ def session_of(shown: Scene, motion: Trajectory, **changes: Any) -> Session:
         "video": video, "camera": shown.camera, "body": shown.skeleton.body,
         "keyframes": keyframes, "settings": TrackSettings(smooth=True),
     }  # fmt: skip
-    return given.model_copy(update={**made, **changes})
+    return given.changed({**made, **changes})
 
 
 def tracked(session: Session, motion: Trajectory) -> dict[Span, SegmentResult]:
@@ -67,9 +67,9 @@ def tracked(session: Session, motion: Trajectory) -> dict[Span, SegmentResult]:
     found = {}
     for first, last in session.spans:
         R, t = motion.Rs_parent_part[first : last + 1], motion.ps_camera_root[first : last + 1]
-        steps, parts = last - first, len(session.body.parts)
+        steps, parts = last - first, len(session.subject.body.parts)
         seen = np.full((steps, parts), 0.9)
-        values = np.ones((steps, Skeleton.of(session.body).dof_count))
+        values = np.ones((steps, Skeleton.of(session.subject.body).dof_count))
         diagnostics = Diagnostics(np.full(steps, 3), values, seen, np.ones_like(seen))
         whole = replace(
             cases.segment(0, 4), trajectory=Trajectory(first, R, t), diagnostics=diagnostics

@@ -62,8 +62,10 @@ def test_what_is_saved_is_read_back(tmp_path: Path) -> None:
 @given(st.floats(-1e5, 1e5), st.floats(0.06, 1e5))
 def test_every_digit_of_a_number_survives(x: float, z: float) -> None:
     session = cases.session(keyframes=(0,))
-    rest = session.keyframes[0].model_copy(update={"rotations_wxyz": {}, "root_m": (x, 0.0, z)})
-    session = session.model_copy(update={"keyframes": (rest,)})
+    rest = session.subject.keyframes[0].model_copy(
+        update={"rotations_wxyz": {}, "root_m": (x, 0.0, z)}
+    )
+    session = session.changed({"keyframes": (rest,)})
     assert Session.model_validate_json(session_json(session)) == session
 
 
@@ -81,8 +83,8 @@ def test_saving_the_same_again_keeps_the_previous(tmp_path: Path) -> None:
     path = tmp_path / "session.json"
     for keyframes in ((0, 4), (0, 8), (0, 8)):
         save_session(cases.session(keyframes=keyframes), path)
-    assert len(load_session(tmp_path / "session.json.previous").keyframes) == 2
-    assert load_session(tmp_path / "session.json.previous").keyframes[1].frame == 4
+    assert len(load_session(tmp_path / "session.json.previous").subject.keyframes) == 2
+    assert load_session(tmp_path / "session.json.previous").subject.keyframes[1].frame == 4
 
 
 @pytest.mark.parametrize("step", ["os.fsync", "pathlib.Path.replace"])
@@ -111,7 +113,7 @@ def test_saving_never_writes_through_a_link(tmp_path: Path) -> None:
     link.symlink_to(real)
     save_session(cases.session(keyframes=(0, 8)), link)
     assert real.read_bytes() == before
-    assert len(load_session(link).keyframes) == 2
+    assert len(load_session(link).subject.keyframes) == 2
 
 
 def test_the_mode_of_the_file_stays(tmp_path: Path) -> None:
@@ -286,8 +288,8 @@ def test_a_file_far_too_large_is_not_read(tmp_path: Path) -> None:
 def test_the_video_is_found_from_the_folder_of_the_session(tmp_path: Path) -> None:
     session = cases.session()
     assert video_path(session, tmp_path / "session.json") == tmp_path / "frames"
-    there = session.video.model_copy(update={"path": str(tmp_path / "clips" / "a.mp4")})
-    moved = session.model_copy(update={"video": there})
+    there = session.view.video.model_copy(update={"path": str(tmp_path / "clips" / "a.mp4")})
+    moved = session.changed({"video": there})
     assert video_path(moved, Path("session.json")) == tmp_path / "clips" / "a.mp4"
 
 

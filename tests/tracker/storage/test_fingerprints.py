@@ -42,19 +42,19 @@ def mask(first: int, last: int, note: str = "", polygon: Any = SQUARE) -> Ignore
 
 
 def part(of: Session, name: str, **changes: Any) -> dict[str, Any]:
-    old = of.body.parts[of.body.index(name)]
-    return {"body": of.body.with_part(old.model_copy(update=changes))}
+    old = of.subject.body.parts[of.subject.body.index(name)]
+    return {"body": of.subject.body.with_part(old.model_copy(update=changes))}
 
 
 def posed(of: Session, index: int, **changes: Any) -> dict[str, Any]:
-    frames = list(of.keyframes)
+    frames = list(of.subject.keyframes)
     frames[index] = frames[index].model_copy(update=changes)
     return {"keyframes": tuple(frames)}
 
 
 def turned_over(of: Session) -> dict[str, Any]:
     """Every quaternion with the other sign, which is the same rotation."""
-    rotations = of.keyframes[1].rotations_wxyz.items()
+    rotations = of.subject.keyframes[1].rotations_wxyz.items()
     return posed(of, 1, rotations_wxyz={n: tuple(-c for c in q) for n, q in rotations})
 
 
@@ -68,7 +68,7 @@ def settings(**changes: Any) -> Change:
 
 
 def video(**changes: Any) -> Change:
-    return lambda of: {"video": of.video.model_copy(update=changes)}
+    return lambda of: {"video": of.view.video.model_copy(update=changes)}
 
 
 OUTDATES_ALL: dict[str, Change] = {
@@ -76,9 +76,9 @@ OUTDATES_ALL: dict[str, Change] = {
     "a joint elsewhere": lambda of: part(of, "left_arm", joint_m=(0.3, -0.2, 0.0)),
     "other motions tracked": lambda of: part(of, "left_arm", tracked=("rx",)),
     "a landmark elsewhere": lambda of: part(of, "left_hand", landmarks={"tip": (0.0, 0.1, 0.0)}),
-    "another focal length": lambda of: {"camera": of.camera.model_copy(update={"fx": 61.0})},
+    "another focal length": lambda of: {"camera": of.view.camera.model_copy(update={"fx": 61.0})},
     "a distorted lens": lambda of: {
-        "camera": of.camera.model_copy(update={"distortion": (0.1, 0.0, 0.0, 0.0, 0.0)})
+        "camera": of.view.camera.model_copy(update={"distortion": (0.1, 0.0, 0.0, 0.0, 0.0)})
     },
     "the other method": settings(method="paper"),
     "more passes": settings(passes=7),
@@ -90,11 +90,15 @@ OUTDATES_ALL: dict[str, Change] = {
 }
 OUTDATES_NONE: dict[str, Change] = {
     "the quality": settings(quality="preview"),
-    "the body's name": lambda of: {"body": of.body.model_copy(update={"name": "other"})},
-    "where sizes come from": lambda of: {"body": of.body.model_copy(update={"source": "a book"})},
+    "the body's name": lambda of: {"body": of.subject.body.model_copy(update={"name": "other"})},
+    "where sizes come from": lambda of: {
+        "body": of.subject.body.model_copy(update={"source": "a book"})
+    },
     "a limit of posing": lambda of: part(of, "left_arm", limits_deg={"x": (-10.0, 90.0)}),
     "a limit of twist": lambda of: part(of, "left_arm", twist=Twist(range_deg=(-90.0, 90.0))),
-    "the camera's origin": lambda of: {"camera": of.camera.model_copy(update={"origin": "guess"})},
+    "the camera's origin": lambda of: {
+        "camera": of.view.camera.model_copy(update={"origin": "guess"})
+    },
     "another rate of recording": video(recorded_fps=240.0),
     "a keyframe's time": lambda of: posed(of, 1, time_s=0.2),
     "signs of quaternions": turned_over,
@@ -103,7 +107,7 @@ OUTDATES_NONE: dict[str, Change] = {
         "keypoints": KeypointFile(file=KEYPOINTS, source="file"),
         "settings": of.settings.model_copy(update={"cues": ("brightness", "keypoints")}),
     },
-    "a draft": lambda of: {"drafts": (of.keyframes[1].model_copy(update={"frame": 2}),)},
+    "a draft": lambda of: {"drafts": (of.subject.keyframes[1].model_copy(update={"frame": 2}),)},
     "old results": lambda of: {"results": None},
 }
 
@@ -116,14 +120,14 @@ def test_the_motion_follows_the_content_of_a_network_of_ones_own_not_its_name(
     def with_network(network: str) -> Session:
         named = {"cues": ("brightness", "keypoints"), "network": network}
         settings = person.settings.model_copy(update=named)
-        return person.model_copy(update={"settings": settings})
+        return person.changed({"settings": settings})
 
     def key(network: str) -> str:
         return next(iter(segment_keys(of[network]).values()))
 
-    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
+    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().subject.keyframes]
     bare = {"body": preset("adult_male"), "keyframes": tuple(frames)}
-    person = session().model_copy(update=bare)
+    person = session().changed(bare)
     of = {name: with_network(name) for name in ("mine", "other")}  # both stay open
     missing = key("mine")
     keys = []
@@ -136,17 +140,17 @@ def test_the_motion_follows_the_content_of_a_network_of_ones_own_not_its_name(
 
 
 def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
-    bare = session().model_copy(update={"body": preset("adult_male"), "keyframes": ()})
-    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
-    bare = bare.model_copy(update={"keyframes": tuple(frames)})
+    bare = session().changed({"body": preset("adult_male"), "keyframes": ()})
+    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().subject.keyframes]
+    bare = bare.changed({"keyframes": tuple(frames)})
     both_cues = bare.settings.model_copy(update={"cues": ("brightness", "keypoints")})
-    detected = bare.model_copy(update={"settings": both_cues})
+    detected = bare.changed({"settings": both_cues})
     from_box = KeypointFile(file=KEYPOINTS, source="full", network="0")
     imported = KeypointFile(file=KEYPOINTS, source="file.json")
     paper = detected.settings.model_copy(update={"method": "paper"})
 
     def keys(of: Session, **changes: Any) -> tuple[str, ...]:
-        return tuple(segment_keys(of.model_copy(update=changes)).values())
+        return tuple(segment_keys(of.changed(changes)).values())
 
     heavy = both_cues.model_copy(update={"network": "heavy"})
     assert keys(detected, settings=heavy) != keys(detected)
@@ -157,7 +161,7 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, keypoints=from_box) == keys(detected)  # found again from the keyframes
     every_cue = both_cues.model_copy(update={"cues": (*both_cues.cues, "silhouette")})
     assert keys(detected, settings=every_cue) != keys(detected)  # by the mask of the person
-    thing = {"body": session().body, "keyframes": session().keyframes}
+    thing = {"body": session().subject.body, "keyframes": session().subject.keyframes}
     assert keys(detected, **thing, settings=every_cue) == keys(detected, **thing)
     still, with_all = (c.model_copy(update={"static_camera": True}) for c in (both_cues, every_cue))
     assert keys(detected, settings=with_all) != keys(detected, settings=still)
@@ -166,12 +170,12 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
 
 
 def test_a_limb_keyed_alone_outdates_its_own_segment_and_without_it_all_is_as_before() -> None:
-    bare, pose = session(), session().keyframes[1].model_dump()
+    bare, pose = session(), session().subject.keyframes[1].model_dump()
     before = list(segment_keys(bare).values())
 
     def keys(**changes: Any) -> list[str]:
         part = PartKeyframe(**{**pose, "frame": 2, "time_s": 0.08, "parts": ("left_hand",)})
-        given = bare.model_copy(update={"part_keyframes": (part.model_copy(update=changes),)})
+        given = bare.changed({"part_keyframes": (part.model_copy(update=changes),)})
         assert segment_keys(without_part_keyframes(given)) == segment_keys(bare)
         return list(segment_keys(given).values())
 
@@ -185,13 +189,13 @@ def test_a_limb_keyed_alone_outdates_its_own_segment_and_without_it_all_is_as_be
 
 
 def test_a_corrected_keypoint_outdates_the_segment_it_lies_in_where_keypoints_count() -> None:
-    rest = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
+    rest = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().subject.keyframes]
     bare = {"body": preset("adult_male"), "keyframes": tuple(rest)}
     both_cues = TrackSettings(cues=("brightness", "keypoints"))
 
     def keys(tracked_by: TrackSettings, *given: KeypointCorrection) -> list[str]:
         changes = {**bare, "settings": tracked_by, "keypoint_corrections": given}
-        return list(segment_keys(session().model_copy(update=changes)).values())
+        return list(segment_keys(session().changed(changes)).values())
 
     wrist = KeypointCorrection(frame=6, joint="left_wrist", uv=(9.0, 9.0))
     none, late = keys(both_cues), keys(both_cues, wrist)
@@ -207,7 +211,7 @@ def test_a_corrected_keypoint_outdates_the_segment_it_lies_in_where_keypoints_co
 def test_what_changes_the_motion_outdates_both_segments_and_undo_finds_them(change: Change) -> None:
     before = session()
     results = both(before)
-    after = before.model_copy(update=change(before))
+    after = before.changed(change(before))
     assert results.fitting(after) == {}
     assert set(results.states(after).values()) == {"outdated"}
     assert results.fitting(before) == {(0, 4): track_at(results, 0), (4, 8): track_at(results, 4)}
@@ -216,7 +220,7 @@ def test_what_changes_the_motion_outdates_both_segments_and_undo_finds_them(chan
 @pytest.mark.parametrize("change", OUTDATES_NONE.values(), ids=OUTDATES_NONE)
 def test_what_changes_no_motion_outdates_nothing(change: Change) -> None:
     before = session()
-    after = before.model_copy(update=change(before))
+    after = before.changed(change(before))
     assert segment_keys(after) == segment_keys(before)
 
 
@@ -226,7 +230,7 @@ def track_at(results: Results, first: int) -> Any:
 
 def test_a_keyframe_outdates_the_segments_beside_it_and_no_other() -> None:
     before = session()
-    after = before.model_copy(update=posed(before, 2, root_m=(0.0, 0.0, 3.1)))
+    after = before.changed(posed(before, 2, root_m=(0.0, 0.0, 3.1)))
     assert list(both(before).fitting(after)) == [(0, 4)]
     assert both(before).states(after) == {(0, 4): "good", (4, 8): "outdated"}
 
@@ -248,7 +252,7 @@ def test_a_mask_outdates_the_segments_it_lies_in_by_what_it_does_there() -> None
 def test_adding_and_taking_away_a_keyframe_finds_the_old_segment_again() -> None:
     before = session()
     results = both(before)
-    fewer = before.model_copy(update={"keyframes": before.keyframes[::2]})
+    fewer = before.changed({"keyframes": before.subject.keyframes[::2]})
     assert results.fitting(fewer) == {}
     assert results.states(fewer) == {(0, 8): "outdated"}
     assert len(results.fitting(before)) == 2
@@ -297,7 +301,7 @@ def test_of_too_many_results_the_oldest_go_and_those_in_use_stay(
 ) -> None:
     monkeypatch.setattr(collection, "MOST_SEGMENTS", 3)
     results, of = Results(), session()
-    variants = [of.model_copy(update=posed(of, 0, root_m=(0.0, 0.0, 3 + k))) for k in range(6)]
+    variants = [of.changed(posed(of, 0, root_m=(0.0, 0.0, 3 + k))) for k in range(6)]
     kept = segment_key(variants[0], 0, 4)
     for variant in variants:
         results = results.with_result(track(variant, 0, 4), keep=(kept,))

@@ -119,18 +119,18 @@ def _poses(*shares: tuple[int, float]) -> tuple[Keyframe, ...]:
 def _versions() -> list[Session]:
     start = cases.session()
     mask = IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=0, last_frame=3)
-    arm = start.body.parts[1].model_copy(update={"joint_m": (-0.3, -0.2, 0.0)})
-    parts = (start.body.parts[0], arm, *start.body.parts[2:])
-    longer = start.body.model_copy(update={"parts": parts})
+    arm = start.subject.body.parts[1].model_copy(update={"joint_m": (-0.3, -0.2, 0.0)})
+    parts = (start.subject.body.parts[0], arm, *start.subject.body.parts[2:])
+    longer = start.subject.body.model_copy(update={"parts": parts})
     turned = start.settings.model_copy(update={"method": "paper", "passes": 3})
-    wide = start.camera.model_copy(update={"fx": 50.0})
+    wide = start.view.camera.model_copy(update={"fx": 50.0})
     return [
         start,
-        start.model_copy(update={"keyframes": _poses((0, 0.1), (4, 0.7), (8, 1.0))}),
-        start.model_copy(update={"keyframes": _poses((0, 0.1), (8, 1.0)), "camera": wide}),
-        start.model_copy(update={"drafts": _poses((2, 0.3)), "ignore_masks": (mask,)}),
-        start.model_copy(update={"body": longer, "up_camera": (0.0, -1.0, 0.1)}),
-        start.model_copy(update={"settings": turned, "keyframes": ()}),
+        start.changed({"keyframes": _poses((0, 0.1), (4, 0.7), (8, 1.0))}),
+        start.changed({"keyframes": _poses((0, 0.1), (8, 1.0)), "camera": wide}),
+        start.changed({"drafts": _poses((2, 0.3)), "ignore_masks": (mask,)}),
+        start.changed({"body": longer, "up_camera": (0.0, -1.0, 0.1)}),
+        start.changed({"settings": turned, "keyframes": ()}),
     ]
 
 
@@ -148,9 +148,9 @@ def test_changes_make_one_session_of_any_other(one: int, other: int) -> None:
 
 def test_an_edit_of_one_keyframe_gives_one_keyframe() -> None:
     frames = tuple((frame, frame / 10) for frame in range(9))
-    start = cases.session().model_copy(update={"keyframes": _poses(*frames)})
-    edited = (*start.keyframes[:5], *_poses((5, 0.9)), *start.keyframes[6:])
-    reported = changes(start, start.model_copy(update={"keyframes": edited}))
+    start = cases.session().changed({"keyframes": _poses(*frames)})
+    edited = (*start.subject.keyframes[:5], *_poses((5, 0.9)), *start.subject.keyframes[6:])
+    reported = changes(start, start.changed({"keyframes": edited}))
     assert [keyframe["frame"] for keyframe in reported["keyframes"]["set"]] == [5]
     assert reported["keyframes"]["drop"] == []
 
@@ -232,7 +232,7 @@ def test_whose_edits_a_document_holds_comes_back_also_when_the_journal_is_begun_
 def test_what_another_program_wrote_is_no_revision_of_a_client() -> None:
     moments = _received()
     mask = IgnoreMask(polygon=((1, 1), (7, 1), (7, 7)), first_frame=1, last_frame=2)
-    theirs = VERSIONS[0].model_copy(update={"ignore_masks": (mask,)})
+    theirs = VERSIONS[0].changed({"ignore_masks": (mask,)})
     found = recover(theirs, _records(moments)).moment.received
     assert found == Received(moments[-1].received.clients, "")
 
@@ -300,8 +300,8 @@ def test_an_older_file_put_back_by_a_person_counts() -> None:
 
 
 def test_the_journal_of_another_film_is_not_followed() -> None:
-    other = VERSIONS[0].video.model_copy(update={"frame_count": 12})
-    doc = VERSIONS[0].model_copy(update={"video": other})
+    other = VERSIONS[0].view.video.model_copy(update={"frame_count": 12})
+    doc = VERSIONS[0].changed({"video": other})
     found = recover(doc, _records(_moments([1, 2])))
     assert found.moment.doc is doc
     assert found.moment.history.past == ()
@@ -309,12 +309,12 @@ def test_the_journal_of_another_film_is_not_followed() -> None:
 
 def test_a_moved_video_is_where_the_file_says_for_every_step() -> None:
     moments = _moments([1, 2, "undo"])
-    there = moments[-1].doc.video.model_copy(update={"path": "elsewhere/frames"})
-    found = recover(moments[-1].doc.model_copy(update={"video": there}), _records(moments))
+    there = moments[-1].doc.view.video.model_copy(update={"path": "elsewhere/frames"})
+    found = recover(moments[-1].doc.changed({"video": there}), _records(moments))
     assert found.follows
     history = found.moment.history
     docs = [found.moment.doc, *(step.doc for step in (*history.past, *history.future))]
-    assert {doc.video.path for doc in docs} == {"elsewhere/frames"}
+    assert {doc.view.video.path for doc in docs} == {"elsewhere/frames"}
 
 
 NONSENSE: dict[str, dict[str, Any]] = {
@@ -342,14 +342,14 @@ def test_a_journal_of_nonsense_is_as_good_as_none(kind: str) -> None:
 def test_results_stay_with_what_the_journal_brings_back(tmp_path: Path) -> None:
     path = cases.write_session(tmp_path)
     session = load_session(path)
-    moved = session.model_copy(update={"keyframes": session.keyframes[:2]})
+    moved = session.changed({"keyframes": session.subject.keyframes[:2]})
     history = History((Step(session, "Delete keyframe 8", 8),))
     journal = Journal(journal_path(path), 0)
     journal.append(_records([Moment(session), Moment(moved, history, 8)]))
     found = open_session(path)
     assert found.recovered.ahead == 1
-    assert found.session.keyframes == moved.keyframes
-    assert found.session.results == session.results
+    assert found.session.subject.keyframes == moved.subject.keyframes
+    assert found.session.subject.results == session.subject.results
     save_session(found.session, path)
     assert open_session(path).recovered.ahead == 0
 
@@ -386,5 +386,5 @@ def test_every_session_file_has_a_journal_of_its_own(tmp_path: Path) -> None:
 def test_the_mark_gives_documents_apart_and_nothing_else() -> None:
     marks = {mark_of(session) for session in VERSIONS}
     assert len(marks) == len(VERSIONS)
-    there = VERSIONS[0].video.model_copy(update={"path": "x"})
-    assert mark_of(VERSIONS[0].model_copy(update={"video": there})) == mark_of(VERSIONS[0])
+    there = VERSIONS[0].view.video.model_copy(update={"path": "x"})
+    assert mark_of(VERSIONS[0].changed({"video": there})) == mark_of(VERSIONS[0])

@@ -31,5 +31,5 @@ def test_quick_films_are_looked_at_in_every_second_frame_where_no_mask_is_needed
     changed = {"network": network, "cues": cues, "static_camera": still}
     settings = session.settings.model_copy(update=changed)
     video: Any = SimpleNamespace(info=SimpleNamespace(fps=fps))
-    source: Any = keypoint_source(session.model_copy(update={"settings": settings}), video, None)
+    source: Any = keypoint_source(session.changed({"settings": settings}), video, None)
     assert source.every_second is every_second

@@ -46,8 +46,8 @@ def saved(path: Path, found: Keypoints) -> Session:
 def test_saved_keypoints_come_back(path: Path, depth: bool) -> None:
     given = keypoints(depth=depth)
     session = saved(path, given)
-    assert session.keypoints is not None
-    assert (session.keypoints.source, session.keypoints.seeds) == ("full", (1, 4))
+    assert session.view.keypoints is not None
+    assert (session.view.keypoints.source, session.view.keypoints.seeds) == ("full", (1, 4))
     found = keypoints_of_session(session, path.parent)
     assert found is not None
     assert (found.first_frame, found.names) == (given.first_frame, given.names)
@@ -60,7 +60,7 @@ def test_saved_keypoints_come_back(path: Path, depth: bool) -> None:
 
 
 def test_equal_keypoints_are_one_file(path: Path) -> None:
-    assert saved(path, keypoints()).keypoints == saved(path, keypoints()).keypoints
+    assert saved(path, keypoints()).view.keypoints == saved(path, keypoints()).view.keypoints
     assert len(list(path.parent.glob("keypoints-*.npz"))) == 1
 
 
@@ -71,8 +71,8 @@ def test_a_session_without_keypoints_is_saved_as_before_there_were_any(path: Pat
 
 def test_missing_or_damaged_keypoints_are_reported_in_one_sentence(path: Path) -> None:
     session = saved(path, keypoints())
-    assert session.keypoints is not None
-    place = path.parent / session.keypoints.file
+    assert session.view.keypoints is not None
+    place = path.parent / session.view.keypoints.file
     place.write_bytes(place.read_bytes()[:-40])
     with pytest.raises(KeypointError, match="damaged"):
         keypoints_of_session(session, path.parent)
@@ -82,7 +82,7 @@ def test_missing_or_damaged_keypoints_are_reported_in_one_sentence(path: Path) -
 
 
 def test_keypoints_of_a_longer_film_are_reported(path: Path) -> None:
-    count = load_session(path).video.frame_count
+    count = load_session(path).view.video.frame_count
     session = saved(path, keypoints(first_frame=count - 2))
     with pytest.raises(KeypointError, match=f"the video ends at {count - 1}"):
         keypoints_of_session(session, path.parent)

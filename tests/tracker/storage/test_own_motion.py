@@ -27,8 +27,8 @@ PERSON = Path(__file__).parents[3] / "sample_videos" / "person" / "session.json"
 
 def plain(session: Session) -> Trajectory:
     """Interpolation of all keyframes."""
-    skeleton = Skeleton.of(session.body)
-    poses = [(k.frame, k.pose(skeleton)) for k in session.keyframes]
+    skeleton = Skeleton.of(session.subject.body)
+    poses = [(k.frame, k.pose(skeleton)) for k in session.subject.keyframes]
     return joined([interpolate(p, q, a, b) for (a, p), (b, q) in pairwise(poses)])
 
 
@@ -47,7 +47,7 @@ def test_only_segments_within_the_run_start_from_it_as_it_is(tmp_path: Path) -> 
     motion = bent(session, first, last)
     own = save_own_motion(session, tmp_path / "session.json", motion)
     settings = session.settings.model_copy(update={"quality": "preview"})
-    session = session.model_copy(update={"first_motion": own, "settings": settings})
+    session = session.changed({"first_motion": own, "settings": settings})
     begun: dict[tuple[int, int], tuple[str, Trajectory]] = {}
     with open_video_of(session, PERSON) as video:
         events = track_session(
@@ -66,8 +66,8 @@ def test_a_body_with_other_parts_is_tracked_as_if_nothing_was_kept(tmp_path: Pat
     session = load_session(PERSON)
     first, last = session.spans[0]
     own = save_own_motion(session, tmp_path / "session.json", bent(session, first, last))
-    body = session.body.model_copy(update={"parts": session.body.parts[:-1]})
-    other = session.model_copy(update={"first_motion": own, "body": body})
+    body = session.subject.body.model_copy(update={"parts": session.subject.body.parts[:-1]})
+    other = session.changed({"first_motion": own, "body": body})
     assert first_motion_of_session(other, tmp_path) is None
     require_first_motion(other, None)
 
@@ -76,7 +76,7 @@ def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
     session = load_session(PERSON)
     first, last = session.spans[0]
     own = save_own_motion(session, tmp_path / "session.json", bent(session, first, last))
-    session = session.model_copy(update={"first_motion": own})
+    session = session.changed({"first_motion": own})
     (tmp_path / own.file).write_bytes(b"nothing")
     with pytest.raises(SessionError, match="is damaged"):
         load_first_motion_of(session, tmp_path)

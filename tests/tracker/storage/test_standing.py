@@ -60,16 +60,16 @@ def known(**changes: Any) -> Session:
 def test_feet_are_pinned_on_one_floor_and_soles_lie_within_a_centimetre() -> None:
     done = stood(known())
     assert done.taken >= 4
-    assert all(pin.floor for pin in done.session.pins)
+    assert all(pin.floor for pin in done.session.subject.pins)
     assert abs(soles(done).off_m) < 0.01
-    assert done.session.floor_m == pytest.approx(float((SHOWN.truth.joints(SHOWN.skeleton)[0] @ UP)
+    assert done.session.world.floor_m == pytest.approx(float((SHOWN.truth.joints(SHOWN.skeleton)[0] @ UP)
                                                        .min()), abs=0.12)  # fmt: skip
 
 
 def test_keyframes_stay_in_the_picture_and_give_way_in_depth() -> None:
     done = stood(known())
     assert done.softened == KEYS
-    assert {keyframe.soft for keyframe in done.session.keyframes} == {"depth"}
+    assert {keyframe.soft for keyframe in done.session.subject.keyframes} == {"depth"}
     run = stretches(done.session, tracked(done.session, MOTION))[0]
     motion = solved(done.session, run).motion
     for frame in KEYS:
@@ -79,36 +79,36 @@ def test_keyframes_stay_in_the_picture_and_give_way_in_depth() -> None:
 
 def test_soft_keyframes_stay_as_soft_as_they_were() -> None:
     given = known()
-    soft = tuple(k.model_copy(update={"soft": True}) for k in given.keyframes)
-    done = stood(given.model_copy(update={"keyframes": soft}))
+    soft = tuple(k.model_copy(update={"soft": True}) for k in given.subject.keyframes)
+    done = stood(given.changed({"keyframes": soft}))
     assert done.softened == ()
-    assert {keyframe.soft for keyframe in done.session.keyframes} == {True}
+    assert {keyframe.soft for keyframe in done.session.subject.keyframes} == {True}
 
 
 def test_pins_that_are_there_stay_and_come_onto_the_floor() -> None:
     pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=48, last_frame=54)
     hand = Pin(part="left_hand", first_frame=3, last_frame=9)
     done = stood(known(pins=(pin, hand)))
-    assert done.session.pins[0] == pin.model_copy(update={"floor": True})
-    assert done.session.pins[1] == hand
-    assert not any(other.overlaps(pin) for other in done.session.pins[1:])
+    assert done.session.subject.pins[0] == pin.model_copy(update={"floor": True})
+    assert done.session.subject.pins[1] == hand
+    assert not any(other.overlaps(pin) for other in done.session.subject.pins[1:])
 
 
 def test_what_is_up_is_what_was_set_or_else_what_lines_say_or_else_the_feet() -> None:
     assert stood(known()).up_from == "known"
     lines = stood(session(), UprightLines(UP, 0.7))
     assert lines.up_from == "lines"
-    np.testing.assert_allclose(lines.session.up_camera, UP, atol=1e-5)
+    np.testing.assert_allclose(lines.session.world.up_world, UP, atol=1e-5)
     feet = stood(session())
     assert feet.up_from == "feet"
-    assert feet.session.up_from_feet
-    assert np.degrees(np.arccos(np.array(feet.session.up_camera) @ UP)) < 5
+    assert feet.session.world.up_from_feet
+    assert np.degrees(np.arccos(np.array(feet.session.world.up_world) @ UP)) < 5
 
 
 def test_a_hand_on_the_floor_stays_there_and_is_no_sole() -> None:
     hand = Pin(part="left_hand", first_frame=3, last_frame=9, floor=True)
     done = stood(known(pins=(hand,)))
-    assert done.session.pins[0] == hand
+    assert done.session.subject.pins[0] == hand
     assert soles(done).part.endswith("foot")
     alone = measured_soles(SHOWN.skeleton, [MOTION], [hand], UP, -1.7)
     assert alone is None
@@ -119,7 +119,7 @@ def test_a_foot_pinned_beyond_what_is_tracked_stands_on_the_floor_as_far_as_it_i
     given = known(pins=(pin,))
     whole = tracked(given, MOTION)
     done = stand(given, {span: found for span, found in whole.items() if span[1] <= 60})
-    assert done.session.pins[0] == pin.model_copy(update={"floor": True})
+    assert done.session.subject.pins[0] == pin.model_copy(update={"floor": True})
     assert done.softened == KEYS[:3]
     untracked = pin.model_copy(update={"first_frame": 62})
     other = pin.model_copy(
@@ -127,7 +127,7 @@ def test_a_foot_pinned_beyond_what_is_tracked_stands_on_the_floor_as_far_as_it_i
     )
     given = known(pins=(untracked, other.model_copy(update={"last_frame": 90})))
     only = {span: found for span, found in whole.items() if span[1] <= 30}
-    assert np.isfinite(stand(given, only).session.floor_m or np.nan)
+    assert np.isfinite(stand(given, only).session.world.floor_m or np.nan)
 
 
 def test_without_a_foot_pinned_where_the_motion_is_tracked_there_is_no_floor() -> None:
@@ -144,7 +144,7 @@ def test_a_foot_that_stands_across_two_solves_is_pinned_once_at_the_frame_betwee
 ) -> None:
     monkeypatch.setattr(solves, "LONGEST", 40)
     done = stood(known())
-    feet = [pin for pin in done.session.pins if pin.part == "right_foot"]
+    feet = [pin for pin in done.session.subject.pins if pin.part == "right_foot"]
     assert any(pin.last_frame == KEYS[1] for pin in feet)
     assert any(pin.first_frame == KEYS[1] + 1 for pin in feet)
     assert Session.model_validate_json(done.session.model_dump_json()) == done.session
@@ -157,7 +157,7 @@ def test_a_foot_on_something_higher_is_left_there_and_named() -> None:
     given = known(pins=(pin,))
     done = stand(given, tracked(given, type(MOTION)(0, R, t)))
     assert pin in done.raised
-    assert not done.session.pins[0].floor
+    assert not done.session.subject.pins[0].floor
 
 
 REFUSED = {
@@ -200,8 +200,8 @@ def test_frames_in_which_nothing_touches_the_floor_are_told() -> None:
     run = stretches(done.session, tracked(done.session, MOTION))[0]
     R, t = solved(done.session, run).motion.writable()
     t[75:79] += 0.4 * UP
-    pins = [pin for pin in done.session.pins if pin.last_frame < 75]
+    pins = [pin for pin in done.session.subject.pins if pin.last_frame < 75]
     raised = type(MOTION)(0, R, t)
-    measured = measured_soles(SHOWN.skeleton, [raised], pins, UP, done.session.floor_m or 0.0)
+    measured = measured_soles(SHOWN.skeleton, [raised], pins, UP, done.session.world.floor_m or 0.0)
     assert measured is not None
     assert (75, 78) in measured.in_air

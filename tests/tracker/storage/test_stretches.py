@@ -64,7 +64,7 @@ def test_pins_are_clipped_to_what_is_solved() -> None:
 
 
 def changed(**changes: Any) -> Session:
-    return smooth(pinned()).model_copy(update=changes)
+    return smooth(pinned()).changed(changes)
 
 
 LATER = PIN.model_copy(update={"last_frame": 7})
@@ -94,16 +94,16 @@ def test_what_decides_the_motion_in_space_makes_another_key(other: Session) -> N
 
 def test_joint_limits_and_the_frame_rate_make_another_key() -> None:
     of = changed()
-    parts = list(of.body.parts)
+    parts = list(of.subject.body.parts)
     parts[1] = parts[1].model_copy(update={"limits_deg": {"x": (-10.0, 20.0)}})
-    limited = of.model_copy(update={"body": of.body.replaced(parts)})
-    parts = list(of.body.parts)
+    limited = of.changed({"body": of.subject.body.replaced(parts)})
+    parts = list(of.subject.body.parts)
     parts[1] = parts[1].model_copy(update={"twist": Twist(range_deg=(-90.0, 90.0))})
-    twisted = of.model_copy(update={"body": of.body.replaced(parts)})
-    faster = of.model_copy(
-        update={
+    twisted = of.changed({"body": of.subject.body.replaced(parts)})
+    faster = of.changed(
+        {
             "keyframes": tuple(
-                one.model_copy(update={"time_s": one.time_s / 2}) for one in of.keyframes
+                one.model_copy(update={"time_s": one.time_s / 2}) for one in of.subject.keyframes
             )
         }
     )
@@ -114,7 +114,7 @@ def test_joint_limits_and_the_frame_rate_make_another_key() -> None:
 
 def test_a_segment_tracked_otherwise_makes_another_key() -> None:
     of = changed()
-    camera = of.camera.model_copy(update={"fx": 80.0})
+    camera = of.view.camera.model_copy(update={"fx": 80.0})
     assert keys(changed(camera=camera)) != keys(of)
 
 
@@ -122,7 +122,7 @@ def test_a_segment_tracked_otherwise_makes_another_key() -> None:
     "other",
     [
         smooth(pinned(), quality="full"),
-        changed(drafts=(session().keyframes[1].model_copy(update={"frame": 2}),)),
+        changed(drafts=(session().subject.keyframes[1].model_copy(update={"frame": 2}),)),
         changed(pins=(PIN, PIN.model_copy(update={"first_frame": 8, "last_frame": 8}))),
     ],
     ids=["quality asked for", "a draft", "a pin that only touches the end"],

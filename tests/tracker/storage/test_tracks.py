@@ -54,15 +54,15 @@ def test_a_result_is_read_back_as_it_was(tmp_path: Path) -> None:
 
 def test_the_session_shows_what_was_found(tmp_path: Path) -> None:
     session, _ = saved(tmp_path)
-    assert session.results is not None
-    assert session.results.quality == "full"
-    assert [s.verdict for s in session.results.segments] == [GOOD, GOOD]
-    assert session.results.segments[0].scores == (3.0, 2.0, None)
+    assert session.subject.results is not None
+    assert session.subject.results.quality == "full"
+    assert [s.verdict for s in session.subject.results.segments] == [GOOD, GOOD]
+    assert session.subject.results.segments[0].scores == (3.0, 2.0, None)
 
 
 def test_the_same_result_has_the_same_bytes_and_name(tmp_path: Path) -> None:
     one, _ = saved(tmp_path)
-    place = tmp_path / one.results.tracks if one.results else tmp_path
+    place = tmp_path / one.subject.results.tracks if one.subject.results else tmp_path
     before = (place.read_bytes(), place.stat().st_mtime_ns)
     other, _ = saved(tmp_path)
     assert other == one
@@ -73,8 +73,8 @@ def test_the_same_result_has_the_same_bytes_and_name(tmp_path: Path) -> None:
 
 def test_numpy_reads_the_file_without_pickle(tmp_path: Path) -> None:
     session, _ = saved(tmp_path)
-    assert session.results is not None
-    with np.load(tmp_path / session.results.tracks, allow_pickle=False) as file:
+    assert session.subject.results is not None
+    with np.load(tmp_path / session.subject.results.tracks, allow_pickle=False) as file:
         assert file["part_names"].tolist() == list(cases.SKELETON.body.names)
         assert file["Rs_parent_part"].shape == (9, 4, 3, 3)
         assert int(file["first_frame"]) == 0
@@ -110,9 +110,7 @@ def test_nothing_tracked_is_said(tmp_path: Path) -> None:
 
 def test_of_a_session_about_surfaces_it_is_said_how_surfaces_are_fitted(tmp_path: Path) -> None:
     path = tmp_path / "my session.json"
-    session = cases.session().model_copy(
-        update={"surface": Surface(p_camera_surface=(0.0, 0.0, 3.0))}
-    )
+    session = cases.session().changed({"surface": Surface(p_camera_surface=(0.0, 0.0, 3.0))})
     command = r"run `keypose fit --session '.*my session\.json'`\."
     with pytest.raises(SessionError, match=f"has not been fitted yet: {command}"):
         load_tracks(session, path)
@@ -123,8 +121,8 @@ def test_of_a_session_about_surfaces_it_is_said_how_surfaces_are_fitted(tmp_path
 
 def test_a_changed_byte_is_noticed(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
-    assert session.results is not None
-    place = tmp_path / session.results.tracks
+    assert session.subject.results is not None
+    place = tmp_path / session.subject.results.tracks
     content = bytearray(place.read_bytes())
     content[len(content) // 2] ^= 1
     place.write_bytes(bytes(content))
@@ -137,8 +135,8 @@ def test_a_changed_byte_is_noticed(tmp_path: Path) -> None:
 
 def test_a_motion_of_another_body_is_refused(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
-    shorter = session.body.replaced(session.body.parts[:3])
-    other = session.model_copy(update={"body": shorter})
+    shorter = session.subject.body.replaced(session.subject.body.parts[:3])
+    other = session.changed({"body": shorter})
     with pytest.raises(SessionError, match="with other parts than the session's body has"):
         load_trajectory(other, path)
 
@@ -147,22 +145,20 @@ def test_keyframes_changed_after_tracking_are_reported(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
     trajectory = load_trajectory(session, path)
     assert outdated_keyframes(session, trajectory) == ()
-    moved = session.keyframes[1].model_copy(update={"root_m": (0.0, 0.0, 3.0)})
-    keyframes = (session.keyframes[0], moved, session.keyframes[2])
-    assert outdated_keyframes(session.model_copy(update={"keyframes": keyframes}), trajectory) == (
-        4,
-    )
+    moved = session.subject.keyframes[1].model_copy(update={"root_m": (0.0, 0.0, 3.0)})
+    keyframes = (session.subject.keyframes[0], moved, session.subject.keyframes[2])
+    assert outdated_keyframes(session.changed({"keyframes": keyframes}), trajectory) == (4,)
 
 
 def test_keyframes_added_or_taken_away_after_tracking_are_reported(tmp_path: Path) -> None:
     session, path = saved(tmp_path)
     trajectory = load_trajectory(session, path)
-    first, middle, last = session.keyframes
-    removed = session.model_copy(update={"keyframes": (first, last)})
+    first, middle, last = session.subject.keyframes
+    removed = session.changed({"keyframes": (first, last)})
     assert outdated_keyframes(removed, trajectory) == (4,)
     # On the motion itself, so that only its being there is new.
     there = Keyframe.of(cases.SKELETON, trajectory.pose(2), 2, 2 / 25)
-    added = session.model_copy(update={"keyframes": (first, there, middle, last)})
+    added = session.changed({"keyframes": (first, there, middle, last)})
     assert outdated_keyframes(added, trajectory) == (2,)
     assert tracked_keyframes(added) == (0, 4, 8)
 
@@ -172,14 +168,14 @@ def test_a_changed_body_camera_or_mask_is_reported(tmp_path: Path) -> None:
     trajectory = load_trajectory(session, path)
     assert outdated_words(session, trajectory) is None
     mask = IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=0, last_frame=8)
-    hand = session.body.parts[3].model_copy(update={"joint_m": (0.0, 0.5, 0.0)})
+    hand = session.subject.body.parts[3].model_copy(update={"joint_m": (0.0, 0.5, 0.0)})
     changes: dict[str, object] = {
-        "camera": session.camera.model_copy(update={"fx": 61.0}),
+        "camera": session.view.camera.model_copy(update={"fx": 61.0}),
         "ignore_masks": (mask,),
-        "body": session.body.replaced((*session.body.parts[:3], hand)),
+        "body": session.subject.body.replaced((*session.subject.body.parts[:3], hand)),
     }
     for field, value in changes.items():
-        changed = session.model_copy(update={field: value})
+        changed = session.changed({field: value})
         words = outdated_words(changed, trajectory)
         assert words == (
             "the tracked motion is out of date (body, camera or ignore masks have changed)."
@@ -200,9 +196,9 @@ def test_a_mask_beyond_the_tracked_segments_outdates_nothing(tmp_path: Path) -> 
     session, path = keyed(tmp_path)
     motion = load_trajectory(session, path)
     mask = IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=30, last_frame=40)
-    assert outdated_words(session.model_copy(update={"ignore_masks": (mask,)}), motion) is None
+    assert outdated_words(session.changed({"ignore_masks": (mask,)}), motion) is None
     within = mask.model_copy(update={"first_frame": 2})
-    words = outdated_words(session.model_copy(update={"ignore_masks": (within,)}), motion)
+    words = outdated_words(session.changed({"ignore_masks": (within,)}), motion)
     assert "ignore masks have changed" in (words or "")
 
 
@@ -214,7 +210,7 @@ def test_other_settings_outdate_a_motion_and_another_method_or_quality_does_not(
 
     def words_with(**settings: object) -> str | None:
         changed = session.settings.model_copy(update=settings)
-        return outdated_words(session.model_copy(update={"settings": changed}), motion)
+        return outdated_words(session.changed({"settings": changed}), motion)
 
     assert words_with(static_camera=True) == (
         "the tracked motion is out of date (settings have changed)."
@@ -225,11 +221,11 @@ def test_other_settings_outdate_a_motion_and_another_method_or_quality_does_not(
 
 def test_what_changes_no_motion_leaves_the_results_up_to_date(tmp_path: Path) -> None:
     masks = (IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=0, last_frame=8),)
-    masked = cases.session().model_copy(update={"ignore_masks": masks})
+    masked = cases.session().changed({"ignore_masks": masks})
     session = save_result(masked, tmp_path / "session.json", cases.result())
-    changed = session.model_copy(
-        update={
-            "camera": session.camera.model_copy(update={"origin": "guess"}),
+    changed = session.changed(
+        {
+            "camera": session.view.camera.model_copy(update={"origin": "guess"}),
             "ignore_masks": (masks[0].model_copy(update={"note": "a passer-by"}),),
         }
     )

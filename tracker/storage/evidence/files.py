@@ -55,15 +55,15 @@ class FilmFiles:
     def open(self, session: Session, path: Path, folder: Path) -> Video:
         from keypose.tracker.video import Video  # the decoder loads only when needed
 
-        return Video.open(path, deinterlace=session.video.deinterlace)
+        return Video.open(path, deinterlace=session.view.video.deinterlace)
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         from keypose.tracker.video.fingerprint import fingerprint_of_file
 
-        return fingerprint_of_file(path, session.video.frame_count) if path.is_file() else None
+        return fingerprint_of_file(path, session.view.video.frame_count) if path.is_file() else None
 
     def state(self, session: Session, path: Path, folder: Path) -> tuple[Any, ...]:
-        return identity(path), session.video.deinterlace
+        return identity(path), session.view.video.deinterlace
 
     def refresh_fingerprints(self, session: Session, folder: Path, video: Video) -> Session:
         return session
@@ -102,10 +102,10 @@ class SurfaceFiles:
         surface, fingerprint = surface_of(session), video.fingerprint()
         if surface.cameras is not None:
             surface = with_cameras_fingerprint(surface, folder / surface.cameras)
-        if (fingerprint, surface) == (session.video.fingerprint, session.surface):
+        if (fingerprint, surface) == (session.view.video.fingerprint, session.view.surface):
             return session
-        meshes = session.video.model_copy(update={"fingerprint": fingerprint})
-        return session.model_copy(update={"video": meshes, "surface": surface})
+        meshes = session.view.video.model_copy(update={"fingerprint": fingerprint})
+        return session.changed({"video": meshes, "surface": surface})
 
 
 def surfaces_of(video: Video) -> SurfaceVideo:

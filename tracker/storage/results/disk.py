@@ -37,18 +37,18 @@ def load_results(session: Session, session_path: Path) -> Results:
     SessionError in one sentence when the file is missing or damaged.
     """
     results = Results()
-    if session.results is None:
+    if session.subject.results is None:
         return results
     tracks = load_tracks(session, session_path)
-    known = session.results.tracked_for in (None, setup_hash(session))
+    known = session.subject.results.tracked_for in (None, setup_hash(session))
     keys = present_keys(session) if known else {}
-    for summary in session.results.segments:
+    for summary in session.subject.results.segments:
         path = _path(tracks.as_tracked, summary, summary.unreached)
         if path is not None:
             key = summary.key or _key(session, keys, path)
-            found = _result(session.results, summary, tracks, path, key)
+            found = _result(session.subject.results, summary, tracks, path, key)
             results = results.with_result(found, keep=results.by_key)
-    for stretch in session.results.space:
+    for stretch in session.subject.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:
             facts = (stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m)
@@ -68,7 +68,7 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
         return session
     lowest = min((found.quality for found in kept), key=CARE.__getitem__)
     settings = session.settings.model_copy(update={"quality": lowest})
-    result = TrackResult(Skeleton.of(session.body), settings, tuple(kept))
+    result = TrackResult(Skeleton.of(session.subject.body), settings, tuple(kept))
     return save_result(session, session_path, result, results.space(session))
 
 
@@ -104,8 +104,8 @@ def _key(session: Session, keys: dict[Span, str], path: Trajectory) -> str:
 
 def _goes_through(session: Session, path: Trajectory) -> bool:
     """Return whether the motion ends at the keyframes' poses; open ends always fit."""
-    skeleton = Skeleton.of(session.body)
-    at = {keyframe.frame: keyframe for keyframe in session.keyframes}
+    skeleton = Skeleton.of(session.subject.body)
+    at = {keyframe.frame: keyframe for keyframe in session.subject.keyframes}
     for frame in (path.first_frame, path.last_frame):
         if frame not in at:
             continue

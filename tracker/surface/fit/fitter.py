@@ -39,14 +39,14 @@ class SurfaceFitter:
 
     def __init__(self, session: Session, steps: Steps) -> None:
         model = session.model_keyframe
-        if model is None or session.surface is None:
+        if model is None or session.view.surface is None:
             raise SessionError(
                 "keyframes: one at least is needed to fit surfaces, and the session has none."
             )
-        self.skeleton = Skeleton.of(session.body)
+        self.skeleton = Skeleton.of(session.subject.body)
         self.spans: tuple[Span, ...] = session.spans
-        self._surface, self._steps, self.model_frame = session.surface, steps, model.frame
-        self._keyposes = {k.frame: k.pose(self.skeleton) for k in session.keyframes}
+        self._surface, self._steps, self.model_frame = session.view.surface, steps, model.frame
+        self._keyposes = {k.frame: k.pose(self.skeleton) for k in session.subject.keyframes}
         self._trackers: dict[Quality, SurfaceTracker] = {}
         self._lock = threading.Lock()
 

@@ -47,9 +47,9 @@ def test_every_segment_is_tracked_and_reported(path: Path) -> None:
     summary, steps = done(path)
     after = load_session(path)
     assert (summary.state, fresh(summary)) == ("tracked", [True, True])
-    assert after.model_copy(update={"results": None}) == before
+    assert after.changed({"results": None}) == before
     assert list(load_results(after, path).fitting(after)) == [(0, 4), (4, 8)]
-    assert summary.tracks == (after.results and after.results.tracks)
+    assert summary.tracks == (after.subject.results and after.subject.results.tracks)
     assert [step.percent for step in steps] == sorted(step.percent for step in steps)
     assert steps[-1].percent == 100
     assert sum(step.segment is not None for step in steps) == 2
@@ -96,8 +96,8 @@ def test_the_method_is_of_this_run_only(path: Path) -> None:
     summary, _ = done(path, order=TrackOrder(method="paper"))
     session = load_session(path)
     assert summary.state == "tracked"
-    assert session.results is not None
-    assert (session.results.method, session.settings.method) == ("paper", "keypose")
+    assert session.subject.results is not None
+    assert (session.subject.results.method, session.settings.method) == ("paper", "keypose")
 
 
 def test_what_a_person_edits_meanwhile_stays_and_is_reported(
@@ -106,13 +106,13 @@ def test_what_a_person_edits_meanwhile_stays_and_is_reported(
     def edited(*given: Any, **more: Any) -> Iterator[Any]:
         yield from rerun(*given, **more)
         session = load_session(path)
-        save_session(session.model_copy(update={"keyframes": session.keyframes[:2]}), path)
+        save_session(session.changed({"keyframes": session.subject.keyframes[:2]}), path)
         cases.altered(path, lambda data: data["camera"].update(fx=61.0))
 
     monkeypatch.setattr(run_one, "rerun", edited)
     summary, _ = done(path)
     session = load_session(path)
-    assert (len(session.keyframes), session.camera.fx) == (2, 61.0)
+    assert (len(session.subject.keyframes), session.view.camera.fx) == (2, 61.0)
     assert summary.state == "tracked"
     assert "Edited while it was tracked" in summary.words
     assert load_results(session, path).fitting(session) == {}

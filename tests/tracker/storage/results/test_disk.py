@@ -89,24 +89,22 @@ def test_what_was_tracked_by_the_command_line_fits_too(tmp_path: Path) -> None:
 
 
 def moved(of: Session) -> Session:
-    pose = of.keyframes[2].pose(cases.SKELETON)
+    pose = of.subject.keyframes[2].pose(cases.SKELETON)
     far = Pose(pose.Rs_parent_part, pose.p_camera_root * 1.01)
     last = Keyframe.of(cases.SKELETON, far, 8, 8 / 25)
-    return of.model_copy(update={"keyframes": (*of.keyframes[:2], last)})
+    return of.changed({"keyframes": (*of.subject.keyframes[:2], last)})
 
 
 def static(of: Session) -> Session:
-    return of.model_copy(
-        update={"settings": of.settings.model_copy(update={"static_camera": True})}
-    )
+    return of.changed({"settings": of.settings.model_copy(update={"static_camera": True})})
 
 
 def narrower(of: Session) -> Session:
-    return of.model_copy(update={"camera": of.camera.model_copy(update={"fx": 80.0})})
+    return of.changed({"camera": of.view.camera.model_copy(update={"fx": 80.0})})
 
 
 def by_the_paper(of: Session) -> Session:
-    return of.model_copy(update={"settings": of.settings.model_copy(update={"method": "paper"})})
+    return of.changed({"settings": of.settings.model_copy(update={"method": "paper"})})
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["with keys", "by the command line"])
@@ -141,8 +139,8 @@ def test_only_what_fits_and_is_finished_is_written(tmp_path: Path) -> None:
     of = session()
     results = Results().with_result(track(of, 0, 4)).with_result(passing(of, 4, 8, 0.1))
     again, path = saved(results.with_result(track(moved(of), 4, 8)), tmp_path, of)
-    assert again.results is not None
-    assert [s.first_frame for s in again.results.segments] == [0]
+    assert again.subject.results is not None
+    assert [s.first_frame for s in again.subject.results.segments] == [0]
     assert len(load_results(again, path)) == 1
 
 
@@ -152,16 +150,16 @@ def test_the_lowest_quality_is_reported_of_the_whole_and_each_segment_s_own_besi
     of = session()
     results = Results().with_result(track(of, 0, 4, "preview")).with_result(track(of, 4, 8))
     again, _ = saved(results, tmp_path, of)
-    assert again.results is not None
-    assert again.results.quality == "preview"
-    assert [s.quality for s in again.results.segments] == ["preview", "full"]
+    assert again.subject.results is not None
+    assert again.subject.results.quality == "preview"
+    assert [s.quality for s in again.subject.results.segments] == ["preview", "full"]
 
 
 def test_with_nothing_to_write_the_session_keeps_what_it_had(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
     before = sorted(tmp_path.iterdir())
-    assert save_results(narrower(again), path, both(of)).results == again.results
+    assert save_results(narrower(again), path, both(of)).subject.results == again.subject.results
     assert sorted(tmp_path.iterdir()) == before
 
 
@@ -172,7 +170,7 @@ def test_a_session_that_was_never_tracked_has_no_results(tmp_path: Path) -> None
 def test_a_damaged_tracks_file_is_reported_in_one_sentence(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
-    assert again.results is not None
-    (tmp_path / again.results.tracks).write_bytes(b"no archive")
+    assert again.subject.results is not None
+    (tmp_path / again.subject.results.tracks).write_bytes(b"no archive")
     with pytest.raises(SessionError, match=r"is damaged: .*\.$"):
         load_results(again, path)

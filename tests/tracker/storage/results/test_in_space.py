@@ -109,14 +109,14 @@ def test_the_file_has_the_motion_in_space_and_the_one_that_was_tracked(tmp_path:
 def test_without_pins_and_smoothing_the_files_are_those_of_before(tmp_path: Path) -> None:
     of = session()
     again, path = saved(both(of), tmp_path, of)
-    assert again.results is not None
-    assert again.results.space == ()
+    assert again.subject.results is not None
+    assert again.subject.results.space == ()
     words = path.read_text("utf-8")
     for name in ("space", "pins", "floor_m", "soft", "smooth"):
         assert f'"{name}"' not in words
     content = Tracks.of(result().segments, result().skeleton).to_bytes()
     assert b"before_space" not in content
-    assert (tmp_path / again.results.tracks).read_bytes() == content
+    assert (tmp_path / again.subject.results.tracks).read_bytes() == content
 
 
 def test_where_a_part_is_solved_the_rest_stays_as_tracked(tmp_path: Path) -> None:
@@ -151,9 +151,9 @@ def test_a_motion_that_was_solved_for_the_session_is_up_to_date(tmp_path: Path) 
 @pytest.mark.parametrize(
     "change",
     [
-        lambda of: of.model_copy(update={"pins": ()}),
-        lambda of: of.model_copy(update={"pins": (PIN.model_copy(update={"last_frame": 7}),)}),
-        lambda of: of.model_copy(update={"floor_m": -0.7}),
+        lambda of: of.changed({"pins": ()}),
+        lambda of: of.changed({"pins": (PIN.model_copy(update={"last_frame": 7}),)}),
+        lambda of: of.changed({"floor_m": -0.7}),
         lambda of: smooth(of, smooth=False),
     ],
     ids=["no pin", "longer pin", "floor", "not smooth"],
@@ -173,7 +173,7 @@ def test_pins_set_after_tracking_are_reported(tmp_path: Path) -> None:
     again, path = saved(both(of), tmp_path, of)
     tracks = load_tracks(again, path)
     assert outdated_words(again, tracks) is None
-    words = outdated_words(again.model_copy(update={"pins": (PIN,)}), tracks)
+    words = outdated_words(again.changed({"pins": (PIN,)}), tracks)
     assert words is not None
     assert "pins" in words
 
@@ -184,7 +184,7 @@ def test_a_soft_keyframe_that_the_motion_only_comes_near_is_not_out_of_date(
     of = softened(smooth(), 4)
     again, path = saved(solved(of, shift_m=0.05), tmp_path, of)
     tracks = load_tracks(again, path)
-    keyframe = again.keyframes[1]
+    keyframe = again.subject.keyframes[1]
     pose = tracks.pose(4)
     assert pose is not None
     assert abs(pose.p_camera_root[2] - keyframe.root_m[2]) > 0.01

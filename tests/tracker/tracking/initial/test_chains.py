@@ -12,7 +12,7 @@ from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from tests.tracker.formats import recordings
 
 TRUTH = recordings.trajectory("person")
-SKELETON = Skeleton.of(recordings.session("person").body)
+SKELETON = Skeleton.of(recordings.session("person").subject.body)
 START, END = TRUTH.pose(24), TRUTH.pose(48)
 
 
