@@ -51,13 +51,14 @@ def film(folder: Path, size: tuple[int, int], turns: int, **settings: object) ->
     _encode(folder / "person.mp4", [there[i] for i in way])
     shape = {"width": size[0], "height": size[1]}
     centre = {"cx": (size[0] - 1) / 2, "cy": (size[1] - 1) / 2}
-    scale = size[0] / values["camera"]["width"]
-    focus = {name: scale * values["camera"][name] for name in ("fx", "fy")}
-    values["camera"] |= shape | centre | focus
+    view, subject = values["views"][0], values["bodies"][0]
+    scale = size[0] / view["camera"]["width"]
+    focus = {name: scale * view["camera"][name] for name in ("fx", "fy")}
+    view["camera"] |= shape | centre | focus
     values["settings"] |= settings
-    values["video"] |= shape | {"fingerprint": "", "frame_count": len(way)}
-    poses = {keyframe["frame"]: keyframe for keyframe in values["keyframes"]}
-    values["keyframes"] = [
+    view["video"] |= shape | {"fingerprint": "", "frame_count": len(way)}
+    poses = {keyframe["frame"]: keyframe for keyframe in subject["keyframes"]}
+    subject["keyframes"] = [
         {**poses[i], "frame": frame, "time_s": frame / FPS}
         for frame, i in enumerate(way)
         if i in poses

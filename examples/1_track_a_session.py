@@ -25,7 +25,7 @@ def main() -> None:
 
     motion = result.trajectory
     p_camera_joint = motion.joints(result.skeleton)  # (frames, joints, 3), metres
-    uv = session.camera.project(p_camera_joint)  # (frames, joints, 2), pixels
+    uv = session.view.camera.project(p_camera_joint)  # (frames, joints, 2), pixels
     for frame in range(motion.first_frame, motion.last_frame + 1, 10):
         x, y, z = p_camera_joint[frame - motion.first_frame, 0]
         u, v = uv[frame - motion.first_frame, 0]

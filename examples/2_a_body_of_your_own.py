@@ -23,7 +23,7 @@ before = {"thigh": (0.771, -0.128, 0.618, 0.084), "shin": (0.991, 0.136, 0, 0)} 
 after = {"thigh": (0.849, 0.042, 0.524, -0.048), "shin": (0.932, 0.362, 0, 0)}
 key24 = tracker.Keyframe(frame=24, time_s=0.8, root_m=(0.34, -0.08, 5.4), rotations_wxyz=before)
 key48 = tracker.Keyframe(frame=48, time_s=1.6, root_m=(-0.11, -0.08, 5.2), rotations_wxyz=after)
-session = tracker.Session(
+session = tracker.Session.begin(
     video={"path": str(CLIP), "fingerprint": "", "frame_count": 73, "width": 640, "height": 360},
     camera=tracker.Camera(width=640, height=360, fx=900, fy=900, cx=319.5, cy=179.5),
     body=tracker.Body(name="leg", parts=parts),

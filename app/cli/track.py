@@ -29,10 +29,17 @@ def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
 def run(arguments: argparse.Namespace) -> int:
     session = _as_taken(load_session(arguments.session), arguments)
     if arguments.ahead is None:
-        require_trackable(session, arguments.session)
+        for body in session.bodies:
+            require_trackable(session.about(body.id), arguments.session)
     elif arguments.frames is not None:
         raise SessionError("--frames is for segments: tracking ahead goes as far as it can.")
     asked = with_settings(session, order_of(TrackOrder, arguments))
     if arguments.ahead is not None:
         return track_ahead_and_save(session, asked, arguments)
-    return track_and_save(session, asked, arguments, arguments.frames)
+    if arguments.out is not None and len(session.bodies) > 1:
+        raise SessionError("A copy is made of sessions of one body: leave --out away.")
+    codes = [
+        track_and_save(session.about(body.id), asked.about(body.id), arguments, arguments.frames)
+        for body in session.bodies
+    ]
+    return max(codes)

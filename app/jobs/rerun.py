@@ -156,11 +156,14 @@ def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results
     results = save_results(tracked, session_path, every).subject.results
     update: dict[str, Any] = {"results": results}
     update |= {name: tracked.value(name) for name in tracked.evidence.run_fields}
-    there = load_session(session_path)
+    file = load_session(session_path)
+    there = file.about(tracked.subject.id)
     if tracked.view.video.repeats is not None and "video" not in update:
         repeats = {"repeats": tracked.view.video.repeats}
         update["video"] = there.view.video.model_copy(update=repeats)
-    save_session(there.changed(update), session_path)
+    there = there.changed(update)
+    bodies = file.with_body(there.subject).bodies
+    save_session(there.model_copy(update={"bodies": bodies}), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results

@@ -21,7 +21,7 @@ def sample(sample: Path) -> Path:
     video = sample.with_name("person.mp4")
     flip_bit(video, packet=32, byte=900)
     session = json.loads(sample.read_text())
-    session["video"]["fingerprint"] = ""
+    session["views"][0]["video"]["fingerprint"] = ""
     sample.write_text(json.dumps(session))
     return sample
 

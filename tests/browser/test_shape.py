@@ -74,7 +74,7 @@ def test_a_capsule_is_chosen_in_the_inspector_drawn_in_every_view_and_sized(
     page.get_by_role("option", name="Capsule").click()
     until(lambda: part_of(page, PART)["shape"] == "capsule", "the capsule")
     assert part_of(page, "right_thigh")["shape"] == "capsule"
-    body = Body.model_validate(json.loads(sample.read_text("utf-8"))["body"])
+    body = Body.model_validate(json.loads(sample.read_text("utf-8"))["bodies"][0]["body"])
     index = body.index(PART)
     capsule = Capsule.like(body.parts[index].shape)
     for view in ("main", "top", "side", "front"):

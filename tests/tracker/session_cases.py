@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import UserDict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from keypose.tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from keypose.tracker.session.schema import PART_OF
 from keypose.tracker.session.verdict import GOOD, Kind, Verdict
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult, TrackResult
@@ -110,10 +112,59 @@ def write_session(folder: Path, keyframes: tuple[int, ...] = KEYFRAMES) -> Path:
     return path
 
 
+class Fields(UserDict[str, Any]):
+    """The JSON of a session by the names of its fields, whichever of view, body and world they are
+    of; in files of older versions they stand side by side."""
+
+    def part(self, name: str) -> Any:
+        places = {"view": ("views", 0), "subject": ("bodies", 0), "world": ("world",)}
+        part: Any = self.data
+        if "views" not in part:
+            return part
+        for step in places.get(PART_OF.get(name, "session"), ()):
+            part = part[step]
+        return part
+
+    def __getitem__(self, name: str) -> Any:
+        return self.part(name)[name]
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.part(name)[name] = value
+
+    def __delitem__(self, name: str) -> None:
+        del self.part(name)[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.part(str(name))
+
+
+def written(path: Path) -> Fields:
+    """What a session's file holds."""
+    fields = Fields()
+    fields.data = json.loads(path.read_text("utf-8"))
+    return fields
+
+
+def flat(session: Session) -> dict[str, Any]:
+    """The JSON of a session's fields by their names: `Session.begin` makes it of them again."""
+    fields = Fields()
+    fields.data = session.model_dump(mode="json")
+    return {name: fields[name] for name in PART_OF if name in fields}
+
+
+def flat_data(session: Session, version: int) -> dict[str, Any]:
+    """The JSON of a session as versions 1 to 3 had it: its fields side by side."""
+    fields = {"schema_version": version} | flat(session) | {"schema_version": version}
+    if "up_world" in fields:
+        fields["up_camera"] = fields.pop("up_world")
+    return fields
+
+
 def altered(path: Path, change: Any) -> Path:
     """The session file after `change(data)` on its JSON, written as a person would."""
-    data = json.loads(path.read_text("utf-8"))
-    change(data)
+    fields = written(path)
+    change(fields)
+    data = fields.data
     path.write_text(json.dumps(data), encoding="utf-8")
     return path
 

@@ -346,10 +346,10 @@ PART_OF: Mapping[str, Part] = {name: part for part, names in _FIELDS_OF.items() 
 
 
 def by_part(fields: Mapping[str, Any]) -> dict[Part, dict[str, Any]]:
-    """Sort fields by what they are of; those that are not known are the session's own."""
+    """Sort fields by what they are of; KeyError for one that nothing has."""
     parts: dict[Part, dict[str, Any]] = {part: {} for part in _FIELDS_OF}
     for name, value in fields.items():
-        parts[PART_OF.get(name, "session")][name] = value
+        parts[PART_OF[name]][name] = value
     return parts
 
 

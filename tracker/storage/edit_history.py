@@ -92,25 +92,26 @@ def mark_of(session: Session) -> str:
 
 
 def without_results(session: Session) -> Session:
-    """The document: what a person decides."""
-    if all(body.results is None for body in session.bodies):
-        return session
-    bodies = tuple(body.model_copy(update={"results": None}) for body in session.bodies)
-    return session.changed({"bodies": bodies})
+    """The document: what a person decides about the body that is posed."""
+    return session if session.subject.results is None else session.changed({"results": None})
 
 
 def with_results_of(doc: Session, tracked: Session) -> Session:
     """The document with the results of another state of the session, each of its own body."""
     found = {body.id: body.results for body in tracked.bodies}
     bodies = tuple(body.model_copy(update={"results": found.get(body.id)}) for body in doc.bodies)
-    return doc.changed({"bodies": bodies})
+    return doc.model_copy(update={"bodies": bodies})
 
 
 def of_film(moment: Moment, doc: Session) -> Moment:
-    """The same with the video where it is now, since both may have been moved, and with the unknown
-    fields, which are no edit."""
-    fields, now = {"schema_version": doc.schema_version, **(doc.model_extra or {})}, doc.evidence
-    return moment.each(lambda one: one.changed({**one.evidence.refreshed_fields(now), **fields}))
+    """The same with the video where it is now, since both may have been moved, with the motion of
+    other bodies, and with the unknown fields, which are no edit."""
+    own, now = {"schema_version": doc.schema_version, **(doc.model_extra or {})}, doc.evidence
+    return moment.each(
+        lambda one: with_results_of(
+            one.changed(one.evidence.refreshed_fields(now)).model_copy(update=own), doc
+        )
+    )
 
 
 # --- writing

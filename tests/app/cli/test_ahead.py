@@ -63,9 +63,9 @@ def test_the_bundled_box_is_followed_without_any_keypoints(
 ) -> None:
     assert main(["track", str(one_key), "--ahead", "forward"]) == 0
     session = load_session(one_key)
-    (record,) = session.ahead
+    (record,) = session.subject.ahead
     assert record.from_frame == session.subject.keyframes[0].frame
-    assert [draft.frame for draft in session.drafts] == list(
+    assert [draft.frame for draft in session.subject.drafts] == list(
         range(record.from_frame + 1, record.to_frame + 1)
     )
     assert record.to_frame >= 20
@@ -132,7 +132,7 @@ def test_both_ways_and_as_json(
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [e["event"] for e in events] == ["progress", "progress", "finished"]
     assert [found["to"] for found in events[-1]["ahead"]] == [keys[1] + 1, keys[1] - 1]
-    assert len(load_session(session_path).drafts) == 2
+    assert len(load_session(session_path).subject.drafts) == 2
 
 
 def test_into_a_folder_the_session_stays_as_it_is(
@@ -143,7 +143,7 @@ def test_into_a_folder_the_session_stays_as_it_is(
     out = tmp_path / "out"
     assert main(["track", str(session_path), "--ahead", "forward", "--out", str(out)]) == 0
     assert everything_in(session_path.parent) == before
-    assert len(load_session(out / "session.json").ahead) == 1
+    assert len(load_session(out / "session.json").subject.ahead) == 1
 
 
 def test_interrupted_it_keeps_what_was_found(
@@ -158,7 +158,7 @@ def test_interrupted_it_keeps_what_was_found(
 
     monkeypatch.setattr(tracking, "follow_ahead", interrupted)
     assert main(["track", str(session_path), "--ahead", "forward"]) == 130
-    assert load_session(session_path).ahead[0].stop.cause == "cancelled"
+    assert load_session(session_path).subject.ahead[0].stop.cause == "cancelled"
 
 
 def test_without_a_keyframe_or_beyond_the_end_it_is_refused(

@@ -67,7 +67,7 @@ def test_the_film_is_looked_at_only_for_what_is_up(
 ) -> None:
     x, y, z = UP.tolist()
     session = load_session(path)
-    save_session(session.changed({"up_camera": (x, y, z)}), path)
+    save_session(session.changed({"up_world": (x, y, z)}), path)
     path.with_name(session.view.video.path).unlink()
     assert main(["stand", str(path)]) == 0
     assert "The camera looks" not in capsys.readouterr().out

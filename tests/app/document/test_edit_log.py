@@ -164,7 +164,7 @@ async def saved(store: Store) -> None:
 
 
 async def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
-    content = path.read_bytes().replace(b'"schema_version": 3', b'"schema_version": 4', 1)
+    content = path.read_bytes().replace(b'"schema_version": 4', b'"schema_version": 5', 1)
     path.write_bytes(content)
     async with opened_store(path) as store:
         tab = store.join()
@@ -305,7 +305,7 @@ async def test_one_that_opens_while_another_still_writes_reads_what_that_one_wro
 
 async def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -> None:
     data = json.loads(path.read_text())
-    for keyframe in data["keyframes"]:
+    for keyframe in data["bodies"][0]["keyframes"]:
         keyframe["time_s"] *= 3
     path.write_text(json.dumps(data))
     async with opened_store(path) as store:

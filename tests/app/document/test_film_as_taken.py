@@ -24,6 +24,7 @@ from tests.app.document.test_edit_log import done
 from tests.app.walking_cases import write_walk
 from tests.scenes import opened_store
 from tests.tracker import session_cases as cases
+from tests.tracker.session_cases import written
 from tests.tracker.video.test_fields import write_interlaced
 from tests.tracker.video_cases import numbered_picture, write_image, write_numbered
 
@@ -102,7 +103,7 @@ def test_a_rate_is_kept_in_the_session_and_a_session_without_one_is_written_as_b
     save_session(load_session(path), path)
     assert path.read_bytes() == before
     taken(path, **SLOW_MOTION, deinterlace=False)
-    video = json.loads(path.read_bytes())["video"]
+    video = written(path)["video"]
     assert (video["recorded_fps"], video["deinterlace"]) == (240.0, False)
     assert load_session(path).subject.keyframes[1].time_s == pytest.approx(51 / 240)
 

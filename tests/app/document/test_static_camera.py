@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import cv2
@@ -17,6 +16,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.fingerprints import segment_keys
 from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
+from tests.tracker.session_cases import written
 
 BALANCE = Path(__file__).parents[3] / "sample_videos" / "balance"
 
@@ -53,7 +53,7 @@ def test_an_older_session_keeps_its_choice_and_gains_no_field(tmp_path: Path) ->
     for chosen in (False, True):
         path = tmp_path / "session.json"
         save_session(session(chosen, None), path)
-        data = json.loads(path.read_bytes())
+        data = written(path)
         assert data["settings"]["static_camera"] is chosen
         assert "stands_still" not in data["video"]
         assert load_session(path).has_static_camera is chosen

@@ -7,7 +7,6 @@ of which the one at 12 was set wrong.
 from __future__ import annotations
 
 import csv
-import json
 import shutil
 from pathlib import Path
 
@@ -20,10 +19,12 @@ from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.session.migrate import PRESENT
 from keypose.tracker.session.verdict import GOOD, Verdict
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results, save_results
 from tests.app.serving import ROOT
+from tests.tracker.session_cases import written
 
 HERE = Path(__file__).parent / "version_2"
 DIFFER = ": forward and backward passes differ"
@@ -102,8 +103,8 @@ def test_saved_again_it_says_the_same_and_is_kept_as_it_was(path: Path) -> None:
     content, session = path.read_bytes(), load_session(path)
     results = load_results(session, path)
     save_session(save_results(session, path, results), path)
-    data = json.loads(path.read_bytes())
-    assert data["schema_version"] == 3
+    data = written(path)
+    assert data["schema_version"] == PRESENT
     assert [s["verdict"]["cause"] for s in data["results"]["segments"]] == [
         *("good", "uncertain", "uncertain", "good")
     ]

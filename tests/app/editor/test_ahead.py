@@ -20,6 +20,7 @@ from keypose.tracker.session.annotations import Direction, Stop
 from keypose.tracker.session.schema import Session
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.editor.desk import after, desk
+from tests.tracker.session_cases import flat
 
 HIDDEN = Stop(cause="not_seen", part="right_forearm", behind="chest")
 
@@ -201,10 +202,10 @@ def test_it_is_said_how_far_it_came_and_why_no_farther() -> None:
 
 
 def test_a_record_that_does_not_fit_the_session_is_refused() -> None:
-    doc = followed(40).doc.model_dump(mode="json")
+    doc = flat(followed(40).doc)
     doc["ahead"][0]["to_frame"] = 400
     with pytest.raises(ValueError, match="ahead: frame 400 lies beyond the video's last, 72"):
-        Session.model_validate(doc)
+        Session.begin(**doc)
     doc["ahead"][0] |= {"to_frame": 40, "stop": {"cause": "uncertain", "part": "wing"}}
     with pytest.raises(ValueError, match="ahead: the body has no part 'wing'"):
-        Session.model_validate(doc)
+        Session.begin(**doc)

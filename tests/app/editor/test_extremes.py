@@ -141,8 +141,8 @@ def test_what_lies_behind_a_view_cannot_be_dragged_there(edit: dict[str, Any]) -
 
 def test_a_document_that_could_not_be_read_back_is_refused_by_the_name_of_its_action() -> None:
     doc = desk().doc
-    nowhere = doc.changed({"up_camera": (float("nan"), 0.0, 0.0)})
-    with pytest.raises(ActionRefused, match=r"^Up direction: not possible \(up_camera: .*finite"):
+    nowhere = doc.changed({"up_world": (float("nan"), 0.0, 0.0)})
+    with pytest.raises(ActionRefused, match=r"^Up direction: not possible \(up_world: .*finite"):
         require_sound(doc, nowhere, "up direction")
 
 
@@ -159,7 +159,7 @@ def test_a_session_that_could_not_be_read_back_is_not_written_over_one_that_can(
 ) -> None:
     doc, path = desk().doc, tmp_path / "session.json"
     save_session(doc, path)
-    broken = doc.changed({"up_camera": (float("nan"), 0.0, 0.0)})
+    broken = doc.changed({"up_world": (float("nan"), 0.0, 0.0)})
     with pytest.raises(KeyposeError, match="could not be opened again"):
         save_session(broken, path)
     assert load_session(path) == doc

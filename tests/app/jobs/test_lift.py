@@ -46,7 +46,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Path]:
     posed = Keyframe.of(skeleton, WALK.poses[POSED], POSED, POSED / 30)
     fields = {
         "video": video, "camera": CAMERA, "body": WALK.body, "keyframes": (posed,),
-        "up_camera": (0.0, -1.0, 0.0), "drafted": Drafted(first_frame=0, last_frame=FRAMES - 1),
+        "up_world": (0.0, -1.0, 0.0), "drafted": Drafted(first_frame=0, last_frame=FRAMES - 1),
     }  # fmt: skip
     uv = WALK.keypoints.uv.copy()
     uv[:, ELBOW] += BESIDE_PX

@@ -202,7 +202,7 @@ def test_a_new_viewpoint_shows_the_silhouette_that_its_eye_sees() -> None:
 
 def test_the_worlds_up_stands_upright_from_every_side() -> None:
     up = np.array([0.3, -0.9, 0.2])
-    tilted = SESSION.changed({"up_camera": tuple(up)})
+    tilted = SESSION.changed({"up_world": tuple(up)})
     level = Studio.of(tilted, cases.SKELETON).Rs["front"]
     for azimuth in range(0, 360, 30):
         view = view_from(

@@ -52,7 +52,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three steps of the arms, the first of them posed as it is, the last a little beside it."""
     place = cases.write_session(tmp_path_factory.mktemp("arms"), 3, (0, FRAME))
     data = json.loads(place.read_bytes())
-    data["keyframes"][1]["root_m"][0] += 0.06
+    data["bodies"][0]["keyframes"][1]["root_m"][0] += 0.06
     place.write_text(json.dumps(data))
     return place
 

@@ -112,7 +112,7 @@ def test_poses_turn_with_the_surface_when_its_axes_change() -> None:
     changed = observe(before, up="-y", about=middle.tolist())
     assert observed_from(changed, 0) == pytest.approx(observed_from(before, 0), abs=1e-6)
     for poses in ("keyframes", "drafts"):
-        (old,), (new,) = (getattr(state.doc, poses) for state in (before, changed))
+        (old,), (new,) = (state.doc.value(poses) for state in (before, changed))
         assert new.frame == old.frame
         assert np.abs(np.array(new.root_m) - old.root_m).max() > 0.01
     assert after(changed, {"do": "undo"}).doc == before.doc

@@ -73,7 +73,7 @@ class Desk(StoreDesk):
 
     @property
     def drafts(self) -> list[int]:
-        return [draft.frame for draft in self.doc.drafts]
+        return [draft.frame for draft in self.doc.subject.drafts]
 
     @property
     def job(self) -> Any:
@@ -103,7 +103,7 @@ async def test_it_grows_before_ones_eyes_and_becomes_one_step(desk: Desk) -> Non
     assert desk.job.percent == pytest.approx(12.5)
     desk.worker.end(12)
     assert desk.drafts == list(range(25, 37)) == desk.shown
-    assert desk.doc.ahead[0].stop == HIDDEN
+    assert desk.doc.subject.ahead[0].stop == HIDDEN
     assert desk.job.state == "idle"
     desk.do({"do": "undo"})
     assert desk.drafts == []

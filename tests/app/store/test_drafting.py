@@ -94,10 +94,10 @@ async def desk(path: Path) -> AsyncIterator[Desk]:
 async def test_a_draft_is_one_step_and_undo_is_exact(desk: Desk) -> None:
     before = desk.doc
     desk.do(DRAFT)
-    assert desk.order.frames == (0, before.video.frame_count - 1)
+    assert desk.order.frames == (0, before.view.video.frame_count - 1)
     assert desk.order.proportions
     desk.find(3, 4, 5)
-    assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
+    assert [draft.frame for draft in desk.doc.subject.drafts] == [3, 4, 5]
     edit = desk.store.app_state.edit
     assert edit is not None
     assert edit.history.past[-1].label == "draft"
@@ -105,13 +105,13 @@ async def test_a_draft_is_one_step_and_undo_is_exact(desk: Desk) -> None:
     assert desk.doc == before
     assert desk.section("draft") is None
     desk.do({"do": "redo"})
-    assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
+    assert [draft.frame for draft in desk.doc.subject.drafts] == [3, 4, 5]
 
 
 async def test_the_keypoints_of_a_draft_lie_beside_the_session(path: Path, desk: Desk) -> None:
     desk.do(DRAFT)
     desk.find(3)
-    reference = desk.doc.keypoints
+    reference = desk.doc.view.keypoints
     assert reference is not None
     assert (reference.network, reference.seeds) == ("abc", (10,))
     assert load_keypoints(path.parent / reference.file).uv.max() == 7.0
@@ -125,7 +125,7 @@ async def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path
         assert not [place for place in film.parent.iterdir() if place.is_dir()]
         desk.do(DRAFT)
         desk.find(3, 4)
-        assert [draft.frame for draft in desk.doc.drafts] == [3, 4]
+        assert [draft.frame for draft in desk.doc.subject.drafts] == [3, 4]
     (session,) = film.parent.glob("*/session.json")
     assert load_session(session).view.keypoints is not None
 
@@ -190,8 +190,8 @@ async def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(des
     assert shown["missing"] == [[0, 1], [10, 11]]
     assert (shown["first"], shown["last"], shown["drafted"]) == (0, 7, 6)
     assert [place["frame"] for place in shown["proposals"]] == [2, 7, 8, 12]
-    assert desk.doc.keypoints is not None
-    assert desk.doc.keypoints.seeds == (3, 10)
+    assert desk.doc.view.keypoints is not None
+    assert desk.doc.view.keypoints.seeds == (3, 10)
     desk.do({"do": "go", "frame": 10}, {"do": "add_key", "frame": 10})
     assert desk.section("draft")["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
 
@@ -200,8 +200,8 @@ async def test_a_draft_is_of_what_was_known_to_be_up_when_it_began(desk: Desk) -
     desk.do({"do": "draft", "frame": 3, "box": BOX, "last": 7})
     desk.do({"do": "level_camera"})
     desk.find(2, 3, 4)
-    assert desk.doc.drafted is not None
-    assert desk.doc.drafted.up_camera is None
+    assert desk.doc.subject.drafted is not None
+    assert desk.doc.subject.drafted.up_camera is None
     assert desk.section("camera")["lifts"]["drafts"] == 3
     desk.do({**DRAFT, "first": 8})
     desk.find(9, 10)
@@ -259,7 +259,7 @@ async def test_a_draft_that_is_cancelled_or_fails_changes_nothing(desk: Desk) ->
 async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_drafted_later(
     desk: Desk,
 ) -> None:
-    count = desk.doc.video.frame_count
+    count = desk.doc.view.video.frame_count
     desk.do({**DRAFT, "first": 2}, {"do": "cancel"})
     desk.find(3, 4, 5, detected=(2, 20))
     shown = desk.section("draft")
@@ -269,10 +269,12 @@ async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_draf
     desk.do({"do": "draft_rest"})
     assert (desk.order.frame, desk.order.box) == (10, tuple(BOX))
     assert (desk.order.frames, desk.order.proportions) == ((10, count - 1), False)
-    before = {draft.frame: draft for draft in desk.doc.drafts}
+    before = {draft.frame: draft for draft in desk.doc.subject.drafts}
     desk.find(*range(10, 30), detected=(10, 40))
-    assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5, *range(21, 30)]
-    assert all(draft == before[draft.frame] for draft in desk.doc.drafts if draft.frame < 21)
+    assert [draft.frame for draft in desk.doc.subject.drafts] == [3, 4, 5, *range(21, 30)]
+    assert all(
+        draft == before[draft.frame] for draft in desk.doc.subject.drafts if draft.frame < 21
+    )
     assert desk.section("draft")["rest"] == [[41, count - 1]]
     desk.do({"do": "draft_rest"})
     desk.find(*range(10, count))
@@ -322,9 +324,9 @@ async def test_keyframes_and_drafts_of_other_frames_stay(desk: Desk) -> None:
     desk.do({**DRAFT, "last": 12})
     desk.find(3, 8)
     desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
-    (keyframe,) = desk.doc.keyframes
+    (keyframe,) = desk.doc.subject.keyframes
     desk.do({"do": "draft", "frame": 2, "box": BOX, "last": 6})
     assert not desk.order.proportions  # a keyframe is posed with this body
     desk.find(2, 3, 4)
-    assert desk.doc.keyframes == (keyframe,)
-    assert [draft.frame for draft in desk.doc.drafts] == [2, 4, 8]
+    assert desk.doc.subject.keyframes == (keyframe,)
+    assert [draft.frame for draft in desk.doc.subject.drafts] == [2, 4, 8]

@@ -57,10 +57,10 @@ async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_wit
     assert [k.frame for k in sent.subject.keyframes] == [4]
     learn(3, 5, 6)
     assert moved(desk.doc) == [3, 5, 6]
-    assert all(draft.drafted for draft in desk.doc.drafts)
+    assert all(draft.drafted for draft in desk.doc.subject.drafts)
     learned = desk.doc
     desk.do({"do": "undo"})
-    assert not desk.doc.keyframes
+    assert not desk.doc.subject.keyframes
     assert moved(desk.doc) == []
     count = len(Worker.newest.fits)
     desk.do({"do": "redo"})
@@ -71,11 +71,11 @@ async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_wit
 async def test_what_a_person_posed_meanwhile_stays(desk: Desk) -> None:
     await begin(desk)
     desk.do({"do": "go", "frame": 5}, {"do": "root", "y": 0.2})
-    posed = next(d for d in desk.doc.drafts if d.frame == 5)
+    posed = next(d for d in desk.doc.subject.drafts if d.frame == 5)
     assert not posed.drafted
     learn(3, 5, 6)
     assert moved(desk.doc) == [3, 6]
-    assert next(d for d in desk.doc.drafts if d.frame == 5) == posed
+    assert next(d for d in desk.doc.subject.drafts if d.frame == 5) == posed
 
 
 async def test_nothing_is_learned_from_a_keyframe_that_was_undone_meanwhile(desk: Desk) -> None:
@@ -103,7 +103,7 @@ async def test_what_was_learned_is_there_when_the_session_is_opened_again(path: 
         assert moved(desk.doc) == [3, 5, 6]
         desk.do({"do": "undo"})
         assert moved(desk.doc) == []
-        assert not desk.doc.keyframes
+        assert not desk.doc.subject.keyframes
 
 
 async def test_a_keyframe_deleted_or_on_another_body_teaches_nothing(desk: Desk) -> None:

@@ -93,7 +93,7 @@ async def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path
         assert desk.edit.kept is None
         desk.do({"do": "redo"})
         assert desk.edit.kept is not None
-    assert load_session(path).first_motion is not None
+    assert load_session(path).subject.first_motion is not None
 
 
 async def test_one_keyframe_in_so_many_frames_leaves_the_motion_as_it_is_between(

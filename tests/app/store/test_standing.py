@@ -76,7 +76,7 @@ class Desk(StoreDesk):
             k.model_copy(update={"soft": True, "drafted": k.frame == KEYS[1]})
             if k.frame in KEYS[1:3]
             else k
-            for k in self.doc.keyframes
+            for k in self.doc.subject.keyframes
         )
         made = {"drafts": drafts, "keyframes": keyframes, "keypoints": KEYPOINTS,
                 "drafted": Drafted(first_frame=0, last_frame=LAST)}  # fmt: skip
@@ -101,10 +101,10 @@ async def test_standing_is_one_step_that_undo_takes_back_whole(at: Desk) -> None
     done = stand(before, at.order.fitting, UprightLines(UP, 0.6))
     Worker.newest.end(done)
     doc = at.doc
-    assert doc.pins
-    assert all(pin.floor for pin in doc.pins)
-    assert doc.floor_m is not None
-    assert {k.soft for k in doc.keyframes} == {"depth"}
+    assert doc.subject.pins
+    assert all(pin.floor for pin in doc.subject.pins)
+    assert doc.world.floor_m is not None
+    assert {k.soft for k in doc.subject.keyframes} == {"depth"}
     assert at.edit.history.past[-1].label == "stand on the floor"
     assert at.edit.history.total == 1
     at.do({"do": "undo"})
@@ -122,10 +122,10 @@ async def test_what_stands_is_there_when_the_session_is_opened_again_and_so_is_i
         stood = at.doc
     async with at_desk(path, Desk) as at:
         assert at.doc == stood
-        assert {k.soft for k in at.doc.keyframes} == {"depth"}
+        assert {k.soft for k in at.doc.subject.keyframes} == {"depth"}
         at.do({"do": "undo"})
-        assert {k.soft for k in at.doc.keyframes} == {False}
-        assert not at.doc.pins
+        assert {k.soft for k in at.doc.subject.keyframes} == {False}
+        assert not at.doc.subject.pins
         at.do({"do": "redo"})
         assert at.doc == stood
 
@@ -135,9 +135,9 @@ async def test_standing_again_changes_no_pin(at: Desk) -> None:
     for _ in range(2):
         at.do({"do": "stand"})
         Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
-    pins = at.doc.pins
+    pins = at.doc.subject.pins
     at.do({"do": "undo"})
-    assert at.doc.pins == pins
+    assert at.doc.subject.pins == pins
 
 
 async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing(at: Desk) -> None:
@@ -145,7 +145,7 @@ async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing
     at.do({"do": "stand"})
     before = at.doc
     Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
-    for one, other in zip(before.keyframes, at.doc.keyframes, strict=True):
+    for one, other in zip(before.subject.keyframes, at.doc.subject.keyframes, strict=True):
         assert one.rotations_wxyz is other.rotations_wxyz
 
 
@@ -153,7 +153,7 @@ async def test_it_is_dropped_where_keyframes_change_meanwhile(at: Desk) -> None:
     at.track()
     at.do({"do": "stand"})
     at.do({"do": "delete_key", "frame": 30})
-    assert not at.doc.pins
+    assert not at.doc.subject.pins
     assert Worker.newest.cancelled
 
 
@@ -175,10 +175,10 @@ async def test_upright_lines_set_what_is_up_or_say_that_there_are_too_few(at: De
     at.do({"do": "find_up"})
     assert isinstance(at.order, FindUp)
     Worker.newest.end(None)
-    assert at.doc.up_camera is None
+    assert at.doc.world.up_world is None
     at.do({"do": "find_up"})
     Worker.newest.end(UprightLines(UP, 0.7))
-    np.testing.assert_allclose(at.doc.up_camera, UP, atol=1e-5)
+    np.testing.assert_allclose(at.doc.world.up_world, UP, atol=1e-5)
     assert at.section("camera")["up_origin"] == "drawn"
 
 
@@ -197,10 +197,10 @@ async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_
     before = at.doc
     anew = {frame: WHOLE.pose(frame + 1) for frame in at.order.frames}
     Worker.newest.end(anew)
-    moved = {k.frame for k, was in zip(at.doc.keyframes, before.keyframes, strict=True)
-             if k.root_m != was.root_m}  # fmt: skip
+    both = zip(at.doc.subject.keyframes, before.subject.keyframes, strict=True)
+    moved = {now.frame for now, was in both if now.root_m != was.root_m}
     assert moved == {KEYS[1]}
-    assert all(draft.drafted for draft in at.doc.drafts)
+    assert all(draft.drafted for draft in at.doc.subject.drafts)
     assert at.section("camera")["lifts"] is None
     assert at.edit.history.past[-1].label == "draft anew"
     assert not Worker.newest.of(LearnDrafts)

@@ -16,9 +16,7 @@ WRIST: dict[str, Any] = {"frame": 2, "joint": "left_wrist", "uv": (20.0, 30.5)}
 
 
 def with_corrections(*given: dict[str, Any]) -> Session:
-    return Session.model_validate(
-        {**cases.session().model_dump(), "keypoint_corrections": list(given)}
-    )
+    return Session.begin(**{**cases.flat(cases.session()), "keypoint_corrections": list(given)})
 
 
 def test_a_session_without_any_is_written_as_before_there_were_any() -> None:

@@ -18,8 +18,8 @@ ROOT = cases.SKELETON.body.names[0]
 
 def opened(*parts: dict[str, Any], **changes: Any) -> Session:
     """A session with these part keyframes, read as from its file."""
-    reported = cases.session().model_dump(mode="json")
-    return Session.model_validate({**reported, "part_keyframes": list(parts), **changes})
+    fields = {**cases.flat(cases.session()), "part_keyframes": list(parts), **changes}
+    return Session.begin(**fields)
 
 
 def refusal(*parts: dict[str, Any], **changes: Any) -> str:

@@ -17,8 +17,7 @@ TIP = {"part": "left_hand", "landmarks": ["tip"], "first_frame": 1, "last_frame"
 
 def opened(*pins: dict[str, Any]) -> Session:
     """A session with these pins, read as from its file."""
-    reported = cases.session().model_dump(mode="json")
-    return Session.model_validate({**reported, "pins": list(pins)})
+    return Session.begin(**{**cases.flat(cases.session()), "pins": list(pins)})
 
 
 def refusal(*pins: dict[str, Any]) -> str:

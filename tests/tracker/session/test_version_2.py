@@ -107,8 +107,7 @@ def _tracked(tmp_path: Path, **segment: Any) -> Path:
     """A tracked session as version 2 wrote it, with something else in its first segment."""
     path = cases.write_session(tmp_path)
     save_session(save_result(load_session(path), path, cases.result()), path)
-    data = json.loads(path.read_text("utf-8"))
-    data["schema_version"] = 2
+    data = cases.flat_data(load_session(path), 2)
     for found in data["results"]["segments"]:
         found |= {"verdict": "good", "words": "good"}
     data["results"]["segments"][0] |= segment
@@ -132,7 +131,7 @@ def test_the_session_of_version_2_opens_with_its_verdicts_and_is_backed_up_when_
     save_session(load_session(path), path)
     assert _verdicts(path) == expected
     assert path.with_name("session.json.v2").read_bytes() == content
-    segment = json.loads(path.read_text("utf-8"))["results"]["segments"][0]
+    segment = cases.written(path)["results"]["segments"][0]
     assert segment["verdict"] == {
         "kind": "check", "cause": "not_seen", "part": "left forearm", "frames": [1, 2], "go": 2,
     }  # fmt: skip
@@ -172,9 +171,9 @@ def test_what_are_no_results_is_refused_in_a_sentence(tmp_path: Path, results: A
 def test_an_edit_that_only_the_journal_of_version_2_has_comes_back(tmp_path: Path) -> None:
     path = _tracked(tmp_path, verdict="check", words="check frames 1–2: chest uncertain")
     before = Moment(without_results(load_session(path)))
-    upright = before.doc.changed({"up_camera": (0.0, -1.0, 0.0)})
+    upright = before.doc.changed({"up_world": (0.0, -1.0, 0.0)})
     records = [base_record(before), edit_record(before, replace(before, doc=upright))]
-    records[0]["base"]["schema_version"] = 2
+    records[0]["base"] = cases.flat_data(before.doc, 2)
     journal_path(path).write_bytes(lines(records))
     found = open_session(path)
     assert (found.problem, found.recovered.ahead) == ("", 1)

@@ -16,7 +16,10 @@ from tests.tracker import session_cases as cases
 
 def _write(path: Path, **changes: Any) -> bytes:
     save_session(cases.session(), path)
-    data = {**json.loads(path.read_bytes()), **changes}
+    version = changes.get("schema_version", PRESENT)
+    is_flat = version < 4
+    data = cases.flat_data(cases.session(), version) if is_flat else json.loads(path.read_bytes())
+    data |= changes
     path.write_text(json.dumps(data, indent=2))
     return path.read_bytes()
 
@@ -63,7 +66,7 @@ def test_a_newer_session_can_be_looked_at_and_is_never_changed(tmp_path: Path) -
     session = load_session(path)
     assert session.is_newer
     assert len(session.subject.keyframes) == len(cases.KEYFRAMES)
-    with pytest.raises(SessionError, match=r"of a newer Keypose \(version 4\) and is not changed"):
+    with pytest.raises(SessionError, match=r"of a newer Keypose \(version 5\) and is not changed"):
         save_session(session, path)
     with pytest.raises(SessionError, match="newer Keypose"):
         save_session(cases.session(keyframes=(0, 8)), path)
@@ -75,13 +78,13 @@ def test_fields_that_are_not_known_survive_wherever_they_stand(tmp_path: Path) -
     save_session(cases.session(), path)
     data = json.loads(path.read_bytes())
     data["lab"] = {"subject": 7, "notes": ["ä", None]}
-    data["camera"]["serial"] = "A-1"
-    data["keyframes"][1]["sure"] = 0.5
-    data["body"]["parts"][2]["mass_kg"] = 2.1
-    data["body"]["parts"][2]["shape"]["colour"] = "red"
+    data["views"][0]["camera"]["serial"] = "A-1"
+    data["bodies"][0]["keyframes"][1]["sure"] = 0.5
+    data["bodies"][0]["body"]["parts"][2]["mass_kg"] = 2.1
+    data["bodies"][0]["body"]["parts"][2]["shape"]["colour"] = "red"
     data["settings"]["gpu"] = False
     path.write_text(json.dumps(data))
     session = load_session(path)
-    save_session(session.changed({"up_camera": (0.0, -1.0, 0.0)}), path)
-    data["up_camera"] = [0.0, -1.0, 0.0]
+    save_session(session.changed({"up_world": (0.0, -1.0, 0.0)}), path)
+    data["world"]["up_world"] = [0.0, -1.0, 0.0]
     assert json.loads(path.read_bytes()) == data

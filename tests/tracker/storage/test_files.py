@@ -147,14 +147,14 @@ def test_asking_whether_a_folder_can_be_written_leaves_nothing(tmp_path: Path) -
 
 REFUSED: dict[str, tuple[Change, str]] = {
     "that a newer Keypose wrote otherwise": (
-        lambda data: data.update(schema_version=4, camera=7),
-        "written by a newer Keypose (version 4), and here camera: input should be",
+        lambda data: data.update(schema_version=5, camera=7),
+        "written by a newer Keypose (version 5), and here views.0.camera: input should be",
     ),
     "of no known version": (
         _set("schema_version", to="first"),
-        "schema_version must be a number from 1 to 3",
+        "schema_version must be a number from 1 to 4",
     ),
-    "of a version before the first": (_set("schema_version", to=0), "from 1 to 3"),
+    "of a version before the first": (_set("schema_version", to=0), "from 1 to 4"),
     "without a version": (lambda data: data.pop("schema_version"), "schema_version is missing"),
     "without a camera": (lambda data: data.pop("camera"), "camera: field required"),
     "with a zero focal length": (_set("camera", "fx", to=0), "camera.fx"),
@@ -358,7 +358,7 @@ def test_a_saved_session_is_plain_json(tmp_path: Path) -> None:
     path = tmp_path / "session.json"
     save_session(cases.session(), path)
     data = json.loads(path.read_text("utf-8"), parse_constant=pytest.fail)
-    assert data["schema_version"] == 3
+    assert data["schema_version"] == 4
 
 
 @pytest.mark.parametrize("field", ["keyframes", "drafts", "ignore_masks"])

@@ -129,7 +129,7 @@ def _versions() -> list[Session]:
         start.changed({"keyframes": _poses((0, 0.1), (4, 0.7), (8, 1.0))}),
         start.changed({"keyframes": _poses((0, 0.1), (8, 1.0)), "camera": wide}),
         start.changed({"drafts": _poses((2, 0.3)), "ignore_masks": (mask,)}),
-        start.changed({"body": longer, "up_camera": (0.0, -1.0, 0.1)}),
+        start.changed({"body": longer, "up_world": (0.0, -1.0, 0.1)}),
         start.changed({"settings": turned, "keyframes": ()}),
     ]
 

@@ -54,7 +54,7 @@ def soles(done: Standing) -> Soles:
 
 def known(**changes: Any) -> Session:
     x, y, z = UP.tolist()
-    return session(up_camera=(x, y, z), **changes)
+    return session(up_world=(x, y, z), **changes)
 
 
 def test_feet_are_pinned_on_one_floor_and_soles_lie_within_a_centimetre() -> None:
@@ -62,8 +62,8 @@ def test_feet_are_pinned_on_one_floor_and_soles_lie_within_a_centimetre() -> Non
     assert done.taken >= 4
     assert all(pin.floor for pin in done.session.subject.pins)
     assert abs(soles(done).off_m) < 0.01
-    assert done.session.world.floor_m == pytest.approx(float((SHOWN.truth.joints(SHOWN.skeleton)[0] @ UP)
-                                                       .min()), abs=0.12)  # fmt: skip
+    lowest = float((SHOWN.truth.joints(SHOWN.skeleton)[0] @ UP).min())
+    assert done.session.world.floor_m == pytest.approx(lowest, abs=0.12)
 
 
 def test_keyframes_stay_in_the_picture_and_give_way_in_depth() -> None:
@@ -177,7 +177,7 @@ REFUSED = {
 
 def known_with_up(up: Any) -> Session:
     x, y, z = up.tolist()
-    return session(up_camera=(x, y, z))
+    return session(up_world=(x, y, z))
 
 
 @pytest.mark.parametrize("case", REFUSED)

@@ -28,7 +28,7 @@ def keys(of: Session) -> list[str]:
 
 def test_without_pins_and_smoothing_nothing_is_solved() -> None:
     assert wanted(session()) == []
-    assert wanted(session(floor_m=-0.8, up_camera=(0.0, -1.0, 0.0))) == []
+    assert wanted(session(floor_m=-0.8, up_world=(0.0, -1.0, 0.0))) == []
 
 
 @pytest.mark.parametrize("of", [smooth(), pinned()], ids=["smooth", "pinned"])
@@ -79,7 +79,7 @@ LATER = PIN.model_copy(update={"last_frame": 7})
         changed(pins=(PIN.model_copy(update={"floor": True}),)),
         changed(pins=(PIN, Pin(part="right_arm", first_frame=1, last_frame=3))),
         changed(floor_m=-0.8),
-        changed(up_camera=(0.0, -1.0, 0.1)),
+        changed(up_world=(0.0, -1.0, 0.1)),
         smooth(pinned(), smooth=False),
         softened(smooth(pinned()), 4),
         softened(smooth(pinned()), 0),
