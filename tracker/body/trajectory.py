@@ -54,6 +54,13 @@ class Trajectory:
             raise IndexError(f"frame {frame} is not in {self.first_frame}..{self.last_frame}")
         return Pose(self.Rs_parent_part[i], self.ps_camera_root[i])
 
+    def carried(self, Ts: Array) -> Trajectory:
+        """The motion in another frame: Ts (N, 4, 4) of that frame and this one at every pose."""
+        R = self.Rs_parent_part.copy()
+        R[:, 0] = Ts[:, :3, :3] @ R[:, 0]
+        ps = (Ts[:, :3, :3] @ self.ps_camera_root[..., None])[..., 0] + Ts[:, :3, 3]
+        return Trajectory(self.first_frame, R, ps)
+
     def transforms(self, skeleton: Skeleton) -> Array:
         """Ts_camera_part (N, P, 4, 4)."""
         return part_transforms(skeleton, self.Rs_parent_part, self.ps_camera_root)

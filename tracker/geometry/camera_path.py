@@ -1,17 +1,26 @@
 """Where a camera is at every frame of a film, how it is turned, and how far it has zoomed.
 
-World frame: the camera's own at the first frame, unless something else is said. A camera that
-stands still is the identity at every frame, and has no path.
+World frame: the camera's own at the first frame. A camera that stands still is the identity at
+every frame, and has no path.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import (
+    Array,
+    exp_rotation,
+    frozen,
+    log_rotation,
+    rotation_between,
+    transform,
+    transpose,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,10 +33,19 @@ class CameraPath:
     Ts_camera_world: Array
     zoom: Array
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "Ts_camera_world", frozen(self.Ts_camera_world))
+        object.__setattr__(self, "zoom", frozen(self.zoom))
+
     @classmethod
     def standing_still(cls, frame_count: int) -> CameraPath:
         """The path of a camera that neither moves nor zooms."""
         return cls(np.broadcast_to(np.eye(4), (frame_count, 4, 4)), np.ones(frame_count))
+
+    @classmethod
+    def of(cls, Rs_camera_world: Array, ps_camera_world: Array, zoom: Array) -> CameraPath:
+        """The path of rotations (N, 3, 3) and places (N, 3) of the world's origin."""
+        return cls(transform(Rs_camera_world, ps_camera_world), zoom)
 
     def __len__(self) -> int:
         return len(self.zoom)
@@ -35,16 +53,7 @@ class CameraPath:
     @property
     def Ts_world_camera(self) -> Array:
         """(N, 4, 4) poses of the camera in the world, metres."""
-        R = np.swapaxes(self.Ts_camera_world[:, :3, :3], -1, -2)
-        Ts = np.zeros_like(self.Ts_camera_world)
-        Ts[:, :3, :3], Ts[:, 3, 3] = R, 1.0
-        Ts[:, :3, 3] = -np.einsum("nab,nb->na", R, self.Ts_camera_world[:, :3, 3])
-        return Ts
-
-    @property
-    def turns(self) -> bool:
-        """Return whether the camera is turned at any frame."""
-        return bool((self.Ts_camera_world[:, :3, :3] != np.eye(3)).any())
+        return rigid_inverse(self.Ts_camera_world)
 
     @property
     def moves(self) -> bool:
@@ -56,9 +65,77 @@ class CameraPath:
         """Return whether the focal length changes."""
         return bool((self.zoom != 1.0).any())
 
+    def between(self, first: int, last: int) -> CameraPath:
+        """The frames first to last, of which the first is row 0 then."""
+        rows = slice(first, last + 1)
+        return CameraPath(self.Ts_camera_world[rows], self.zoom[rows])
+
+    def sampled(self, frames: Array) -> CameraPath:
+        """The path at frames (N,), fractions of them between two."""
+        below = np.clip(np.floor(frames).astype(np.int64), 0, len(self) - 1)
+        above = np.minimum(below + 1, len(self) - 1)
+        share = (frames - below)[:, None]
+        R, p = self.Ts_camera_world[:, :3, :3], self.Ts_camera_world[:, :3, 3]
+        turn = log_rotation(R[above] @ transpose(R[below]))
+        Rs = exp_rotation(share * turn) @ R[below]
+        zoom = self.zoom[below] + share[:, 0] * (self.zoom[above] - self.zoom[below])
+        return CameraPath.of(Rs, p[below] + share * (p[above] - p[below]), zoom)
+
     def camera_at(self, camera: Camera, frame: int) -> Camera:
         """The film's camera with the focal length of one frame."""
         if self.zoom[frame] == 1.0:
             return camera
         f = {"fx": camera.fx * self.zoom[frame], "fy": camera.fy * self.zoom[frame]}
         return camera.model_copy(update=f)
+
+
+@dataclass(frozen=True, eq=False)
+class CameraCorrection:
+    """The camera at one frame, as a person set it: T_camera_world (4, 4), zoom."""
+
+    frame: int
+    T_camera_world: Array
+    zoom: float
+
+
+def corrected(
+    path: CameraPath, corrections: Sequence[CameraCorrection], doubt: Array | None = None
+) -> CameraPath:
+    """The path that meets every correction exactly, and steps between them as it did.
+
+    What it misses a correction by is its drift, a motion of the world; between two corrections it
+    is spread over the steps by their doubt (N − 1,), evenly where that is not known. The first
+    frame stays, unless it is corrected itself: it is the world's frame.
+    """
+    if not corrections:
+        return path
+    held = {each.frame: each for each in corrections}
+    start = CameraCorrection(0, path.Ts_camera_world[0], float(path.zoom[0]))
+    held = {0: start, **held}
+    frames = sorted(held)
+    drift = np.stack(
+        [rigid_inverse(path.Ts_camera_world[f]) @ held[f].T_camera_world for f in frames]
+    )
+    ratio = np.log([held[f].zoom / path.zoom[f] for f in frames])
+    way = np.concatenate([[0.0], np.cumsum(np.ones(len(path) - 1) if doubt is None else doubt)])
+    Ts, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
+    for i, first in enumerate(frames):
+        last = frames[i + 1] if i + 1 < len(frames) else len(path) - 1
+        at, after = i, min(i + 1, len(frames) - 1)
+        length = max(way[last] - way[first], 1e-300)
+        shares = (way[first : last + 1] - way[first]) / length
+        turn = rotation_between(drift[at, :3, :3], drift[after, :3, :3], shares)
+        step = drift[after, :3, 3] - drift[at, :3, 3]
+        by = transform(turn, drift[at, :3, 3] + shares[:, None] * step)
+        Ts[first : last + 1] = path.Ts_camera_world[first : last + 1] @ by
+        more = ratio[at] + shares * (ratio[after] - ratio[at])
+        zoom[first : last + 1] = path.zoom[first : last + 1] * np.exp(more)
+    for frame, each in held.items():
+        Ts[frame], zoom[frame] = each.T_camera_world, each.zoom
+    return CameraPath(Ts, zoom)
+
+
+def rigid_inverse(T: Array) -> Array:
+    """(..., 4, 4) the inverse of rigid motions."""
+    R = transpose(T[..., :3, :3])
+    return transform(R, -(R @ T[..., :3, 3, None])[..., 0])

@@ -10,6 +10,7 @@ MOST: Mapping[str, int] = {
     "part_keyframes": 10_000,
     "drafts": 10_000,
     "ignore_masks": 10_000,
+    "camera_keyframes": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 10_000,
     "notes": 1_000,

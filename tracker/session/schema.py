@@ -19,7 +19,10 @@ from pydantic import Field, model_validator
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.annotations import (
     NoteList,
     require_ahead,
@@ -27,6 +30,7 @@ from keypose.tracker.session.annotations import (
     require_notes,
 )
 from keypose.tracker.session.bodies import TrackedBody
+from keypose.tracker.session.camera_motion import path_through
 from keypose.tracker.session.counts import MOST, few, require_few
 from keypose.tracker.session.evidence import Evidence, evidence_of
 from keypose.tracker.session.keyframe import Keyframe, quaternions_of
@@ -94,7 +98,21 @@ def _require_view(view: View, first: View) -> None:
         )
     if view is first and (view.T_camera_world != np.eye(4)).any():
         raise ValueError(f"views: {view.id!r} is the first, whose camera is the world's frame")
+    _require_camera_motion(view)
     require_corrections(view.keypoint_corrections, video.frame_count, video.width, video.height)
+
+
+def _require_camera_motion(view: View) -> None:
+    count, frames = view.video.frame_count, [each.frame for each in view.camera_keyframes]
+    if view.camera_motion is not None and view.camera_motion.frame_count != count:
+        raise ValueError(
+            f"camera_motion has {view.camera_motion.frame_count} frames and the video {count}"
+        )
+    if frames and frames[-1] >= count:
+        raise ValueError(f"camera_keyframes: frame {frames[-1]} is beyond the video's {count - 1}")
+    for before, after in pairwise(frames):
+        if before >= after:
+            raise ValueError(f"camera_keyframes: frame {after} stands after {before}")
 
 
 def _require_ids(what: str, them: Sequence[View | TrackedBody]) -> None:
@@ -296,6 +314,44 @@ class Session(Plain):
         """
         chosen, found = self.settings.static_camera, self.view.video.stands_still
         return bool(found if chosen is None else chosen)
+
+    @property
+    def camera_path(self) -> CameraPath | None:
+        """Return where the camera was at every frame, as a person corrected it; None where it
+        stands still, or where that is not known: then the camera is the world.
+        """
+        motion = self.view.camera_motion
+        if motion is None or self.has_static_camera:
+            return None
+        return path_through(motion, self.view.camera_keyframes)
+
+    def path_over(self, motion: Trajectory) -> CameraPath | None:
+        """Return where the camera was over the frames of a motion; None as for `camera_path`."""
+        path = self.camera_path
+        return None if path is None else path.between(motion.first_frame, motion.last_frame)
+
+    def in_world(self, motion: Trajectory) -> Trajectory:
+        """A motion of these frames, seen by the first view's camera, in the world."""
+        path = self.path_over(motion)
+        return motion if path is None else motion.carried(path.Ts_world_camera)
+
+    def eyes(self, motion: Trajectory) -> Array | None:
+        """(N, 3) where the camera was in the world over a motion; None as for `camera_path`."""
+        path = self.path_over(motion)
+        return None if path is None else path.Ts_world_camera[:, :3, 3]
+
+    def camera_at(self, frame: int) -> Camera:
+        """The camera with the focal length it has at a frame."""
+        path = self.camera_path
+        return self.view.camera if path is None else path.camera_at(self.view.camera, frame)
+
+    def up_at(self, frame: int) -> tuple[float, float, float] | None:
+        """What is up in the frame of the camera at a frame; None where nobody knows."""
+        up, path = self.world.up_world, self.camera_path
+        if up is None or path is None:
+            return up
+        x, y, z = path.Ts_camera_world[frame, :3, :3] @ up
+        return float(x), float(y), float(z)
 
     def with_up(self, up_world: Iterable[float] | None, *, from_feet: bool = False) -> Self:
         """Set what is up, rounded to 1e-6; None where nobody knows."""

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.annotations import KeypointCorrection
+from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion
 from keypose.tracker.session.counts import few
 from keypose.tracker.session.keyframe import Quaternion
 from keypose.tracker.session.references import KeypointFile, Surface, VideoReference
@@ -58,6 +59,18 @@ class View(Plain):
         default=None,
         exclude_if=operator.not_,
         description="How to read the meshes, where it shows such; left out otherwise.",
+    )
+
+    camera_motion: CameraMotion | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="How the camera turned, zoomed and moved; left out where it stands still or "
+        "nobody looked.",
+    )
+    camera_keyframes: tuple[CameraKeyframe, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="The camera at frames at which a person set it; left out where there are none.",
     )
 
     @property

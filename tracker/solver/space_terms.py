@@ -57,7 +57,7 @@ class OnFloor:
     unknowns."""
 
     at: int
-    up_camera: Array
+    up_world: Array
     above_m: float
     sigma_m: float
 
@@ -77,7 +77,7 @@ class OnFloor:
 
     @property
     def _row(self) -> Array:
-        return np.append(self.up_camera, -1.0) / self.sigma_m
+        return np.append(self.up_world, -1.0) / self.sigma_m
 
     def _unknown(self, shared: Array) -> NDArray[np.int64]:
         return np.array([self.at, self.at + 1, self.at + 2, len(shared) - 1])
@@ -104,7 +104,7 @@ THIRD = (-1, 3, -3, 1)
 
 @dataclass(frozen=True, eq=False)
 class Jerk:
-    """Third differences of K points' places in the camera frame, in every direction alike.
+    """Third differences of K points' places in one frame, in every direction alike.
 
     sigma (K,), or (N − 3, K) of every difference: m/s³. Rows and data both grow with the frame
     rate, so that it does not matter.

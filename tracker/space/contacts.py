@@ -2,7 +2,7 @@
 
 The picture shows how fast a point moves across the view; along it the motion is known badly, counts
 little and is smoothed for longer. Slow feet high in the air (a raised foot held still, the top of a
-jump) are left out by how low the lower foot was nearby. A camera that stands still is assumed.
+jump) are left out by how low the lower foot was nearby.
 """
 
 from __future__ import annotations
@@ -39,12 +39,17 @@ TOES_S = 0.15
 
 
 def proposed_pins(
-    skeleton: Skeleton, motion: Trajectory, frames_per_second: float, up_camera: Array | None
+    skeleton: Skeleton,
+    motion: Trajectory,
+    frames_per_second: float,
+    up_world: Array | None,
+    eyes: Array | None = None,
 ) -> tuple[Pin, ...]:
     """Pins for the feet of a body, where they stand still; whole feet, then toes alone.
 
-    up_camera: unit vector, None where up is not known: then only a foot held far above another
-        that stands is told from a standing one.
+    motion: in the world.  up_world: unit vector, None where up is not known: then only a foot held
+        far above another that stands is told from a standing one.  eyes (N, 3): where the camera
+        was; None where it stands still, in the world's origin.
     """
     feet = list(_feet(skeleton.body))
     if not feet or len(motion) < 3:
@@ -53,11 +58,12 @@ def proposed_pins(
     for part, _, toe in feet:
         points += [((part, (0.0, 0.0, 0.0)),), ((part, toe),)]
     places = BodyPoints(skeleton, tuple(points)).at(motion.transforms(skeleton))  # (N, 2F, 3)
-    low = _low(places, up_camera, frames_per_second)
+    low = _low(places, up_world, frames_per_second, eyes)
     found: list[Pin] = []
     for i, (part, names, _) in enumerate(feet):
         ankles, toes = (
-            still_ranges(places[:, k], frames_per_second, low[:, k]) for k in (2 * i, 2 * i + 1)
+            still_ranges(places[:, k], frames_per_second, low[:, k], eyes)
+            for k in (2 * i, 2 * i + 1)
         )
         later = _after(toes, ankles, TOES_S * frames_per_second)
         for held, spans in ((names, ankles), (names[1:], later)):
@@ -66,10 +72,13 @@ def proposed_pins(
 
 
 def still_ranges(
-    p_camera: Array, frames_per_second: float, low: NDArray[np.bool_]
+    p_world: Array,
+    frames_per_second: float,
+    low: NDArray[np.bool_],
+    eyes: Array | None = None,
 ) -> list[tuple[int, int]]:
     """First and last rows of the ranges over which a point (N, 3) stands still, low (N,) enough."""
-    v, n = speed_m_s(p_camera, frames_per_second), len(p_camera)
+    v, n = speed_m_s(p_world, frames_per_second, eyes), len(p_world)
     found: list[tuple[int, int]] = []
     row = 0
     while row < n:
@@ -126,14 +135,29 @@ def _after(
     return found
 
 
-def speed_m_s(p_camera: Array, frames_per_second: float) -> Array:
-    """(N,) how fast a point (N, 3) moves, as far as a picture shows it."""
-    z = p_camera[:, 2:]
-    ray = _smoothed(p_camera[:, :2] / z, ACROSS_S * frames_per_second)
+def speed_m_s(p_world: Array, frames_per_second: float, eyes: Array | None = None) -> Array:
+    """(N,) how fast a point (N, 3) moves, as far as pictures taken from eyes (N, 3) show it; None:
+    all from the world's origin, along z."""
+    if eyes is not None:
+        return _speed_from(p_world, frames_per_second, eyes)
+    z = p_world[:, 2:]
+    ray = _smoothed(p_world[:, :2] / z, ACROSS_S * frames_per_second)
     depth = _smoothed(z, DEPTH_S * frames_per_second)
     across = np.gradient(ray, axis=0) * depth
     along = np.gradient(depth[:, 0])
     moved = np.sqrt((across**2).sum(axis=-1) + (DEPTH_SHARE * along) ** 2)
+    return np.asarray(moved * frames_per_second)
+
+
+def _speed_from(p_world: Array, frames_per_second: float, eyes: Array) -> Array:
+    view = p_world - eyes
+    view = view / np.linalg.norm(view, axis=1, keepdims=True)
+    across, along = (
+        np.gradient(_smoothed(p_world, seconds * frames_per_second), axis=0)
+        for seconds in (ACROSS_S, DEPTH_S)
+    )
+    across = across - (across * view).sum(axis=1, keepdims=True) * view
+    moved = np.sqrt((across**2).sum(axis=1) + (DEPTH_SHARE * (along * view).sum(axis=1)) ** 2)
     return np.asarray(moved * frames_per_second)
 
 
@@ -147,18 +171,23 @@ def _smoothed(x: Array, sigma: float) -> Array:
     return np.asarray(whole[pad : pad + len(x)])
 
 
-def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> NDArray[np.bool_]:
+def _low(
+    places: Array, up_world: Array | None, frames_per_second: float, eyes: Array | None
+) -> NDArray[np.bool_]:
     """(N, K) whether each point is near its own lowest place nearby in time, and no other foot
     stands still below it."""
     from scipy.ndimage import minimum_filter1d
 
-    high = places @ (GUESSED_UP if up_camera is None else up_camera)
-    step = GUESSED_STEP_M if up_camera is None else STEP_M
+    high = places @ (GUESSED_UP if up_world is None else up_world)
+    step = GUESSED_STEP_M if up_world is None else STEP_M
     near = 2 * int(NEAR_S * frames_per_second) + 1
     lowest = minimum_filter1d(high, near, axis=0, mode="nearest")
-    low = (high < lowest + LOW_M) | (up_camera is None)
+    low = (high < lowest + LOW_M) | (up_world is None)
     still = np.stack(
-        [speed_m_s(places[:, k], frames_per_second) < START_M_S for k in range(high.shape[1])],
+        [
+            speed_m_s(places[:, k], frames_per_second, eyes) < START_M_S
+            for k in range(high.shape[1])
+        ],
         axis=1,
     )
     for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes

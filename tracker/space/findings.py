@@ -11,6 +11,7 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
@@ -32,11 +33,12 @@ SHAKES_M_S2 = 8.0
 class MotionInSpace:
     """What is looked at.
 
-    camera: without distortion.  motion: in space.  tracked: the same before the last solve, which
-        meets all keyframes.
+    camera: without distortion.  motion: in the world.  tracked: the same before the last solve,
+        which meets all keyframes.  path: of the camera over these frames; None where it is the
+        world.
     stances: ranges over which a foot stands still, pinned or not.  pinned: which of them are.
     keyframes: frames whose pose is met exactly; soft: those met nearly.
-    up_camera: unit vector; None where up is not known.  floor_m: the floor's height along it.
+    up_world: unit vector; None where up is not known.  floor_m: the floor's height along it.
     """
 
     skeleton: Skeleton
@@ -47,9 +49,15 @@ class MotionInSpace:
     stances: Sequence[Pin]
     pinned: Sequence[bool]
     keyframes: Collection[int]
-    up_camera: Array | None
+    up_world: Array | None
     floor_m: float | None
     soft: Collection[int] = ()
+    path: CameraPath | None = None
+
+    @property
+    def eyes(self) -> Array | None:
+        """(N, 3) where the camera was; None where it stands still, in the world's origin."""
+        return None if self.path is None else self.path.Ts_world_camera[:, :3, 3]
 
     def places(self, stance: Pin, motion: Trajectory) -> Array:
         """(n, K, 3) of a stance's points over its frames."""
@@ -87,10 +95,10 @@ def _slides(judged: MotionInSpace) -> Iterator[SpaceFinding]:
 
 def _floats(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Standing feet that are not on the floor, where it is known."""
-    if judged.up_camera is None or judged.floor_m is None:
+    if judged.up_world is None or judged.floor_m is None:
         return
     for stance in judged.stances:
-        high = (judged.places(stance, judged.motion) @ judged.up_camera).min(axis=1)
+        high = (judged.places(stance, judged.motion) @ judged.up_world).min(axis=1)
         off = high - judged.floor_m
         row = int(np.argmax(np.abs(off)))
         usual = float(np.median(off))
@@ -102,7 +110,7 @@ def _floats(judged: MotionInSpace) -> Iterator[SpaceFinding]:
 def _keyframe_depths(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Keyframes at which a planted foot stands nearer or farther than at the others."""
     for stance in judged.stances:
-        z = judged.places(stance, judged.tracked)[..., 2].mean(axis=1)
+        z = _depths(judged, stance)
         rows = [
             frame - stance.first_frame
             for frame in judged.keyframes
@@ -116,9 +124,22 @@ def _keyframe_depths(judged: MotionInSpace) -> Iterator[SpaceFinding]:
             yield _of_stance("keyframe_depth", stance, row, float(z[row] - usual))
 
 
+def _depths(judged: MotionInSpace, stance: Pin) -> Array:
+    """(n,) metres along the view at which a stance's points were tracked, over its frames."""
+    p = judged.places(stance, judged.tracked).mean(axis=1)
+    if judged.path is None:
+        return np.asarray(p[:, 2])
+    first = stance.first_frame - judged.motion.first_frame
+    Ts = judged.path.Ts_camera_world[first : first + len(p)]
+    usual = np.median(p, axis=0)
+    return np.asarray(((p - usual) * Ts[:, 2, :3]).sum(axis=1))
+
+
 def _mirrored(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Limbs that a keyframe may have the wrong way round in depth."""
-    poses = {frame: judged.tracked.pose(frame) for frame in judged.keyframes}
+    path, tracked = judged.path, judged.tracked
+    seen = tracked if path is None else tracked.carried(path.Ts_camera_world)
+    poses = {frame: seen.pose(frame) for frame in judged.keyframes}
     rate = judged.frames_per_second
     for limb in mirrored_limbs(judged.skeleton, judged.camera, poses, rate):
         yield SpaceFinding(
@@ -141,7 +162,7 @@ def _twisted(judged: MotionInSpace) -> Iterator[SpaceFinding]:
 
 def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """A slow body whose trunk is not over its feet."""
-    up, motion = judged.up_camera, judged.motion
+    up, motion = judged.up_world, judged.motion
     if up is None or not judged.stances:
         return
     root = motion.ps_camera_root

@@ -37,18 +37,18 @@ MOST_LEAN_RAD: Final = np.radians(45.0)
 LEVEL_CAMERA: Final = np.array([0.0, -1.0, 0.0])
 
 
-def up_from_places(p_camera: Array, up_camera: Array) -> Array:
+def up_from_places(p_camera: Array, up_world: Array) -> Array:
     """Unit vector (3,) up, by places (N, 3) that lie on one level floor, metres, camera frame.
 
-    up_camera: unit vector (3,), what is known of up. It decides what the places do not show: those
+    up_world: unit vector (3,), what is known of up. It decides what the places do not show: those
     along one line show the slope along it alone.
     """
     from_middle = p_camera - p_camera.mean(axis=0)
-    up = np.asarray(up_camera, dtype=np.float64)
+    up = np.asarray(up_world, dtype=np.float64)
     for _ in range(STEPS):
         tilts = np.linalg.svd(up[None])[2][1:]  # (2, 3) directions across up
         rows = np.concatenate([from_middle @ tilts.T / LEVEL_M, tilts.T / LEAN_RAD])
-        off = np.concatenate([from_middle @ up / LEVEL_M, (up - up_camera) / LEAN_RAD])
+        off = np.concatenate([from_middle @ up / LEVEL_M, (up - up_world) / LEAN_RAD])
         up = up - np.linalg.lstsq(rows, off, rcond=None)[0] @ tilts
         up = up / np.linalg.norm(up)
     return up
@@ -90,11 +90,11 @@ def up_from_standing(
     return np.asarray(up)
 
 
-def leaning_rad(skeleton: Skeleton, motion: Trajectory, up_camera: Array) -> float:
+def leaning_rad(skeleton: Skeleton, motion: Trajectory, up_world: Array) -> float:
     """Return how far the line from feet to shoulders usually is from up; 0 without these."""
     everywhere = np.ones(len(motion), dtype=np.bool_)
     body, _ = _upright(skeleton, motion.transforms(skeleton), everywhere)
-    return 0.0 if body is None else float(np.arccos(np.clip(body @ up_camera, -1.0, 1.0)))
+    return 0.0 if body is None else float(np.arccos(np.clip(body @ up_world, -1.0, 1.0)))
 
 
 def _standing(stances: Sequence[Pin], motion: Trajectory) -> NDArray[np.bool_]:

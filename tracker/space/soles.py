@@ -46,7 +46,7 @@ def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None
     if session.world.floor_m is None or session.world.up_world is None:
         return None
     up = np.array(session.world.up_world)
-    motions = [stretch.motion for stretch in stretches]
+    motions = [session.in_world(stretch.motion) for stretch in stretches]
     return measured_soles(
         Skeleton.of(session.subject.body),
         motions,
@@ -60,10 +60,10 @@ def measured_soles(
     skeleton: Skeleton,
     motions: Sequence[Trajectory],
     pins: Sequence[Pin],
-    up_camera: Array,
+    up_world: Array,
     floor_m: float,
 ) -> Soles | None:
-    """Measure the soles that are pinned on the floor; None without any. up_camera: unit vector."""
+    """Measure the soles that are pinned on the floor; None without any. up_world: unit vector."""
     on_floor = [pin for pin in pins if pin.floor]
     if not any(pin.holds_sole(skeleton.body) for pin in on_floor):
         return None
@@ -71,28 +71,28 @@ def measured_soles(
     in_air: list[tuple[int, int]] = []
     for motion in motions:
         held = pins_within(on_floor, (motion.first_frame, motion.last_frame))
-        found += [_at_worst(skeleton, motion, pin, up_camera, floor_m)
+        found += [_at_worst(skeleton, motion, pin, up_world, floor_m)
                   for pin in held if pin.holds_sole(skeleton.body)]  # fmt: skip
-        in_air += _in_air(skeleton, motion, held, up_camera, floor_m)
+        in_air += _in_air(skeleton, motion, held, up_world, floor_m)
     worst = max(found, key=lambda soles: abs(soles.off_m), default=None)
     return None if worst is None else replace(worst, in_air=tuple(in_air))
 
 
 def _at_worst(
-    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array, floor_m: float
+    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_world: Array, floor_m: float
 ) -> Soles:
-    off = foot_heights(skeleton, motion, pin, up_camera) - floor_m
+    off = foot_heights(skeleton, motion, pin, up_world) - floor_m
     row, end = np.unravel_index(int(np.abs(off).argmax()), off.shape)
     return Soles(float(off[row, end]), pin.part, pin.first_frame + int(row), ())
 
 
-def foot_heights(skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array) -> Array:
+def foot_heights(skeleton: Skeleton, motion: Trajectory, pin: Pin, up_world: Array) -> Array:
     """(n, K) metres along up of the ends of its sole that a pin holds, over its frames."""
-    return np.asarray(_ends(skeleton, motion, pin) @ up_camera)
+    return np.asarray(_ends(skeleton, motion, pin) @ up_world)
 
 
 def by_contact(
-    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_camera: Array
+    skeleton: Skeleton, motion: Trajectory, pin: Pin, up_world: Array
 ) -> tuple[Pin, ...]:
     """The pin of a whole foot as pins of what touches the floor: of the toe alone where the foot
     turns on that, of the heel or the toe alone while it lands or leaves.
@@ -103,7 +103,7 @@ def by_contact(
     heel, toe = (_strays(ends[:, k]) for k in range(2))
     if heel > HEEL_M and toe < TOE_M:
         return (pin.model_copy(update={"landmarks": pin.landmarks[1:]}),)
-    heel_high, toe_high = (ends @ up_camera).T
+    heel_high, toe_high = (ends @ up_world).T
     tipped = toe_high - heel_high
     usual = np.quantile(tipped, 0.5, method="nearest")
     flat = np.abs(tipped - usual) < TIPPED_M
@@ -139,13 +139,13 @@ def _strays(p: Array) -> float:
 
 
 def _in_air(
-    skeleton: Skeleton, motion: Trajectory, held: Sequence[Pin], up_camera: Array, floor_m: float
+    skeleton: Skeleton, motion: Trajectory, held: Sequence[Pin], up_world: Array, floor_m: float
 ) -> Iterator[tuple[int, int]]:
     """Runs of frames in which no sole is near the floor, and nothing else is held on it."""
     feet = [(i, part.landmarks[name]) for i, part in enumerate(skeleton.body.parts)
             for name in sole_of(part)]  # fmt: skip
     points = BodyPoints(skeleton, tuple((foot,) for foot in feet))
-    lowest = (points.at(motion.transforms(skeleton)) @ up_camera).min(axis=1)
+    lowest = (points.at(motion.transforms(skeleton)) @ up_world).min(axis=1)
     first, high = motion.first_frame, lowest > floor_m + AIR_M
     for pin in held:
         high[pin.first_frame - first : pin.last_frame + 1 - first] = False

@@ -30,8 +30,10 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.solver.frames import LinkIn, SharedTermIn
 from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem, MotionState
 from keypose.tracker.solver.pose_terms import (
@@ -157,8 +159,8 @@ class SpaceProblem:
     observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
     keyframes: frames whose pose is met exactly; soft: those met nearly; seen: those of these that
         are met exactly in the picture.  keyed_parts: limbs that are exact at other frames.
-    smooth: whether jerk counts.  up_camera: unit vector.  floor_m: the floor's height along it,
-        where it is known.
+    smooth: whether jerk counts.  up_world: unit vector.  floor_m: the floor's height along it,
+        where it is known.  path: of the camera over these frames; None where it is the world.
     """
 
     skeleton: Skeleton
@@ -172,16 +174,22 @@ class SpaceProblem:
     keyed_parts: Sequence[KeyedParts] = ()
     pins: Sequence[PinnedPoint] = ()
     smooth: bool = True
-    up_camera: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
+    up_world: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
     floor_m: float | None = None
+    path: CameraPath | None = None
+
+    def in_world(self, motion: Trajectory) -> Trajectory:
+        """A motion of these frames in the world."""
+        return motion if self.path is None else motion.carried(self.path.Ts_world_camera)
 
 
 @dataclass(frozen=True, eq=False)
 class SpaceSolution:
     """The motion in space.
 
-    places (Q, 3): where the pins are.  off_m: of each pin how far its point is from there at every
-        frame of its range.  floor_m: height of the floor along up; None without pins on it.
+    motion: in the camera frame.  places (Q, 3): where the pins are in the world.  off_m: of each
+        pin how far its point is from there at every frame of its range.  floor_m: height of the
+        floor along up; None without pins on it.
     """
 
     motion: Trajectory
@@ -198,7 +206,7 @@ def solve_space(
     start = problem.motion
     pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in problem.pins]
     frames = [_rows(start, pin) for pin in problem.pins]
-    there = start.transforms(skeleton)
+    there = problem.in_world(start).transforms(skeleton)
     places = [p.at(there[rows])[:, 0].mean(axis=0) for p, rows in zip(pins, frames, strict=True)]
     shared = _shared(problem, np.array(places).reshape(-1, 3))
     poses = MotionProblem(
@@ -235,7 +243,7 @@ def _solution(
         R[row] = with_exact_ends(skeleton, keyed, Pose(R[row], t[row])).Rs_parent_part
     motion = Trajectory(problem.motion.first_frame, R, t)
     places = found.shared[: 3 * len(pins)].reshape(-1, 3)
-    there = motion.transforms(skeleton)
+    there = problem.in_world(motion).transforms(skeleton)
     off = [
         np.linalg.norm(p.at(there[rows])[:, 0] - place, axis=-1)
         for p, rows, place in zip(pins, frames, places, strict=True)
@@ -265,7 +273,7 @@ def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:
 def _shared(problem: SpaceProblem, places: Array) -> Array:
     """Places and the floor's height, to begin with."""
     heights = [
-        place @ problem.up_camera - pin.above_floor_m
+        place @ problem.up_world - pin.above_floor_m
         for place, pin in zip(places, problem.pins, strict=True)
         if pin.above_floor_m is not None
     ]
@@ -382,14 +390,15 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     step, bend = (sigma.precision(skeleton, pixel_m) for sigma in (STEP, BEND))
     known = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
     measured = increments(skeleton, motion)
-    links: list[Link] = [
-        Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber()),
-        Smoothness.even(skeleton, len(motion), bend),
-    ]
+    followed = Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber())
+    links: list[Link] = [Smoothness.even(skeleton, len(motion), bend)]
     if problem.smooth and len(motion) > 3:
-        points, sigma = jerk_points(skeleton, motion, problem.frames_per_second)
-        links.append(Jerk(skeleton, points, sigma, problem.frames_per_second))
-    return tuple(links)
+        rate = problem.frames_per_second
+        points, sigma = jerk_points(skeleton, problem.in_world(motion), rate)
+        links.append(Jerk(skeleton, points, sigma, rate))
+    if problem.path is not None:
+        links = [LinkIn(link, problem.path.Ts_world_camera) for link in links]
+    return (followed, *links)
 
 
 def _pinned(
@@ -397,9 +406,12 @@ def _pinned(
 ) -> tuple[SharedTerm, ...]:
     terms: list[SharedTerm] = []
     for i, (pin, point, rows) in enumerate(zip(problem.pins, points, frames, strict=True)):
-        terms.append(AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL))
+        at_place: SharedTerm = AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL)
+        if problem.path is not None:
+            at_place = SharedTermIn(at_place, problem.path.Ts_world_camera)
+        terms.append(at_place)
         if pin.above_floor_m is not None:
-            terms.append(OnFloor(3 * i, problem.up_camera, pin.above_floor_m, FLOOR_M))
+            terms.append(OnFloor(3 * i, problem.up_world, pin.above_floor_m, FLOOR_M))
     scale = np.full(len(shared), UNDECIDED_PER_M)
     if problem.floor_m is not None:
         scale[-1] = 1e3 / FLOOR_M

@@ -54,35 +54,39 @@ def solved(
         keyed_parts=keyed,
         pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
-        up_camera=up_of(session),
+        up_world=up_of(session),
         floor_m=session.world.floor_m,
+        path=session.path_over(tracked),
     )
     found = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, held, found, exact))
     up = None if session.world.up_world is None else up_of(session)
-    still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
+    in_world = problem.in_world(found.motion)
+    rate = problem.frames_per_second
+    still = proposed_pins(skeleton, in_world, rate, up, session.eyes(in_world))
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
     body = session.subject.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
     judged = MotionInSpace(
         skeleton,
         problem.camera,
-        found.motion,
-        problem.motion,
-        problem.frames_per_second,
+        in_world,
+        problem.in_world(problem.motion),
+        rate,
         stances=[*feet, *free],
         pinned=[True] * len(feet) + [False] * len(free),
         keyframes=exact,
         soft=problem.soft,
-        up_camera=up,
+        up_world=up,
         floor_m=found.floor_m if session.world.floor_m is None else session.world.floor_m,
+        path=problem.path,
     )
     motion = found.motion if moments is None else moments.shown(found.motion)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
 
 
 def up_of(session: Session) -> Array:
-    """The unit vector up in the camera frame."""
+    """The unit vector up in the world."""
     up = np.array(session.world.up_world or UP, dtype=np.float64)
     return np.asarray(up / np.linalg.norm(up))
 

@@ -62,7 +62,7 @@ def stand(
     smooth = session.settings.model_copy(update={"smooth": True})
     session = session.changed({"settings": smooth})
     motions = {
-        run.span: joined([segment.trajectory for segment in run.segments])
+        run.span: session.in_world(joined([segment.trajectory for segment in run.segments]))
         for run in stretches(session, fitting)
     }
     if not motions:
@@ -105,7 +105,11 @@ def _levelled(
     if lines is not None:
         return session.with_up(lines.up_camera), "lines"
     rate = frames_per_second(session, longest)
-    stances = [pin for pin in proposed_pins(skeleton, longest, rate, None) if pin.landmarks[1:]]
+    stances = [
+        pin
+        for pin in proposed_pins(skeleton, longest, rate, None, session.eyes(longest))
+        if pin.landmarks[1:]
+    ]
     up = up_from_standing(skeleton, longest, stances)
     if up is None:
         raise SessionError(
@@ -121,7 +125,7 @@ def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin
     pins = list(session.subject.pins)
     for motion in motions.values():
         rate = frames_per_second(session, motion)
-        for pin in proposed_pins(skeleton, motion, rate, up):
+        for pin in proposed_pins(skeleton, motion, rate, up, session.eyes(motion)):
             if not any(pin.overlaps(known) for known in session.subject.pins):
                 pins += by_contact(skeleton, motion, pin, up)
     return pins_apart(pins)

@@ -119,8 +119,18 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
             else []
         ),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
+        *_camera(session, span),
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _camera(session: Session, span: Span) -> list[Any]:
+    """Where the camera was over a span; nothing where it stands still."""
+    path = session.camera_path
+    if path is None:
+        return []
+    over = path.between(*span).Ts_camera_world
+    return [{"camera": hashlib.sha256(over.tobytes()).hexdigest()}]
 
 
 def _twists(body: Body) -> list[Any]:

@@ -49,7 +49,7 @@ def findings(shown: Scene, motion: Trajectory, **changes: Any) -> tuple[SpaceFin
         "stances": stances(motion.first_frame, motion.last_frame),
         "pinned": (False, False),
         "keyframes": (motion.first_frame, motion.last_frame),
-        "up_camera": UP,
+        "up_world": UP,
         "floor_m": floor_of(shown),
     }
     return space_findings(MotionInSpace(**{**given, **changes}))
@@ -93,7 +93,7 @@ def test_feet_that_float_or_sink_are_found_where_the_floor_is_known(
     assert {one.part for one in found} == set(FEET)
     assert found[0].amount == pytest.approx(0.07, abs=0.02)
     assert findings(person, motion, floor_m=None) == ()
-    assert findings(person, motion, up_camera=None) == ()
+    assert findings(person, motion, up_world=None) == ()
 
 
 def test_a_keyframe_at_another_depth_is_found_and_says_by_how_much(person: Scene) -> None:
@@ -124,7 +124,7 @@ def test_a_body_that_leans_too_far_is_found_where_up_is_known(person: Scene) -> 
     assert (found.kind, found.part) == ("leans", "waist")
     assert (found.first_frame, found.last_frame) == (0, FRAMES - 1)
     assert found.amount > np.radians(20)
-    assert findings(person, Trajectory(0, R, p), up_camera=None) == ()
+    assert findings(person, Trajectory(0, R, p), up_world=None) == ()
     assert findings(person, Trajectory(0, R, p), stances=(), pinned=()) == ()
 
 

@@ -87,7 +87,7 @@ def test_it_is_among_what_is_not_plausible_in_space(thrower: Scene) -> None:
     found: tuple[SpaceFinding, ...] = space_findings(
         MotionInSpace(
             thrower.skeleton, thrower.camera, motion, motion, RATE, stances=(), pinned=(),
-            keyframes=FRAMES, up_camera=None, floor_m=None,
+            keyframes=FRAMES, up_world=None, floor_m=None,
         )
     )  # fmt: skip
     (one,) = (finding for finding in found if finding.kind == "mirrored")

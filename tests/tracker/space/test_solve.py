@@ -148,7 +148,7 @@ def test_feet_on_the_floor_come_to_one_height_which_is_reported(person: Scene) -
         *pinned_foot(person, 0, 25, floor=True),
         *pinned_foot(person, 35, FRAMES - 1, floor=True),
     ]
-    found = solve_space(problem(person, tracked, soft=(0, FRAMES - 1), pins=pins, up_camera=up))
+    found = solve_space(problem(person, tracked, soft=(0, FRAMES - 1), pins=pins, up_world=up))
     assert found.floor_m is not None
     high, before = (
         (places(person, motion)[[10, 50]] @ up).mean(axis=1) for motion in (found.motion, tracked)
@@ -162,7 +162,7 @@ def test_a_floor_that_is_known_stays_where_it_is(person: Scene) -> None:
     height = float((places(person, person.truth) @ UP).min()) + 0.004
     pins = pinned_foot(person, 0, FRAMES - 1, floor=True)
     found = solve_space(
-        problem(person, pins=pins, soft=(0, FRAMES - 1), up_camera=UP, floor_m=height)
+        problem(person, pins=pins, soft=(0, FRAMES - 1), up_world=UP, floor_m=height)
     )
     assert found.floor_m == pytest.approx(height, abs=1e-4)
 

@@ -1,0 +1,172 @@
+"""The motion of a view's camera: as it was found or imported, and as a person corrected it."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import operator
+from functools import lru_cache
+from typing import Annotated, Literal, Self, TypeAlias
+
+import numpy as np
+from pydantic import AfterValidator, Field, FiniteFloat, model_validator
+
+from keypose.tracker.geometry.camera_path import CameraCorrection, CameraPath, corrected
+from keypose.tracker.geometry.rotations import (
+    Array,
+    frozen,
+    quaternion_wxyz,
+    rotation_from_quaternion,
+    transform,
+)
+from keypose.tracker.session.keyframe import Quaternion
+from keypose.tracker.session.settings import FrameIndex, Plain, Position
+
+NUMBERS = 8
+"""Of a frame: a quaternion w, x, y, z, a place x, y, z, and the zoom."""
+MOST_ZOOM = 1000.0
+
+
+def packed(numbers: Array) -> str:
+    """Numbers as text: base64 of little-endian doubles. A film of an hour is megabytes of digits
+    otherwise."""
+    return base64.b64encode(np.asarray(numbers, dtype="<f8").tobytes()).decode()
+
+
+@lru_cache(maxsize=64)
+def unpacked(text: str) -> Array:
+    """The numbers of a text, read-only; ValueError where it holds none."""
+    try:
+        content = base64.b64decode(text, validate=True)
+        numbers = np.frombuffer(content, dtype="<f8")
+    except (binascii.Error, ValueError):
+        raise ValueError("is no base64 of numbers of eight bytes") from None
+    if not np.isfinite(numbers).all():
+        raise ValueError("holds numbers that are not finite")
+    return frozen(numbers.astype(np.float64))
+
+
+def _are_numbers(text: str) -> str:
+    unpacked(text)
+    return text
+
+
+Packed: TypeAlias = Annotated[str, AfterValidator(_are_numbers)]
+
+
+class CameraFinding(Plain):
+    """What is not known of a camera's motion, or not as surely, over some frames.
+
+    no_background: too few points of it are seen.  cut: another picture begins at the last frame.
+    not_rigid: most of what is seen moves by itself.  rolling_shutter: rows of the picture were
+    taken one after another, up to `amount` pixels apart.  no_scale: how far it moved is known but
+    for its scale.  unsure: by `amount` pixels.
+    """
+
+    kind: Literal["no_background", "cut", "not_rigid", "rolling_shutter", "no_scale", "unsure"]
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    amount: FiniteFloat = Field(default=0.0, exclude_if=operator.not_)
+
+
+class CameraMotion(Plain):
+    """How a camera turned, zoomed and moved, for every frame of its film."""
+
+    kind: Literal["turns", "moves"]
+    source: str = Field(
+        default="", exclude_if=operator.not_,
+        description="Name of the file it was imported from; left out where it was found in the "
+        "film.",
+    )  # fmt: skip
+    samples: Packed = Field(
+        description="Of every frame eight numbers: the world's rotation in the camera frame as a "
+        "quaternion w, x, y, z, its origin there, metres, and the focal length as a multiple of "
+        "the camera's; base64 of little-endian doubles."
+    )
+    error_px: Packed = Field(
+        default="", exclude_if=operator.not_,
+        description="Of every frame how far points of the background usually lie off, pixels; "
+        "negative where nothing of the camera is known. Base64 as the samples.",
+    )  # fmt: skip
+    findings: tuple[CameraFinding, ...] = Field(default=(), exclude_if=operator.not_)
+
+    @classmethod
+    def of(
+        cls, kind: Literal["turns", "moves"], path: CameraPath, error_px: Array | None = None,
+        findings: tuple[CameraFinding, ...] = (), source: str = "",
+    ) -> Self:  # fmt: skip
+        """The motion along a path.  error_px: (N,), NaN where nothing is known."""
+        T = path.Ts_camera_world
+        rows = np.column_stack([quaternion_wxyz(T[:, :3, :3]), T[:, :3, 3], path.zoom])
+        error = np.zeros(0) if error_px is None else np.nan_to_num(error_px, nan=-1.0)
+        return cls(
+            kind=kind, source=source, samples=packed(rows.ravel()),
+            error_px=packed(error) if len(error) else "", findings=findings,
+        )  # fmt: skip
+
+    @property
+    def frame_count(self) -> int:
+        """Return of how many frames it is."""
+        return len(unpacked(self.samples)) // NUMBERS
+
+    @property
+    def path(self) -> CameraPath:
+        """The path, uncorrected."""
+        return _path(self.samples)
+
+    @property
+    def errors_px(self) -> Array:
+        """(N,) pixels, NaN where nothing is known; none where that was not measured."""
+        error = unpacked(self.error_px)
+        return np.where(error < 0, np.nan, error)
+
+    @model_validator(mode="after")
+    def _is_a_path(self) -> Self:
+        numbers = unpacked(self.samples)
+        if not len(numbers) or len(numbers) % NUMBERS:
+            raise ValueError(f"samples: {len(numbers)} numbers are no multiple of {NUMBERS}")
+        rows = numbers.reshape(-1, NUMBERS)
+        if not (np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1) < 1e-3).all():
+            raise ValueError("samples: a quaternion is not of unit length")
+        if not ((rows[:, 7] > 1 / MOST_ZOOM) & (rows[:, 7] < MOST_ZOOM)).all():
+            raise ValueError("samples: a zoom is not between a thousandth and a thousand")
+        if len(unpacked(self.error_px)) not in (0, len(rows)):
+            raise ValueError("error_px: has another number of frames than the samples")
+        return self
+
+
+class CameraKeyframe(Plain):
+    """The camera at one frame, as a person set it. Its motion meets it exactly."""
+
+    frame: FrameIndex
+    R_camera_world_wxyz: Quaternion
+    p_camera_world: Position = (0.0, 0.0, 0.0)
+    zoom: Annotated[FiniteFloat, Field(ge=1 / MOST_ZOOM, le=MOST_ZOOM)] = 1.0
+
+    @classmethod
+    def of(cls, frame: int, T_camera_world: Array, zoom: float) -> Self:
+        w, x, y, z = (float(v) for v in quaternion_wxyz(T_camera_world[:3, :3]))
+        a, b, c = (float(v) for v in T_camera_world[:3, 3])
+        return cls(
+            frame=frame, R_camera_world_wxyz=(w, x, y, z), p_camera_world=(a, b, c), zoom=zoom
+        )  # fmt: skip
+
+    @property
+    def correction(self) -> CameraCorrection:
+        """Return it as the path is corrected by it."""
+        R = rotation_from_quaternion(np.array(self.R_camera_world_wxyz))
+        return CameraCorrection(self.frame, transform(R, np.array(self.p_camera_world)), self.zoom)
+
+
+@lru_cache(maxsize=8)
+def _path(samples: str) -> CameraPath:
+    rows = unpacked(samples).reshape(-1, NUMBERS)
+    Rs = rotation_from_quaternion(rows[:, :4])
+    Rs[(rows[:, :4] == (1.0, 0.0, 0.0, 0.0)).all(axis=1)] = np.eye(3)  # to the last digit
+    return CameraPath.of(Rs, rows[:, 4:7], rows[:, 7])
+
+
+@lru_cache(maxsize=8)
+def path_through(motion: CameraMotion, keyframes: tuple[CameraKeyframe, ...]) -> CameraPath:
+    """The path of a motion as a person corrected it."""
+    return corrected(motion.path, [keyframe.correction for keyframe in keyframes])
