@@ -11,21 +11,21 @@ from dataclasses import dataclass
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.posed import Posed
-from keypose.tracker.solver.terms import Link, Rows, RowTerm, SharedRows, SharedTerm
+from keypose.tracker.solver.terms import Equations, Link, SharedRows, SharedTerm, Term
 
 
 @dataclass(frozen=True, eq=False)
-class TermIn(RowTerm):
+class TermIn(Term):
     """A term in another frame.  Ts (..., 4, 4): of that frame and the one of the poses (...)."""
 
-    term: RowTerm
+    term: Term
     Ts: Array
 
     def cost(self, posed: Posed) -> float:
         return self.term.cost(carried(posed, self.Ts))
 
-    def rows(self, posed: Posed) -> Rows:
-        return self.term.rows(carried(posed, self.Ts))
+    def equations(self, posed: Posed) -> Equations:
+        return self.term.equations(carried(posed, self.Ts))
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,13 +51,13 @@ def refine(
         return start
     even = Smoothness.even(scene.skeleton, len(start), scene.precision(BEND_IN_PICTURE))
     problem = others or MotionProblem(scene.skeleton, links=(even,))
-    textures = _Textures.of(scene, clip, start, how.stride)
+    textures = Textures.of(scene, clip, start, how.stride)
     problem = replace(problem, terms=(*problem.terms, textures))
     return problem.solve(start, replace(UNJUDGED, most_steps=how.solves))
 
 
 @dataclass(frozen=True, eq=False)
-class _Textures(Term):
+class Textures(Term):
     """The n inner poses of a segment beside the textures of both keyframes, for one descent.
 
     slots (n,): of their pictures.  chosen, grey, starts: the followed points of both keyframes,
@@ -76,7 +76,7 @@ class _Textures(Term):
     solves: Iterator[int] = field(default_factory=count)
 
     @classmethod
-    def of(cls, scene: Scene, clip: Clip, start: Trajectory, stride: int) -> _Textures:
+    def of(cls, scene: Scene, clip: Clip, start: Trajectory, stride: int) -> Textures:
         """What the first and the last frame show of the body at the start."""
         frames, pictures = len(start), clip.levels[0]
         slots = clip.slots(start.first_frame, start.last_frame)

@@ -1,0 +1,117 @@
+"""Several bodies and several cameras in one file: each body is tracked by itself, and kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from keypose.app.cli.main import main
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.session import Session
+from keypose.tracker.storage.edit_history import Moment, base_record, edit_record, mark_of
+from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
+from keypose.tracker.storage.journal import lines
+from keypose.tracker.storage.tracks import load_trajectory
+from tests.scenes import sample
+from tests.tracker import session_cases as cases
+
+
+def of_two(session: Session) -> Session:
+    """The same body twice, the second a little aside."""
+    first = session.subject
+    moved = tuple(
+        keyframe.model_copy(update={"root_m": (keyframe.root_m[0] + 0.01, *keyframe.root_m[1:])})
+        for keyframe in first.keyframes
+    )
+    second = first.model_copy(update={"id": "second", "keyframes": moved})
+    return session.model_copy(update={"bodies": (first, second)})
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = sample(tmp_path, "box")
+    save_session(of_two(load_session(path)), path)
+    return path
+
+
+def test_every_body_of_a_file_is_tracked_by_itself(path: Path) -> None:
+    assert main(["track", str(path)]) == 0
+    session = load_session(path)
+    assert [body.id for body in session.bodies] == ["body", "second"]
+    first, second = (load_trajectory(session.about(body.id), path) for body in session.bodies)
+    names = {body.results.tracks for body in session.bodies if body.results is not None}
+    assert len(names) == 2
+    for one, other in ((first, session.bodies[0]), (second, session.bodies[1])):
+        for keyframe in other.keyframes:
+            np.testing.assert_allclose(one.pose(keyframe.frame).p_camera_root, keyframe.root_m)
+
+
+def test_what_is_edited_is_the_first_body_and_the_others_motion_stays(path: Path) -> None:
+    assert main(["track", str(path)]) == 0
+    before = load_session(path)
+    doc = before.changed({"results": None})
+    after = doc.with_up((0.0, -1.0, 0.0))
+    records = [base_record(Moment(doc)), edit_record(Moment(doc), Moment(after))]
+    journal_path(path).write_bytes(lines(records))
+    found = open_session(path).session
+    assert found.world.up_world == (0.0, -1.0, 0.0)
+    assert [body.results for body in found.bodies] == [body.results for body in before.bodies]
+    assert mark_of(found) == mark_of(after)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda s: {"bodies": (s.subject, s.subject)}, "bodies: two have the id 'body'"),
+        (lambda s: {"views": (s.view, s.view)}, "views: two have the id 'view'"),
+        (lambda s: {"bodies": ()}, "bodies"),
+        (lambda s: {"views": ()}, "views"),
+        (
+            lambda s: {
+                "views": (
+                    s.view,
+                    s.view.model_copy(
+                        update={
+                            "id": "other",
+                            "video": s.view.video.model_copy(update={"frame_count": 3}),
+                        }
+                    ),
+                )
+            },
+            "all views must have the same frames",
+        ),
+        (
+            lambda s: {"views": (s.view.model_copy(update={"p_camera_world": (0.0, 0.0, 1.0)}),)},
+            "the first, whose camera is the world's frame",
+        ),
+    ],
+)
+def test_views_and_bodies_that_do_not_fit_are_refused(change: Any, words: str) -> None:
+    session = cases.session()
+    with pytest.raises(ValidationError) as refused:
+        Session.model_validate(session.model_copy(update=change(session)).model_dump())
+    assert words in one_sentence(refused.value).lower()
+
+
+def test_a_second_view_is_kept_with_where_its_camera_stands() -> None:
+    session = cases.session()
+    aside = session.view.model_copy(
+        update={
+            "id": "aside",
+            "R_camera_world_wxyz": (0.6, 0.0, 0.8, 0.0),
+            "p_camera_world": (0.5, 0.0, 2.0),
+        }
+    )
+    scene = session.model_copy(update={"views": (session.view, aside)})
+    again = Session.model_validate_json(scene.model_dump_json())
+    assert again == scene
+    assert again.view == session.view
+    p_world = np.array([0.3, -0.2, 4.0, 1.0])
+    expected = [0.5, 0.0, 2.0] + np.array(
+        [-0.28 * 0.3 + 0.96 * 4.0, -0.2, -0.96 * 0.3 - 0.28 * 4.0]
+    )
+    np.testing.assert_allclose((again.views[1].T_camera_world @ p_world)[:3], expected)
