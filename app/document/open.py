@@ -17,8 +17,8 @@ from keypose.app.document.new import (
     standing_in,
 )
 from keypose.app.editor.documents import with_times
-from keypose.app.editor.state import EditorState, up_of
-from keypose.app.posing import opening_pose
+from keypose.app.editor.frames import first_pose
+from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -133,7 +133,7 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         results, problem = load_results(session, opened.session_path), ""
     except SessionError as error:
         results, problem = Results(), f"{error} The keyframes are all there: track again."
-    opening = opening_pose(session.subject.body, session.view.camera, up_of(session))
+    opening = first_pose(session)
     state = EditorState(
         doc=session.changed({"results": None}),
         skeleton=Skeleton.of(session.subject.body),

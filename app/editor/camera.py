@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import ActionRefused, moved_away, valid, with_times
+from keypose.app.editor.frames import to_world
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import CAMERA_UP, up_from_vertical
@@ -125,13 +126,14 @@ class Vertical(Edit):
         if any(math.dist(*line) < SHORTEST_PX for line in ((self.a, self.b), self.other) if line):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
-            return state.doc.with_up(self._up_of_both(state, self.other))
-        up = up_from_vertical(state.doc.view.camera, self.a, self.b)
+            up = self._up_of_both(state, self.other)
+            return state.doc.with_up(to_world(state.doc, state.frame, up))
+        up = up_from_vertical(state.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
             )
-        return state.doc.with_up(up)
+        return state.doc.with_up(to_world(state.doc, state.frame, up))
 
     def _up_of_both(self, state: EditorState, other: tuple[Spot, Spot]) -> Array:
         if _crosses((self.a, self.b), other):
@@ -139,7 +141,7 @@ class Vertical(Edit):
                 "These lines cross in the picture: they are not both upright. Draw them along two "
                 "walls, doors or poles."
             )
-        up = up_from_segments(np.array([(self.a, self.b), other]), state.doc.view.camera)
+        up = up_from_segments(np.array([(self.a, self.b), other]), state.camera)
         if up is None:
             raise ActionRefused(
                 "These lines do not say what is up. Draw them along two upright things that are "
@@ -155,7 +157,7 @@ class LevelCamera(Edit):
     verb = "set the camera level"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.with_up(CAMERA_UP)
+        return state.doc.with_up(to_world(state.doc, state.frame, CAMERA_UP))
 
 
 class ResetUp(Edit):

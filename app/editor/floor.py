@@ -9,15 +9,16 @@ import numpy as np
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.frames import to_world, up_in_world, up_of
 from keypose.app.editor.message import Edit
 from keypose.app.editor.pinned import default_landmarks
 from keypose.app.editor.shown import part_at, shown_pose
-from keypose.app.editor.state import EditorState, up_of
+from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.gesture import Metres, Spot
 from keypose.tracker.body.body import Name
 from keypose.tracker.geometry.horizon import up_from_horizon
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.level import up_from_places
@@ -59,7 +60,7 @@ class UpFromFeet(Edit):
         places, apart = _places_of_feet(state)
         if apart < LEAST_APART_M:
             raise ActionRefused("Pin two steps first, at least half a metre apart.")
-        up = up_from_places(places, np.array(up_of(state.doc)))
+        up = up_from_places(places, np.array(up_in_world(state.doc)))
         levelled = state.doc.with_up(up, from_feet=True)
         if levelled.world.floor_m is None:
             return levelled
@@ -81,8 +82,9 @@ class Horizon(Edit):
         doc = state.doc
         if math.dist(self.a, self.b) < SHORTEST_PX:
             raise ActionRefused("Draw a longer line along the horizon.")
-        up = up_from_horizon(doc.view.camera.without_distortion(), self.a, self.b, up_of(doc))
-        levelled = doc.with_up(up)
+        lens = doc.camera_at(state.frame).without_distortion()
+        up = up_from_horizon(lens, self.a, self.b, up_of(doc, state.frame))
+        levelled = doc.with_up(to_world(doc, state.frame, up))
         state = state.with_doc(levelled)
         if any(pin.landmarks for pin in doc.subject.pins):
             return _with_floor(state, _height_of_pins(state))
@@ -107,12 +109,12 @@ def uneven_feet_m(state: EditorState) -> float | None:
     if state.doc.world.up_world is not None or not state.doc.subject.pins:
         return None
     places, apart = _places_of_feet(state)
-    rise = float(np.ptp(places @ np.array(up_of(state.doc)))) if len(places) else 0.0
+    rise = float(np.ptp(places @ np.array(up_in_world(state.doc)))) if len(places) else 0.0
     return rise if apart > LEAST_APART_M and rise > STEEP * apart else None
 
 
 def _places_of_feet(state: EditorState) -> tuple[Array, float]:
-    """(feet, 3) where the pinned ones stand, camera frame, and how far apart they are, metres."""
+    """(feet, 3) where the pinned ones stand in the world, and how far apart they are, metres."""
     places = np.array([_middle(state, pin) for pin in state.doc.subject.pins if pin.landmarks])
     return places, float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0
 
@@ -129,8 +131,8 @@ def _here(state: EditorState, part: str, landmarks: tuple[str, ...]) -> Pin:
 
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
-    """Return how high a pin's lowest point lies at a frame, metres along up from the camera."""
-    return round(float((_points_at(state, pin, frame) @ np.array(up_of(state.doc))).min()), 4)
+    """Return how high a pin's lowest point lies at a frame, metres along up in the world."""
+    return round(float((_points_at(state, pin, frame) @ np.array(up_in_world(state.doc))).min()), 4)
 
 
 def _height_of_pins(state: EditorState) -> float:
@@ -143,7 +145,7 @@ def _height_of_pins(state: EditorState) -> float:
 
 
 def _middle(state: EditorState, pin: Pin) -> Array:
-    """(3,) where a pinned foot stands, camera frame, metres."""
+    """(3,) where a pinned foot stands in the world, metres."""
     return np.asarray(_points_at(state, pin, _middle_frame(pin)).mean(axis=0))
 
 
@@ -152,9 +154,13 @@ def _middle_frame(pin: Pin) -> int:
 
 
 def _points_at(state: EditorState, pin: Pin, frame: int) -> Array:
-    """(points, 3) camera frame, metres."""
+    """(points, 3) in the world, metres."""
     T = part_at(state, pin.part, frame)
-    return np.asarray(np.array(pin.points(state.doc.subject.body)) @ T[:3, :3].T + T[:3, 3])
+    p_camera = np.array(pin.points(state.doc.subject.body)) @ T[:3, :3].T + T[:3, 3]
+    path = state.doc.camera_path
+    if path is None:
+        return np.asarray(p_camera)
+    return apply_transform(path.Ts_world_camera[frame], p_camera)
 
 
 def _with_floor(state: EditorState, height_m: float | None) -> Session:

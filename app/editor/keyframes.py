@@ -20,11 +20,12 @@ from keypose.app.editor.documents import (
     with_part_keyframes,
     without,
 )
+from keypose.app.editor.frames import up_of
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
 from keypose.app.editor.shown import Source, draft_at, find, require_keyframe, shown_pose
-from keypose.app.editor.state import EditorState, up_of
+from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
@@ -193,7 +194,7 @@ class KeyAngle(Edit):
         pose = with_angles(
             state.skeleton, pose, self.part,
             wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
-            up_camera=up_of(state.doc),
+            up_camera=up_of(state.doc, self.frame),
         )  # fmt: skip
         return posed(state.doc, state.skeleton, pose, self.frame, state.times_s, soft)
 

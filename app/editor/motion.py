@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.editor.frames import T_camera_world, in_world, up_in_world, up_of
 from keypose.app.editor.shown import counts, find, is_met, shown_pose
-from keypose.app.editor.state import EditorState, up_of
+from keypose.app.editor.state import EditorState
 from keypose.app.posing import angle_curve_deg, angles_deg, handles
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.ground import floor_height, lowest_heights
@@ -23,7 +24,7 @@ from keypose.tracker.body.pose import (
 )
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
-from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
+from keypose.tracker.geometry.rotations import Array, apply_transform, rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import rotations
@@ -31,10 +32,10 @@ from keypose.tracker.storage.results import rotations
 
 @dataclass(frozen=True, eq=False)
 class KnownMotion:
-    """frames: (N,) ascending.  Ts_camera_part: (N, P, 4, 4) of the settled document's body."""
+    """frames: (N,) ascending.  Ts_world_part: (N, P, 4, 4) of the settled document's body."""
 
     frames: NDArray[np.int64]
-    Ts_camera_part: Array
+    Ts_world_part: Array
 
 
 def settled_skeleton(edit: EditorState) -> Skeleton:
@@ -65,7 +66,8 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
         if row is not None:
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
-    return KnownMotion(frames, part_transforms(skeleton, Rs, ps))
+    Ts = part_transforms(skeleton, Rs, ps)
+    return KnownMotion(frames, in_world(doc, Ts, frames))
 
 
 def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
@@ -89,22 +91,24 @@ def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
         if not ends or not first <= posed.frame <= last
     }
     frames = sorted(outside)[:: 1 + len(outside) // most]
-    return _with_posed(settled_skeleton(edit), inside, [outside[frame] for frame in frames])
+    return _with_posed(edit, inside, [outside[frame] for frame in frames])
 
 
 def _with_posed(
-    skeleton: Skeleton, motion: KnownMotion | None, posed: list[Keyframe]
+    edit: EditorState, motion: KnownMotion | None, posed: list[Keyframe]
 ) -> KnownMotion | None:
     """A motion and poses at other frames, by frame."""
     if not posed:
         return motion
+    skeleton = settled_skeleton(edit)
     poses = [each.pose(skeleton) for each in posed]
     Rs = np.stack([pose.Rs_parent_part for pose in poses])
     ps = np.stack([pose.p_camera_root for pose in poses])
     frames, Ts = np.array([each.frame for each in posed]), part_transforms(skeleton, Rs, ps)
+    Ts = in_world(edit.settled, Ts, frames)
     if motion is not None:
         frames = np.append(frames, motion.frames)
-        Ts = np.concatenate([Ts, motion.Ts_camera_part])
+        Ts = np.concatenate([Ts, motion.Ts_world_part])
     order = np.argsort(frames)
     return KnownMotion(frames[order], Ts[order])
 
@@ -139,7 +143,8 @@ REACH = 30
 
 @dataclass(frozen=True, eq=False)
 class EndTrail:
-    """frames: (N,) ascending.  p_camera: (N, 3) metres.  keys: those of the frames with a key."""
+    """frames: (N,) ascending.  p_camera: (N, 3) as the camera sees them
+    at the present frame, metres.  keys: those of the frames with a key."""
 
     part: str
     frames: tuple[int, ...]
@@ -163,9 +168,11 @@ def end_trail(edit: EditorState) -> EndTrail | None:
     motion = motion_between(edit, first, last)
     part = edit.selected or doc.subject.body.parts[0].name
     index = joint_names(skeleton).index(_far_end(doc.subject.body, part))
-    joints = joint_positions(skeleton, motion.Ts_camera_part)
+    joints = joint_positions(skeleton, motion.Ts_world_part)
     keys = tuple(k.frame for k in doc.subject.keyframes if first <= k.frame <= last)
-    return EndTrail(part, tuple(range(first, last + 1)), joints[:, index], keys)
+    here = apply_transform(T_camera_world(doc, edit.frame), joints[:, index])
+    p_camera = joints[:, index] if doc.camera_path is None else here
+    return EndTrail(part, tuple(range(first, last + 1)), p_camera, keys)
 
 
 def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
@@ -194,9 +201,9 @@ MOST_ENDS = 4
 
 @dataclass(frozen=True, eq=False)
 class FeetPaths:
-    """floor_m: metres along up from the camera's centre.  frames: (N,) ascending, none where no
-    pose is known.  paths: of every foot, or of every limb's end where a body has no feet, by the
-    name of its part: (N, 3) camera frame, metres."""
+    """floor_m: metres along up from the world's origin.  frames: (N,) ascending, none where no pose
+    is known.  paths: of every foot, or of every limb's end where a body has no feet, by the name of
+    its part: (N, 3) in the world, metres."""
 
     floor_m: float
     frames: NDArray[np.int64]
@@ -208,13 +215,14 @@ def feet_paths(edit: EditorState) -> FeetPaths:
     the motion.
     """
     floor_m = edit.settled.world.floor_m
-    skeleton, up = settled_skeleton(edit), up_of(edit.settled)
+    skeleton, up = settled_skeleton(edit), up_in_world(edit.settled)
     motion = known_motion(edit, MOST_MOMENTS)
     if motion is None:
         Ts = pose_transforms(edit.skeleton, shown_pose(edit).pose)[None]
+        Ts = in_world(edit.settled, Ts, [edit.frame])
         floor = floor_height(floor_m, lowest_heights(edit.skeleton, Ts, up))
         return FeetPaths(floor, np.zeros(0, dtype=np.int64), {})
-    Ts = motion.Ts_camera_part
+    Ts = motion.Ts_world_part
     paths = {}
     for part, p_part in _soles(skeleton).items():
         T = Ts[:, skeleton.body.index(part)]
@@ -259,11 +267,14 @@ _AT_REST = (1.0, 0.0, 0.0, 0.0)
 def angle_curve(edit: EditorState, index: int) -> Array:
     """(F, 3) degrees of a part by frame, without jumps; NaN where nothing is known."""
     Rs = part_rotations(edit, index)
+    path = edit.doc.camera_path
+    if path is not None and edit.doc.subject.body.parts[index].parent is None:
+        Rs = path.Ts_world_camera[:, :3, :3] @ Rs
     keys = [keyframe.frame for keyframe in edit.doc.subject.keyframes]
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     part = edit.doc.subject.body.parts[index]
-    up = up_of(edit.doc)
+    up = up_in_world(edit.doc)
     angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys), up)
     return angles
 
@@ -280,5 +291,5 @@ def part_rotations(edit: EditorState, index: int) -> Array:
 
 def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     """Every part's [x, y, z] in degrees."""
-    values = angles_deg(state.skeleton, pose, up_of(state.doc)).round(3).tolist()
+    values = angles_deg(state.skeleton, pose, up_of(state.doc, state.frame)).round(3).tolist()
     return dict(zip(state.doc.subject.body.names, values, strict=True))

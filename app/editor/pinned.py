@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.editor.frames import in_world
 from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import handles
@@ -28,7 +29,7 @@ def corner_near(
     body, T = state.doc.subject.body, part_at(state, part, frame)
     vertices = np.asarray(body.parts[body.index(part)].shape.mesh().vertices)
     p = vertices @ T[:3, :3].T + T[:3, 3]
-    off = np.linalg.norm(state.doc.view.camera.project(p) - uv, axis=1) + p[:, 2]
+    off = np.linalg.norm(state.doc.camera_at(frame).project(p) - uv, axis=1) + p[:, 2]
     x, y, z = vertices[int(np.nanargmin(off))].tolist()
     return x, y, z
 
@@ -108,7 +109,7 @@ def still_range(
 
 
 def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Array:
-    """(stop − start, points, 3) camera frame, metres; NaN where nothing is tracked."""
+    """(stop − start, points, 3) in the world, metres; NaN where nothing is tracked."""
     held = np.array(pin.points(state.doc.subject.body))
     part = state.doc.subject.body.index(pin.part)
     points = np.full((stop - start, len(held), 3), np.nan)
@@ -117,9 +118,8 @@ def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Arra
         if begin >= end:
             continue
         rows, path = slice(begin - first, end - first), found.trajectory
-        Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])[
-            :, part
-        ]
+        Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])
+        Ts = in_world(state.doc, Ts[:, part], np.arange(begin, end))
         seen = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
         seen[~found.tracked[rows]] = np.nan
         points[begin - start : end - start] = seen

@@ -13,11 +13,12 @@ import numpy as np
 
 from keypose.app.editor.body import with_body
 from keypose.app.editor.documents import ActionRefused, posed
+from keypose.app.editor.frames import pointer_views, up_of
 from keypose.app.editor.message import Degrees, Edit
 from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
 from keypose.app.editor.shown import draft_at, find, poses_beside, require_keyframe, shown_pose
-from keypose.app.editor.state import EditorState, pointer_views, up_of
+from keypose.app.editor.state import EditorState
 from keypose.app.posing import (
     BoxCorner,
     Gesture,
@@ -68,11 +69,7 @@ def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
         return readout.corners
     pose = shown_pose(state).pose if state.posed_by_corners else None
     for one in reversed(state.posed_by_corners):
-        if (
-            one.frame == state.frame
-            and one.camera == state.doc.view.camera
-            and _is_same(one.pose, pose)
-        ):
+        if one.frame == state.frame and one.camera == state.camera and _is_same(one.pose, pose):
             return one.corners
     return ()
 
@@ -81,7 +78,7 @@ def with_corners(state: EditorState, corners: tuple[PlacedCorner, ...]) -> Edito
     """The same with the present pose known as the one that these corners led to."""
     if not corners:
         return state
-    new = PosedByCorners(state.frame, shown_pose(state).pose, state.doc.view.camera, corners)
+    new = PosedByCorners(state.frame, shown_pose(state).pose, state.camera, corners)
     return replace(state, posed_by_corners=(*state.posed_by_corners, new)[-REMEMBERED:])
 
 
@@ -120,7 +117,7 @@ class Drag(Edit, Gesture):
             before.doc.subject.body,
             pose,
             self,
-            pointer_views(before.doc, self.eye),
+            pointer_views(before.doc, before.frame, self.eye),
             limits_on=looks.limits,
             axes_frame=looks.axes,
             linked=looks.link,
@@ -177,7 +174,8 @@ class Angles(Edit):
         state.doc.subject.body.index(self.part)
         pose = with_angles(
             state.skeleton, shown_pose(state).pose, self.part, self.x, self.y, self.z,
-            limits_on=state.display.limits and not self.free, up_camera=up_of(state.doc),
+            limits_on=state.display.limits and not self.free,
+            up_camera=up_of(state.doc, state.frame),
         )  # fmt: skip
         return with_pose(state, _with_pinned(state, pose, self.part))
 
@@ -215,7 +213,9 @@ class Face(Edit):
     way: Way
 
     def apply(self, state: EditorState) -> Session:
-        return with_pose(state, facing(shown_pose(state).pose, self.way, up_of(state.doc)))
+        return with_pose(
+            state, facing(shown_pose(state).pose, self.way, up_of(state.doc, state.frame))
+        )
 
 
 class ResetPart(Edit):
@@ -247,7 +247,7 @@ class Exchange(Edit):
     def apply(self, state: EditorState) -> Session:
         if not state.doc.subject.body.mirror_pairs:
             raise ActionRefused("This body has no left and right.")
-        swapped = swap_left_right(state.skeleton, state.doc.view.camera, shown_pose(state).pose)
+        swapped = swap_left_right(state.skeleton, state.camera, shown_pose(state).pose)
         return with_pose(state, swapped)
 
 
@@ -272,7 +272,7 @@ class TurnInDepth(Edit):
         name = "The body" if top == 0 else part_label(skeleton.body.names[top])
         if np.ptp(depths_m(skeleton, pose, top)) < LEAST_M:
             raise ActionRefused(f"{name} lies across the view: it looks the same either way.")
-        camera = state.doc.view.camera
+        camera = state.camera
         turned = turned_in_depth(skeleton, camera, pose, top)
         leaves = top != 0 and strays(skeleton, camera, pose, turned, top) > MOST_STRAY
         if leaves or not turns_round(skeleton, pose, turned, top):

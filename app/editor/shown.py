@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import ActionRefused, Posed
+from keypose.app.editor.frames import carried_to
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_between
@@ -106,6 +107,13 @@ def ghosts(state: EditorState) -> list[tuple[int, Pose]]:
     return [(frame, key.pose(state.skeleton)) for frame, key in found if key is not None]
 
 
+def ghost_transforms(state: EditorState, frame: int, pose: Pose) -> Array:
+    """Ts_camera_part (P, 4, 4) of a pose of another frame, as the camera sees it at the present
+    one."""
+    Ts = pose_transforms(state.skeleton, pose)
+    return np.asarray(carried_to(state.doc, state.frame, Ts[None], [frame])[0])
+
+
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)
@@ -131,15 +139,26 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
         return ShownPose(state.opening, "rest")
     place = bisect_right([keyframe.frame for keyframe in known], frame)
     if place == 0 or place == len(known):
-        return ShownPose(known[min(place, len(known) - 1)].pose(state.skeleton), "held")
+        nearest = known[min(place, len(known) - 1)]
+        held = _carried(state, nearest.frame, nearest.pose(state.skeleton), frame)
+        return ShownPose(held, "held")
     before, after = known[place - 1], known[place]
     motion = state.between(state.doc, before.frame, after.frame) if state.kept else None
     if motion is not None:
         return ShownPose(motion.pose(frame), "between")
     share = (frame - before.frame) / (after.frame - before.frame)
-    return ShownPose(
-        _mixed(before.pose(state.skeleton), after.pose(state.skeleton), share), "between"
-    )
+    start, end = (_carried(state, k.frame, k.pose(state.skeleton), frame) for k in (before, after))
+    return ShownPose(_mixed(start, end, share), "between")
+
+
+def _carried(state: EditorState, frame: int, pose: Pose, to: int) -> Pose:
+    """The pose of a frame where it stands in the world, as the camera sees it at another one."""
+    if state.doc.camera_path is None:
+        return pose
+    T = carried_to(state.doc, to, np.eye(4)[None], [frame])[0]
+    R = pose.Rs_parent_part.copy()
+    R[0] = T[:3, :3] @ R[0]
+    return Pose(R, T[:3, :3] @ pose.p_camera_root + T[:3, 3])
 
 
 def _mixed(start: Pose, end: Pose, share: float) -> Pose:

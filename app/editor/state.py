@@ -8,18 +8,12 @@ from typing import TYPE_CHECKING, Literal
 
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import require_sound
-from keypose.app.posing import (
-    CAMERA_UP,
-    Eye,
-    PointerView,
-    Readout,
-    eye_rotation,
-    opening_pose,
-    view_rotations,
-)
+from keypose.app.editor.frames import first_pose
+from keypose.app.posing import Readout
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin, pins_apart
@@ -31,23 +25,6 @@ if TYPE_CHECKING:
     from keypose.app.editor.copied import Copied
     from keypose.app.editor.posing import PosedByCorners
     from keypose.tracker.video.info import Timecode
-
-
-def up_of(doc: Session) -> tuple[float, float, float]:
-    """The world's up direction in the camera frame."""
-    return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
-
-
-def pointer_views(doc: Session, eye: Eye | None = None) -> dict[str, PointerView]:
-    """main, top, side and front; with an eye also free."""
-    views: dict[str, PointerView] = {"main": PointerView.of(doc.view.camera)}
-    rotations = view_rotations(up_of(doc))
-    for name, R in rotations.items():
-        views[name] = PointerView.parallel(name, R)
-    if eye is not None:
-        R = eye_rotation(eye.azimuth_deg, eye.elevation_deg) @ rotations["front"]
-        views["free"] = PointerView.free(R, eye.at_m)
-    return views
 
 
 @dataclass(frozen=True)
@@ -112,6 +89,11 @@ class EditorState:
     timecode: Timecode | None = None
     kept: Trajectory | None = None
     posed_by_corners: tuple[PosedByCorners, ...] = ()
+
+    @property
+    def camera(self) -> Camera:
+        """Return the camera as it is at the present frame."""
+        return self.doc.camera_at(self.frame)
 
     @property
     def frame_count(self) -> int:
@@ -212,10 +194,10 @@ class EditorState:
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.subject.body))
         if doc.subject.body.names == self.doc.subject.body.names:
             return changed
-        return replace(changed, opening=opening_pose(doc.subject.body, doc.view.camera, up_of(doc)))
+        return replace(changed, opening=first_pose(doc))
 
     def _opening_for(self, doc: Session) -> Pose:
         """Return where the body stands before it is posed: as large with another lens."""
         if doc.view.camera is self.doc.view.camera or doc.view.surface is not None:
             return self.opening
-        return opening_pose(doc.subject.body, doc.view.camera, up_of(doc))
+        return first_pose(doc)

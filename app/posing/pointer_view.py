@@ -34,7 +34,8 @@ class PointerView:
 
     R_view_camera: (3, 3) the view's axes, right, down and away, in the camera frame, as rows.
     camera:        the lens; None for parallel rays.
-    p_camera_eye:  (3,) where that lens stands; the film's camera stands at 0.
+    p_camera_eye:  (3,) where that lens stands; the film's camera stands at 0. Of a view along
+                   parallel rays where its coordinates begin.
     """
 
     name: str
@@ -48,9 +49,11 @@ class PointerView:
         return cls("main", frozen(np.eye(3)), camera.without_distortion())
 
     @classmethod
-    def parallel(cls, name: str, R_view_camera: ArrayLike) -> PointerView:
+    def parallel(
+        cls, name: str, R_view_camera: ArrayLike, p_camera_origin: ArrayLike = (0.0, 0.0, 0.0)
+    ) -> PointerView:
         """A small view."""
-        return cls(name, frozen(R_view_camera))
+        return cls(name, frozen(R_view_camera), None, frozen(p_camera_origin))
 
     @classmethod
     def free(cls, R_view_camera: ArrayLike, p_camera_eye: ArrayLike) -> PointerView:
@@ -76,13 +79,13 @@ class PointerView:
         p = np.asarray(p_camera, dtype=np.float64)
         if self.camera is not None:
             return self.camera.project(self._eye_to_view(p))
-        return np.asarray(p @ self.R_view_camera[:2].T)
+        return np.asarray((p - self.p_camera_eye) @ self.R_view_camera[:2].T)
 
     def ray(self, at: Sequence[float] | Array) -> tuple[Array, Array]:
         """A point of the line that is seen at `at`, and its unit direction, away from the eye."""
         a, b = float(at[0]), float(at[1])
         if self.camera is None:
-            return self.R_view_camera[:2].T @ (a, b), self.away
+            return self.p_camera_eye + self.R_view_camera[:2].T @ (a, b), self.away
         x, y = (a - self.camera.cx) / self.camera.fx, (b - self.camera.cy) / self.camera.fy
         distance = self.camera.telephoto_distance_m
         if distance is not None:

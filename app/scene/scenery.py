@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from keypose.app.editor.documents import unchanged
-from keypose.app.editor.shown import ghosts, shown_pose
-from keypose.app.editor.state import EditorState, up_of
-from keypose.app.posing import view_rotations
+from keypose.app.editor.frames import views_of
+from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
+from keypose.app.editor.state import EditorState
 from keypose.app.scene.scene import Scenery, Trail
 from keypose.app.scene.viser_compat import Role
 from keypose.tracker.body.body import Body
@@ -38,9 +38,9 @@ class SceneryMaker:
             selected=frozenset({edit.selected} if edit.selected else ()),
             mode=looks.mode,
             opacity=looks.opacity,
-            ghosts=self._once("ghosts", around, lambda: _ghosts(edit)),
+            ghosts=self._once("ghosts", (*around, settled.camera_path), lambda: _ghosts(edit)),
             trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
-            Rs_view_camera=self._once("views", (edit.doc.world.up_world,), lambda: _views(edit)),
+            Rs_view_camera=self._once("views", _where(edit), lambda: _views(edit)),
             before=self._once(
                 "before", (edit.compared, edit.frame, edit.results), lambda: _before(edit)
             ),
@@ -60,8 +60,14 @@ def _transforms(edit: EditorState, pose: Any) -> Array:
     return pose_transforms(edit.skeleton, pose)
 
 
+def _where(edit: EditorState) -> tuple[Any, ...]:
+    """Return what the small views depend on."""
+    path = edit.doc.camera_path
+    return (edit.doc.world.up_world, path, None if path is None else edit.frame)
+
+
 def _views(edit: EditorState) -> dict[Role, Array]:
-    rotations = view_rotations(up_of(edit.doc))
+    rotations, _ = views_of(edit.doc, edit.frame)
     return {"free": rotations["front"], **dict(rotations.items())}
 
 
@@ -69,7 +75,7 @@ def _ghosts(edit: EditorState) -> Ghosts:
     """The keyframes before and after the present frame, and a soft one's own pose here."""
     if not edit.display.ghosts:
         return ()
-    return tuple((frame, pose_transforms(edit.skeleton, pose)) for frame, pose in ghosts(edit))
+    return tuple((frame, ghost_transforms(edit, frame, pose)) for frame, pose in ghosts(edit))
 
 
 def _before(edit: EditorState) -> tuple[Body, Array] | None:

@@ -14,10 +14,11 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from keypose.app.editor.copied import copied_from
+from keypose.app.editor.frames import pointer_views
 from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.shown import shown_pose
-from keypose.app.editor.state import EditorState, pointer_views
+from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import File, every_format, motion_archive
 from keypose.app.export.motion_formats import formats_of, require_meant
 from keypose.app.orders.drawing import PicturesOrder, Viewpoint
@@ -161,7 +162,7 @@ def _copied_text(edit: EditorState | None, question: CopiedText) -> str | None:
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
-    view = pointer_views(edit.doc, question.eye)[question.view]
+    view = pointer_views(edit.doc, edit.frame, question.eye)[question.view]
     pose = shown_pose(edit).pose
     parts = parts_at(edit.skeleton, pose, view, question.at)
     edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []

@@ -345,14 +345,6 @@ class Session(Plain):
         path = self.camera_path
         return self.view.camera if path is None else path.camera_at(self.view.camera, frame)
 
-    def up_at(self, frame: int) -> tuple[float, float, float] | None:
-        """What is up in the frame of the camera at a frame; None where nobody knows."""
-        up, path = self.world.up_world, self.camera_path
-        if up is None or path is None:
-            return up
-        x, y, z = path.Ts_camera_world[frame, :3, :3] @ up
-        return float(x), float(y), float(z)
-
     def with_up(self, up_world: Iterable[float] | None, *, from_feet: bool = False) -> Self:
         """Set what is up, rounded to 1e-6; None where nobody knows."""
         up = None if up_world is None else tuple(round(float(v), 6) + 0.0 for v in up_world)

@@ -77,6 +77,13 @@ def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
     return (_settled if long else _doc)(*names)(app_state)
 
 
+def _before_camera(app_state: AppState) -> tuple[Any, ...]:
+    """Return what of a camera that moves is seen otherwise at another frame."""
+    edit = app_state.edit
+    path = None if edit is None else edit.doc.camera_path
+    return (path, None if path is None or edit is None else edit.frame)
+
+
 LONG_CURVE = 1500
 """Frames of a curve that is not made anew with every move of the pointer."""
 
@@ -84,7 +91,7 @@ _TRACKED = _both(
     _settled(
         *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
         *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_world"),
-        *("reviewed", "video"),
+        *("reviewed", "video", "camera_motion", "camera_keyframes"),
     ),
     _edit("results"),
 )
@@ -111,6 +118,7 @@ SECTIONS: dict[str, _Section] = {
         _both(
             _doc("camera", "up_world", "lens_source", "video", "drafted", "drafts", "keyframes"),
             _edit("results"),
+            _before_camera,
             lambda o: (o.opened,),
             _tinted,
         ),
@@ -120,7 +128,7 @@ SECTIONS: dict[str, _Section] = {
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         evidence_values.surface,
     ),
-    "views": _Section(_doc("up_world"), scene_values.small_view_rotations),
+    "views": _Section(_both(_doc("up_world"), _before_camera), scene_values.small_view_rotations),
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), body_values.pose),
@@ -159,7 +167,12 @@ SECTIONS: dict[str, _Section] = {
         _both(_TRACKED, _settled("drafts", "up_world"), _edit("opening")), space_values.feet
     ),
     "ghosts": _Section(
-        _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display", "results")),
+        _both(
+            _settled("body", "keyframes"),
+            _doc("body"),
+            _edit("frame", "display", "results"),
+            _before_camera,
+        ),
         space_values.ghosts,
     ),
     "solids": _Section(_doc("body"), space_values.solids),

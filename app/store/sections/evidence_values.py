@@ -133,7 +133,7 @@ def keypoints(app_state: AppState) -> Json:
         uv, sure = np.full(2, np.nan), 0.0
         if found is not None and name in at:
             uv, sure = found.uv[0, at[name]], float(found.visibility[0, at[name]])
-        points.append(_point(name, uv, sure, said.get(name), edit.doc.view.camera))
+        points.append(_point(name, uv, sure, said.get(name), edit.camera))
     return {"frame": edit.frame, "points": [point for point in points if point is not None]}
 
 

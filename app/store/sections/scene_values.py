@@ -9,8 +9,8 @@ from dataclasses import asdict
 import numpy as np
 
 from keypose.app.editor.drafted import has_drafts_for_other_up, to_lift
-from keypose.app.editor.state import up_of
-from keypose.app.posing import tilt_and_roll, view_rotations
+from keypose.app.editor.frames import up_of, views_of
+from keypose.app.posing import tilt_and_roll
 from keypose.app.store.sections.evidence_values import surface_version
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
@@ -72,11 +72,12 @@ def damage(app_state: AppState) -> Json:
 
 
 def camera(app_state: AppState) -> Json:
-    """The calibrated camera, and what is up in its frame."""
+    """The calibrated camera as it is at the present frame, and what is up there."""
     doc = doc_of(app_state)
     if doc is None:
         return None
-    given, up = doc.view.camera, up_of(doc)
+    frame = app_state.edit.frame if app_state.edit else 0
+    given, up = doc.camera_at(frame), up_of(doc, frame)
     longer = max(given.width / given.fx, given.height / given.fy)
     tilt, roll = tilt_and_roll(up)
     horizon = horizon_of(given, up)
@@ -135,11 +136,12 @@ def image_version(app_state: AppState) -> str:
 
 
 def small_view_rotations(app_state: AppState) -> Json:
-    """R_view_camera of the three small views."""
-    doc = doc_of(app_state)
-    if doc is None:
+    """R_view_camera of the three small views, and where the world's origin is for the camera."""
+    edit = app_state.edit
+    if edit is None:
         return None
-    return {name: R.tolist() for name, R in view_rotations(up_of(doc)).items()}
+    rotations, origin = views_of(edit.doc, edit.frame)
+    return {**{name: R.tolist() for name, R in rotations.items()}, "origin": origin.tolist()}
 
 
 def view(app_state: AppState) -> Json:

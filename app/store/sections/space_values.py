@@ -64,7 +64,7 @@ def ghosts(app_state: AppState) -> Json:
         return []
     found = []
     for frame, pose in shown.ghosts(edit):
-        Ts = pose_transforms(edit.skeleton, pose)
+        Ts = shown.ghost_transforms(edit, frame, pose)
         rows = Ts[:, :3].reshape(-1, 12).round(4).tolist()
         found.append(
             {"frame": frame, "T": dict(zip(edit.doc.subject.body.names, rows, strict=True))}

@@ -150,7 +150,7 @@ def test_with_few_keyframes_the_motion_shown_is_still_what_it_was(tmp_path: Path
     np.testing.assert_allclose(now.ps_camera_root, found.motion.ps_camera_root, atol=1e-9)
     known = motion_between(done, 0, LAST)
     np.testing.assert_allclose(
-        known.Ts_camera_part, found.motion.transforms(done.skeleton), atol=1e-9
+        known.Ts_world_part, found.motion.transforms(done.skeleton), atol=1e-9
     )
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from keypose.app.editor.state import pointer_views
+from keypose.app.editor.frames import pointer_views
 from keypose.app.posing import (
     Eye,
     Gesture,
@@ -118,6 +118,6 @@ def test_an_eye_goes_with_the_free_view_alone() -> None:
 
 def test_the_eye_of_a_message_looks_as_the_page_s() -> None:
     eye = Eye(azimuth_deg=90, elevation_deg=0, at_m=(3.0, 0.0, 5.0))
-    view = pointer_views(desk().doc, eye)["free"]
+    view = pointer_views(desk().doc, 0, eye)["free"]
     np.testing.assert_allclose(view.away, view_rotations()["side"][2], atol=1e-12)
-    assert "free" not in pointer_views(desk().doc)
+    assert "free" not in pointer_views(desk().doc, 0)

@@ -1,0 +1,97 @@
+"""In which frame things are shown: that of the camera at the present frame.
+
+What the session keeps of the world (up, the floor, places) is in the world's frame, the camera's as
+the film begins. Poses are each in the frame of the camera at their own frame, where a person posed
+them over the picture. Where the camera stands still all of these are one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from keypose.app.posing import (
+    CAMERA_UP,
+    Eye,
+    PointerView,
+    eye_rotation,
+    opening_pose,
+    view_rotations,
+)
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.view import ViewName
+from keypose.tracker.session.schema import Session
+
+
+def up_of(doc: Session, frame: int) -> tuple[float, float, float]:
+    """The world's up direction in the frame of the camera at a frame."""
+    up, path = up_in_world(doc), doc.camera_path
+    if path is None:
+        return up
+    x, y, z = path.Ts_camera_world[frame, :3, :3] @ up
+    return float(x), float(y), float(z)
+
+
+def up_in_world(doc: Session) -> tuple[float, float, float]:
+    """The world's up direction; that of its camera as the film begins, where nobody knows."""
+    return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
+
+
+def T_camera_world(doc: Session, frame: int) -> Array:
+    """(4, 4) where the world is for the camera at a frame."""
+    path = doc.camera_path
+    return np.eye(4) if path is None else np.asarray(path.Ts_camera_world[frame])
+
+
+def to_world(doc: Session, frame: int, direction: ArrayLike) -> Array:
+    """A direction (3,) that the camera sees at a frame, in the world."""
+    return np.asarray(T_camera_world(doc, frame)[:3, :3].T @ np.asarray(direction))
+
+
+def carried_to(doc: Session, frame: int, Ts_camera: Array, frames: ArrayLike) -> Array:
+    """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in that of
+    the camera at one frame; themselves where the camera stands still.
+    """
+    path = doc.camera_path
+    if path is None:
+        return Ts_camera
+    T = path.Ts_camera_world[frame] @ path.Ts_world_camera[np.asarray(frames)]
+    return np.asarray(T.reshape(-1, *(1,) * (Ts_camera.ndim - 3), 4, 4) @ Ts_camera)
+
+
+def in_world(doc: Session, Ts_camera: Array, frames: ArrayLike) -> Array:
+    """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in the
+    world; themselves where the camera stands still.
+    """
+    path = doc.camera_path
+    if path is None:
+        return Ts_camera
+    T = path.Ts_world_camera[np.asarray(frames)]
+    return np.asarray(T.reshape(-1, *(1,) * (Ts_camera.ndim - 3), 4, 4) @ Ts_camera)
+
+
+def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:
+    """R_view_camera of the small views, which stand still in the world, and where its origin (3,)
+    is, in the frame of the camera at a frame."""
+    rotations, T = view_rotations(up_in_world(doc)), T_camera_world(doc, frame)
+    if doc.camera_path is not None:
+        rotations = {name: R @ T[:3, :3].T for name, R in rotations.items()}
+    return rotations, T[:3, 3]
+
+
+def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str, PointerView]:
+    """main, top, side and front at a frame; with an eye also free."""
+    views: dict[str, PointerView] = {"main": PointerView.of(doc.camera_at(frame))}
+    rotations, origin = views_of(doc, frame)
+    for name, R in rotations.items():
+        views[name] = PointerView.parallel(name, R, origin)
+    if eye is not None:
+        R = eye_rotation(eye.azimuth_deg, eye.elevation_deg) @ rotations["front"]
+        views["free"] = PointerView.free(R, eye.at_m)
+    return views
+
+
+def first_pose(doc: Session) -> Pose:
+    """Return where a body stands before anybody posed it."""
+    return opening_pose(doc.subject.body, doc.view.camera, up_in_world(doc))
