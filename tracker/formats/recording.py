@@ -18,6 +18,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.units import Origin
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.session.annotations import Note
 from keypose.tracker.session.pins import Pin, sole_of
@@ -61,10 +62,11 @@ class Recording:
     n then n / rate seconds after the video's first frame. Segments and open ends have the video's
     numbers in both cases.
 
-    tracks:    the poses and their diagnostics.
+    tracks:    the poses and their diagnostics, in the frame of the scene: the camera's, of a camera
+               that moves as the film begins.
     stretches: the tracked segments, ascending; neighbours share a keyframe.
     times_s:   (N,) seconds from the video's first frame.
-    up_camera: (3,) what is up, a unit vector in the camera frame.
+    up_camera: (3,) what is up, a unit vector in that frame.
     open_ends: frames at which a motion of surfaces begins, ends or was stopped without a keyframe.
     rate:      frames a second of all the video's frames on average, or of the poses' own; None
                where the video has no two.
@@ -73,8 +75,9 @@ class Recording:
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
     timecode:  the video's; None: its file has none.
-    floor_m:   where the floor is, metres along up from the camera's centre; None: as low as the
+    floor_m:   where the floor is, metres along up from the scene's origin; None: as low as the
                body stands.
+    path:      of the camera over the whole film; None where it stands still.
     pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
     origin:    whose ground is the world of files.
@@ -101,6 +104,7 @@ class Recording:
     origin: Origin = "body"
     repeats: Repeats | None = None
     kept_ground: Ground | None = None
+    path: CameraPath | None = None
 
     @classmethod
     def of(
@@ -121,7 +125,7 @@ class Recording:
         return cls(
             Skeleton.of(session.subject.body),
             session.view.camera,
-            tracks.between(first, last),
+            tracks.in_world(session).between(first, last),
             tuple(s for s in sorted(segments, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
@@ -133,6 +137,7 @@ class Recording:
             timecode=timecode,
             pins=session.subject.pins,
             repeats=session.view.video.repeats,
+            path=session.camera_path,
         )
 
     def __len__(self) -> int:
@@ -223,8 +228,25 @@ class Recording:
 
     @property
     def T_world_camera(self) -> Array:
-        """(4, 4) from the camera frame (x right, y down, z forward) to the world of all files."""
+        """(4, 4) from the frame of the scene, the camera's (x right, y down, z forward), to the
+        world of all files."""
         return self.world.T_ground_camera
+
+    @cached_property
+    def seen_from(self) -> CameraPath | None:
+        """Where the camera was at every pose, N of them; None where it stands still."""
+        return None if self.path is None else self.path.sampled(self.film_frames)
+
+    @property
+    def Ts_world_camera(self) -> Array:
+        """(N, 4, 4) from the camera's frame at every pose to the world of all files."""
+        if self.seen_from is None:
+            return np.broadcast_to(self.T_world_camera, (len(self), 4, 4))
+        return np.asarray(self.T_world_camera @ self.seen_from.Ts_world_camera)
+
+    def camera_at(self, row: int) -> Camera:
+        """The camera with the focal length it has at a pose."""
+        return self.camera if self.seen_from is None else self.seen_from.camera_at(self.camera, row)
 
     def with_ground(self) -> Recording:
         """The recording with its ground given, so that parts of it and filtered ones lie in the
@@ -273,7 +295,8 @@ class Recording:
             return Gait((), ())
         if not pins and self.tracks.tracked.all():
             rate, up = self.frames_per_second, self.up_camera
-            pins = proposed_pins(self.skeleton, self.evened.trajectory, rate, up)
+            eyes = None if self.seen_from is None else self.seen_from.Ts_world_camera[:, :3, 3]
+            pins = proposed_pins(self.skeleton, self.evened.trajectory, rate, up, eyes)
         motion = self.evened.trajectory
         return gait_of(self.skeleton, motion, self.times_s, self.ground, pins)
 

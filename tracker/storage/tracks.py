@@ -25,7 +25,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,6 +105,19 @@ class Tracks:
             return self
         R, p = self.before_space
         return Tracks(self.first_frame, self.part_names, R, p, self.diagnostics)
+
+    def in_world(self, session: Session) -> Tracks:
+        """The motion in the world; itself where the session's camera stands still."""
+        path = session.camera_path
+        if path is None:
+            return self
+        last = self.first_frame + len(self.ps_camera_root) - 1
+        Ts = path.between(self.first_frame, last).Ts_world_camera
+        here = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root).carried(Ts)
+        return replace(
+            self, Rs_parent_part=here.Rs_parent_part, ps_camera_root=here.ps_camera_root,
+            before_space=None,
+        )  # fmt: skip
 
     def between(self, first: int, last: int) -> Tracks:
         """The frames first to last: fewer than these, or more, which have no poses."""
