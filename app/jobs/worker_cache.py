@@ -67,7 +67,7 @@ class WorkerCache:
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
         video = self.video(session, path)
         masks, static = session.view.ignore_masks, session.has_static_camera
-        prepared_for = (self._opened, session.view.camera, masks, static)
+        prepared_for = (self._opened, session.view.camera, masks, static, session.camera_path)
         if prepared_for != self._prepared_for:
             self._tracker, self._prepared_for = None, prepared_for
         self._tracker = tracker_of(

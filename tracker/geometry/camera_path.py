@@ -89,6 +89,13 @@ class CameraPath:
         return camera.model_copy(update=f)
 
 
+def at_one_focal(uv: Array, camera: Camera, zoom: Array | float) -> Array:
+    """Pixels (..., 2) taken at so much zoom (...) where the camera sees the same at its own focal
+    length."""
+    centre = (camera.cx, camera.cy)
+    return np.asarray((uv - centre) / np.asarray(zoom)[..., None] + centre)
+
+
 @dataclass(frozen=True, eq=False)
 class CameraCorrection:
     """The camera at one frame, as a person set it: T_camera_world (4, 4), zoom."""

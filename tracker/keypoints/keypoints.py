@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import at_one_focal
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.person_mask import PersonMask
 
@@ -73,6 +75,17 @@ class Keypoints:
         frames = range(first_frame, last_frame + 1)
         masks = None if self.masks is None else tuple(self.mask(frame) for frame in frames)
         return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand, masks)
+
+    def at_one_focal(self, camera: Camera, zoom: Array) -> Keypoints:
+        """As the camera sees them at its own focal length. zoom (F,): of every frame of the film,
+        as a multiple of that."""
+        own = zoom[self.first_frame : self.last_frame + 1]
+        masks = self.masks and tuple(
+            mask and mask.at_one_focal(camera, float(share))
+            for mask, share in zip(self.masks, own, strict=True)
+        )
+        uv = at_one_focal(self.uv, camera, np.repeat(own[:, None], self.uv.shape[1], axis=1))
+        return replace(self, uv=uv, masks=masks)
 
     def mask(self, frame: int) -> PersonMask | None:
         """Return where the person is in the picture of a frame; None where that is unknown."""

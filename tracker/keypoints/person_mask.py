@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import at_one_focal
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.region import Region
 
@@ -31,6 +33,14 @@ class PersonMask:
         """Of probabilities (256, 256) in the square looked at."""
         levels = np.round(np.nan_to_num(share) * FULL_LEVEL).astype(np.uint8)
         return cls(region, zlib.compress(levels.tobytes()))
+
+    def at_one_focal(self, camera: Camera, zoom: float) -> PersonMask:
+        """The mask in the picture as the camera takes it at its own focal length."""
+        region = self.region
+        x, y = at_one_focal(np.array([region.x, region.y]), camera, zoom)
+        return replace(
+            self, region=replace(region, x=float(x), y=float(y), side=region.side / zoom)
+        )
 
     def levels(self) -> NDArray[np.uint8]:
         """(256, 256) from 0 to `FULL_LEVEL`; ValueError where what is packed is none."""

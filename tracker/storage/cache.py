@@ -147,4 +147,7 @@ def found_before(session: Session, span: Span) -> Keypoints | None:
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame in span}
     model = find_model(session.settings.network_used)
     film = session.view.video.pictures
-    return sources.found_before(posed, skeleton, session.view.camera, film, Detections(), model)
+    return sources.found_before(
+        posed, skeleton, session.view.camera, film, Detections(), model,
+        session.camera_path,
+    )  # fmt: skip

@@ -118,7 +118,17 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 
 def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
     """Return what counts within a segment: masks, corrected keypoints, and an own motion."""
-    return [*_masks_and_corrections(session, span), *_own_start(session, span)]
+    found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
+    return [*found, *_zoom(session, span)]
+
+
+def _zoom(session: Session, span: Span) -> list[Any]:
+    """Return how a lens zooms over a segment; nothing where it does not."""
+    path = session.camera_path
+    zoom = np.ones(0) if path is None else path.zoom[span[0] : span[1] + 1]
+    if not (zoom != 1.0).any():
+        return []
+    return [{"zoom": hashlib.sha256(np.round(zoom, DECIMALS).tobytes()).hexdigest()}]
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:

@@ -8,6 +8,7 @@ from typing import Final
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
@@ -25,6 +26,7 @@ from keypose.tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
     GivenKeypoints,
+    KeypointsAtOneFocal,
     KeypointSource,
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
@@ -68,8 +70,11 @@ def tracker_of(
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     source = people = None
+    path = session.camera_path
+    zoom = path.zoom if path is not None and path.zooms else None
     if session.settings.method == "keypose":  # the published method looks for nobody
-        source, people = keypoint_source(session, video, keypoints), _people(session, video)
+        source = _at_one_focal(keypoint_source(session, video, keypoints), session, zoom)
+        people = _at_one_focal(_people(session, video), session, zoom)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.subject.first_motion
@@ -82,8 +87,16 @@ def tracker_of(
     return Tracker(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
-        fewest=fewest, own=own, people=people,
+        fewest=fewest, own=own, people=people, zoom=zoom,
     )  # fmt: skip
+
+
+def _at_one_focal(
+    source: KeypointSource | None, session: Session, zoom: Array | None
+) -> KeypointSource | None:
+    if source is None or zoom is None:
+        return source
+    return KeypointsAtOneFocal(source, session.view.camera, zoom)
 
 
 def keypoint_source(
@@ -129,7 +142,9 @@ def detected_keypoints(session: Session, video: Video, *, masks: bool = True) ->
     model, film = find_model(session.settings.network_used), session.view.video.pictures
     joints_alone = model.heads is not None and not masks
     every_second = joints_alone and video.info.fps >= LEAST_FPS
-    return DetectedKeypoints(video, session.view.camera, film, Detections(), model, every_second)
+    return DetectedKeypoints(
+        video, session.view.camera, film, Detections(), model, every_second, session.camera_path
+    )
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

@@ -14,6 +14,7 @@ from keypose.tracker.body.surface_points import SurfacePoints, sample_points
 from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
@@ -56,9 +57,16 @@ class _Prepared:
     """The pictures of one video at every size they are worked on."""
 
     def __init__(
-        self, video: Video, camera: Camera, masks: Sequence[IgnoreMask], static: bool, memory: int
+        self,
+        video: Video,
+        camera: Camera,
+        masks: Sequence[IgnoreMask],
+        static: bool,
+        memory: int,
+        zoom: Array | None,
     ) -> None:
         self._loading = (masks, static, memory)
+        self._zoom = zoom
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
@@ -76,7 +84,9 @@ class _Prepared:
         """The loader for segments of up to this many frames."""
         size = WorkingSize.for_camera(self._camera, longest, self._memory)
         if size not in self._loaders:
-            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._loading)
+            self._loaders[size] = ClipLoader(
+                self._video, self._camera, size, *self._loading, zoom=self._zoom
+            )
         return self._loaders[size]
 
 
@@ -107,14 +117,16 @@ class Tracker:
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
+        zoom: Array | None = None,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
-        people: what sees where in the picture a person is.
+        people: what sees where in the picture a person is.  zoom (F,): the focal length of every
+        frame as a multiple of the camera's, which keypoints are freed of; None where it stays.
         """
         self._people = people
         self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
-        self._prepared = _Prepared(video, camera, masks, static_camera, memory)
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory, zoom)
         self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 

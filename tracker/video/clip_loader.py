@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
 from keypose.tracker.video.pyramid import (
@@ -88,7 +89,10 @@ class WorkingSize:
 class ClipLoader:
     """Prepares clips of one video; the most recent stay ready, within a share of the memory.
 
-    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
+    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing. Pictures
+    of a lens that zooms are made as large as the camera's own focal length shows things.
+
+    zoom (F,): the focal length of every frame as a multiple of the camera's; None where it stays.
     """
 
     video: Video
@@ -97,6 +101,7 @@ class ClipLoader:
     masks: Sequence[IgnoreMask] = ()
     static_camera: bool = False
     memory: int = MEMORY_BYTES
+    zoom: Array | None = None
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
     _plate: Picture | None = None
@@ -176,40 +181,59 @@ class ClipLoader:
             working = self.size.camera(self.camera)
             grey = np.zeros((working.height, working.width), np.uint8)
             return prepare(grey, np.full(grey.shape, IGNORED, np.float32), LEVELS)
-        grey = self._grey(rgb)
+        grey = self._grey(rgb, index)
         return prepare(grey, self._usable(index, grey), LEVELS)
 
-    def _grey(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _grey(self, rgb: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
         grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
-        return self.size.picture(self.camera.rectify(grey))
+        return self._working(grey, frame)
+
+    def _working(self, picture: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
+        """A picture of a frame without distortion, at one focal length, at the working size."""
+        picture = self.camera.rectify(picture)
+        zoom = 1.0 if self.zoom is None else float(self.zoom[frame])
+        if zoom != 1.0:
+            centre = np.array([self.camera.cx, self.camera.cy])
+            M = np.column_stack([np.eye(2) / zoom, centre - centre / zoom])
+            size = (self.camera.width, self.camera.height)
+            way = cv2.INTER_AREA if zoom > 1 else cv2.INTER_LINEAR
+            picture = np.asarray(cv2.warpAffine(picture, M, size, flags=way), dtype=np.uint8)
+        return self.size.picture(picture)
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
         """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
-        if not masks and not self.static_camera and not self.camera.is_distorted:
+        zooms = self.zoom is not None and self.zoom[index] > 1
+        if not (masks or self.static_camera or self.camera.is_distorted or zooms):
             return None
         usable = np.full(grey.shape, USABLE, np.float32)
         if self.static_camera:
             usable[self._is_background(grey)] = TARGET_ONLY
         if masks:
-            usable[self._masked(masks)] = IGNORED
-        if self.camera.is_distorted:
-            usable[self._beyond_lens()] = IGNORED
+            usable[self._masked(masks, index)] = IGNORED
+        if zooms:
+            usable[self._shown(index) < 250] = IGNORED
+        elif self.camera.is_distorted:
+            usable[self._beyond_lens(index)] = IGNORED
         return usable
 
-    def _beyond_lens(self) -> NDArray[np.bool_]:
+    def _shown(self, frame: int) -> NDArray[np.uint8]:
+        """255 where the film has a picture of a frame."""
+        white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
+        return self._working(white, frame)
+
+    def _beyond_lens(self, frame: int) -> NDArray[np.bool_]:
         """Pixels of the rectified picture that the lens never showed."""
         if self._beyond is None:
-            white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
-            self._beyond = self.size.picture(self.camera.rectify(white)) < 250
+            self._beyond = self._shown(frame) < 250
         return self._beyond
 
-    def _masked(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
+    def _masked(self, masks: Sequence[IgnoreMask], frame: int) -> NDArray[np.bool_]:
         drawn = np.zeros((self.camera.height, self.camera.width), np.uint8)
         for mask in masks:
             corners = np.clip(np.array(mask.polygon), -FAR_OUT, FAR_OUT)
             cv2.fillPoly(drawn, [np.round(corners).astype(np.int32)], 255)
-        return self.size.picture(self.camera.rectify(drawn)) > 0
+        return self._working(drawn, frame) > 0
 
     def _is_background(self, grey: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """Pixels that look as the empty scene does: no part of a moving body."""
@@ -222,7 +246,7 @@ class ClipLoader:
         count = self.video.info.frame_count
         frames = np.unique(np.linspace(0, count - 1, PLATE_FRAMES).round().astype(int))
         pictures = [
-            self._grey(rgb)
+            self._grey(rgb, int(frame))
             for frame in frames
             for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median tolerates damage
             if rgb is not None

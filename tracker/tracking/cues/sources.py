@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from keypose.tracker.body.pose import Pose
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.geometry.camera import Camera
+    from keypose.tracker.geometry.camera_path import CameraPath
+    from keypose.tracker.geometry.rotations import Array
     from keypose.tracker.session.annotations import KeypointCorrection
     from keypose.tracker.tracking.segment import Segment
     from keypose.tracker.video import Video
@@ -98,7 +100,7 @@ class DetectedKeypoints:
     """Keypoints by a network, which looks for the body from both of its keyposes.
 
     camera: of the video, with its distortion.  film: the video's fingerprint, under which what is
-    found is kept.  model: the network.  every_second: as of `detect`.
+    found is kept.  model: the network.  every_second: as of `detect`.  path: of the camera.
     """
 
     video: Video
@@ -107,6 +109,7 @@ class DetectedKeypoints:
     kept: Kept | None = None
     model: Model = FULL
     every_second: bool = False
+    path: CameraPath | None = None
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -137,7 +140,7 @@ class DetectedKeypoints:
         posed: poses of the body by frame, of one or more of these.  report: called before each
         look; what it raises ends the search.
         """
-        seeds = _seeds(posed, skeleton, self.camera)
+        seeds = _seeds(posed, skeleton, self.camera, self.path)
         with _LOOKING:
             network = _network(self.model)  # a KeypointError of its own where it is not here
             try:
@@ -180,6 +183,34 @@ class CorrectedKeypoints:
         return None if found is None else found.corrected(self.corrections)
 
 
+@dataclass(frozen=True, eq=False)
+class KeypointsAtOneFocal:
+    """Keypoints of another source as the camera sees them at its own focal length.
+
+    zoom (F,): the focal length of every frame of the film, as a multiple of the camera's.
+    """
+
+    source: KeypointSource
+    camera: Camera
+    zoom: Array
+
+    def over(
+        self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
+    ) -> Keypoints | None:
+        return self._seen(self.source.over(segment, skeleton, report))
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        return self._seen(self.source.at(frame, skeleton, pose))
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        return self._seen(self.source.beyond(frame, last, skeleton, pose, report))
+
+    def _seen(self, found: Keypoints | None) -> Keypoints | None:
+        return None if found is None else found.at_one_focal(self.camera, self.zoom)
+
+
 class _NotKept(Exception):
     """Something was not found before."""
 
@@ -201,19 +232,20 @@ def found_before(
     film: str,
     kept: Kept,
     model: Model,
+    path: CameraPath | None = None,
 ) -> Keypoints | None:
     """Return what a network found in a segment when it was tracked last, with no look at the film;
     None where it did not, or nobody keeps it any more.
 
-    posed: the keyposes of the segment's first and last frame, by frame.  camera, film, model: as of
-    `DetectedKeypoints`.
+    posed: the keyposes of the segment's first and last frame, by frame.  camera, film, model,
+    path: as of `DetectedKeypoints`.
     """
 
     def no_picture(_number: int) -> None:
         raise _NotKept
 
     frames = (min(posed), max(posed))
-    seeds, recall = _seeds(posed, skeleton, camera), _Recall(detector_fingerprint(model))
+    seeds, recall = _seeds(posed, skeleton, camera, path), _Recall(detector_fingerprint(model))
     for every_second in (True, False):
         with suppress(_NotKept, KeypointError):  # never looked for so, or nobody seen
             return detect(
@@ -223,8 +255,11 @@ def found_before(
     return None
 
 
-def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> list[Seed]:
-    return [
-        Seed(frame, Region.of_pose(skeleton, pose, camera).rounded(SEED_PARTS))
-        for frame, pose in posed.items()
-    ]
+def _seeds(
+    posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera, path: CameraPath | None
+) -> list[Seed]:
+    def seed(frame: int, pose: Pose) -> Seed:
+        here = camera if path is None else path.camera_at(camera, frame)
+        return Seed(frame, Region.of_pose(skeleton, pose, here).rounded(SEED_PARTS))
+
+    return [seed(frame, pose) for frame, pose in posed.items()]
