@@ -7,6 +7,7 @@ older anchors that are in view again then tie it to these. Memory grows by what 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
@@ -19,7 +20,7 @@ from keypose.tracker.camera_motion.landmarks import Landmarks
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.points import Grey, Mask, PointFollower
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
-from keypose.tracker.camera_motion.turn import Solved, Turn, solve_turn
+from keypose.tracker.camera_motion.turn import SCALES_PX, Solved, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
 
 Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "no_picture"]
@@ -27,6 +28,8 @@ Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "
 
 FEWEST_POINTS = 12
 """With fewer picked there is no texture."""
+ROUGH_POINTS = 100
+"""That are followed from the frame before."""
 FEWEST_AGREE, SHARE_AGREE = 8, 0.25
 """Points that must agree, and their share of those that could be seen."""
 MOST_DOUBT = np.radians(0.2)
@@ -103,7 +106,7 @@ class Odometer:
         if picture is None:
             self._lost += 1
             return self._unknown("no_picture")
-        rough, followed = self._points.look(picture)
+        rough, followed = self._points.look(picture, ROUGH_POINTS)
         like = self._likeness()
         if not self.turns:
             self._anchor_here(frame, usable, Turn.none(), None)
@@ -132,19 +135,28 @@ class Odometer:
         self, rough: Array, followed: NDArray[np.bool_], usable: Mask | None
     ) -> tuple[NDArray[np.bool_], Solved | None]:
         starts = [self._turn.then(self._step), self._turn]
-        first = self._solve(rough, followed, starts)
+        first = self._solve(rough, followed, starts, SCALES_PX)
+        sure = first is not None and first.agreeing >= max(FEWEST_AGREE, 0.5 * followed.sum())
         turn = starts[1] if first is None or first.agreeing < FEWEST_AGREE else first.turn
         zoom = self.turns[-1].zoom
         expected = self.lens.pixels(turn.rotated(self._directions), zoom * turn.zoom)
         expected = np.where(np.isfinite(expected), expected, -1e4)
-        self._uv, found = self._points.refine(expected, usable)
-        return found, self._solve(self._uv, found, [turn, *starts])
+        self._uv, found = self._points.refine(expected, usable, halvings=0 if sure else 1)
+        scales = SCALES_PX[-1:] if sure else SCALES_PX
+        return found, self._solve(self._uv, found, [turn, *starts], scales)
 
-    def _solve(self, uv: Array, found: NDArray[np.bool_], starts: list[Turn]) -> Solved | None:
+    def _solve(
+        self, uv: Array, found: NDArray[np.bool_], starts: list[Turn], scales: Sequence[float]
+    ) -> Solved | None:
         zoom = self.turns[-1].zoom
         seen = self.lens.flat(uv[found], zoom * starts[0].zoom) / zoom
         return solve_turn(
-            self._directions[found], seen, self._focal_px * zoom, self._trust[found], starts
+            self._directions[found],
+            seen,
+            self._focal_px * zoom,
+            self._trust[found],
+            starts,
+            scales_px=scales,
         )
 
     def _holds(self, solved: Solved, found: NDArray[np.bool_]) -> bool:
@@ -249,8 +261,9 @@ class Odometer:
         place = {number: k for k, number in enumerate(ids.tolist())}
         for number, there in zip(back[again].tolist(), back_uv[again], strict=True):
             uv[place[number]] = there
-        ids, uv = np.concatenate([ids, back[~again]]), np.concatenate([uv, back_uv[~again]])
-        trust = np.concatenate([trust, np.ones((~again).sum())])
+        fresh = ~again & self._points.in_empty_cells(back_uv, uv)
+        ids, uv = np.concatenate([ids, back[fresh]]), np.concatenate([uv, back_uv[fresh]])
+        trust = np.concatenate([trust, np.ones(fresh.sum())])
         self._anchor_here(frame, usable, turn, (ids, uv, trust))
 
     def _anchor_here(

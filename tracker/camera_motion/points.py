@@ -37,7 +37,8 @@ LEAST_CORNER = 3e-4
 """Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is noise."""
 WINDOW_PX = (21, 21)
 ROUGH_WINDOW_PX = (15, 15)
-ROUGH_HALVINGS, FINE_HALVINGS = 4, 1
+ROUGH_HALVINGS = 3
+"""Of the first look, which is at half the size already."""
 RETURN_PX = 0.5
 """A point counts where it is followed back to within this of where it began."""
 ASIDE_PX = np.float32(1.5)
@@ -46,7 +47,7 @@ AROUND_PX = 10
 """Room at the edge of the background in which a point's window would hold what is before it."""
 FEWEST_FOLLOWED = 0.3
 """Share of the points from the picture before; with fewer the whole picture is asked for a shift."""
-COARSE = 8
+COARSE = 4
 """By which a picture is made smaller to be asked for the shift of its whole."""
 
 _ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
@@ -76,35 +77,54 @@ class PointFollower:
     anchor: Anchor | None = None
     scale: float = field(init=False)
     visible: int = field(default=0, init=False)
-    _before: Grey | None = field(default=None, init=False)
     _now: Grey | None = field(default=None, init=False)
+    _half: Grey | None = field(default=None, init=False)
+    _half_before: Grey | None = field(default=None, init=False)
     _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
+    _found: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), init=False)
     _next_id: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self.scale = min(1.0, LOOK_PX / max(self.width, self.height))
 
-    def look(self, picture: Grey) -> tuple[Array, NDArray[np.bool_]]:
+    def look(self, picture: Grey, most: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
         """Take the next picture and return roughly where the anchor's points went (K, 2), and
         which of them (K,) were followed from the picture before.
+
+        most: how many are asked, of those found in the picture before if there are enough.
         """
-        self._before, self._now = self._now, self._small(picture)
-        if self.anchor is None or self._before is None:
-            return np.zeros((0, 2)), np.zeros(0, bool)
-        start = self.to_look(self._last)
-        there, found = _followed(self._before, self._now, start, start, *_ROUGH)
-        if found.mean() < FEWEST_FOLLOWED:
-            shift = _whole_shift(self._before, self._now)
-            again, found_again = _followed(self._before, self._now, start, start + shift, *_ROUGH)
+        self._now = self._small(picture)
+        self._half_before, self._half = self._half, np.asarray(cv2.pyrDown(self._now), np.uint8)
+        if self.anchor is None or self._half_before is None:
+            return self._last, np.zeros(len(self._last), bool)
+        asked = self._asked(most)
+        start = self.to_look(self._last[asked]) / 2
+        there, found = _followed(self._half_before, self._half, start, start, *_ROUGH)
+        if len(asked) and found.mean() < FEWEST_FOLLOWED:
+            guess = start + _whole_shift(self._half_before, self._half)
+            again, found_again = _followed(self._half_before, self._half, start, guess, *_ROUGH)
             if found_again.sum() > found.sum():
                 there, found = again, found_again
-        return self.to_film(there), found
+        rough, followed = self._last.copy(), np.zeros(len(self._last), bool)
+        rough[asked], followed[asked] = self.to_film(2 * there), found
+        return rough, followed
 
-    def refine(self, expected: Array, usable: Mask | None) -> tuple[Array, NDArray[np.bool_]]:
+    def _asked(self, most: int | None) -> NDArray[np.int64]:
+        every = np.arange(len(self._last))
+        if most is None or len(every) <= most:
+            return every
+        seen = np.flatnonzero(self._found)
+        from_ = seen if len(seen) >= most else every
+        return np.asarray(from_[np.linspace(0, len(from_) - 1, most).astype(int)])
+
+    def refine(
+        self, expected: Array, usable: Mask | None, halvings: int = 1
+    ) -> tuple[Array, NDArray[np.bool_]]:
         """Return where the anchor's points are (K, 2), and which (K,) were found.
 
-        expected: (K, 2), to within a few pixels; also the places that are taken for points that
-        were not found.  usable: of the picture's pixels (H, W), those that may be background.
+        expected: (K, 2); also the places that are taken for points that were not found.
+        usable: of the picture's pixels (H, W), those that may be background.  halvings: 0 where
+        the places are expected to within a few pixels, one more for twice as far.
         """
         assert self.anchor is not None
         assert self._now is not None
@@ -113,12 +133,14 @@ class PointFollower:
         open_ = self._open(usable)
         self.visible = int((inside & self._on(open_, expected)).sum())
         guess = np.where(inside[:, None], guess, start)
-        there, found = _followed(self.anchor.grey, self._now, start, guess, *_FINE)
+        there, found = _followed(
+            self.anchor.grey, self._now, start, guess, WINDOW_PX, halvings, _ENOUGH
+        )
         found &= inside & self.inside(there, 1.0)
         uv = self.to_film(there)
         found &= self._on(open_, uv)
         uv = np.where(found[:, None], uv, expected)
-        self._last = uv
+        self._last, self._found = uv, found
         return uv, found
 
     def pick(
@@ -133,6 +155,7 @@ class PointFollower:
         self._next_id += len(picked)
         ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
         self.anchor, self._last = Anchor(self._now, ids, uv), uv
+        self._found = np.ones(len(ids), bool)
         return ids, uv
 
     @property
@@ -163,6 +186,25 @@ class PointFollower:
     def to_film(self, uv: Array) -> Array:
         """Pixels of the film from those of the picture looked at."""
         return (uv + 0.5) / self.scale - 0.5
+
+    def in_empty_cells(self, uv: Array, taken: Array) -> NDArray[np.bool_]:
+        """Return which places (K, 2), one a cell, lie where none of the taken ones (M, 2) does."""
+        cells, held = self._cells(self.to_look(uv)), self._cells(self.to_look(taken))
+        first = np.zeros(len(uv), bool)
+        first[np.unique(cells, return_index=True)[1]] = True
+        return np.asarray(first & ~np.isin(cells, held))
+
+    def _side(self) -> int:
+        assert self._now is not None
+        return max(8, round(np.sqrt(self._now.size / CELLS)))
+
+    def _cells(self, at: Array) -> NDArray[np.int64]:
+        """The number (K,) of the cell of each place (K, 2) of the picture looked at."""
+        assert self._now is not None
+        side = self._side()
+        rows, columns = (-(-length // side) for length in self._now.shape)
+        column, row = np.clip(np.rint(at) // side, 0, (columns - 1, rows - 1)).astype(int).T
+        return np.asarray(row * columns + column)
 
     def usable_at(self, usable: Mask | None, at: Array) -> NDArray[np.bool_]:
         """Return which places (K, 2) of the picture looked at may show background."""
@@ -206,14 +248,13 @@ class PointFollower:
             strength = strength * large[:height, :width]
         strength[:BORDER_PX] = strength[-BORDER_PX:] = 0.0
         strength[:, :BORDER_PX] = strength[:, -BORDER_PX:] = 0.0
-        side = max(8, round(np.sqrt(width * height / CELLS)))
+        side = self._side()
         rows, columns = -(-height // side), -(-width // side)
         padded = np.zeros((rows * side, columns * side), np.float32)
         padded[:height, :width] = strength
         squares = padded.reshape(rows, side, columns, side).swapaxes(1, 2)
         cells = squares.reshape(rows * columns, side * side)
-        column, row = np.clip(np.rint(taken) // side, 0, (columns - 1, rows - 1)).astype(int).T
-        cells[row * columns + column] = 0.0
+        cells[self._cells(taken)] = 0.0
         best = cells.argmax(axis=1)
         good = cells[np.arange(len(cells)), best] > LEAST_CORNER
         cell = np.flatnonzero(good)
@@ -223,7 +264,6 @@ class PointFollower:
 
 
 _ROUGH = (ROUGH_WINDOW_PX, ROUGH_HALVINGS, _ROUGHLY)
-_FINE = (WINDOW_PX, FINE_HALVINGS, _ENOUGH)
 
 
 def _followed(
@@ -294,11 +334,11 @@ def follow(
     frames; points that are found keep their ids.
     """
     follower, anchor, ids = PointFollower(width, height), 0, np.zeros(0, np.int64)
+    uv = np.zeros((0, 2))
     for frame, picture in enumerate(pictures):
         usable = background(frame)
-        last = follower._last
+        last = uv
         rough, found = follower.look(picture)
-        uv = np.zeros((0, 2))
         if len(rough):
             shift = np.median((rough - last)[found], axis=0) if found.any() else np.zeros(2)
             uv, found = follower.refine(np.where(found[:, None], rough, last + shift), usable)
