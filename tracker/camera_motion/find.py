@@ -9,8 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.anchors import agreed
-from keypose.tracker.camera_motion.findings import Finding, gaps
+from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.odometer import Measured, Odometer
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
@@ -92,24 +91,29 @@ def find_camera_motion(
         none = np.zeros(0)
         return CameraMotion("static", None, none > 0, none, none, _points([]), ())
     given = [c for c in corrections if 0 <= c.frame < len(measured)]
-    turns = bridged(_turns(measured, odometer))
-    turns = _without_zoom(turns) if fixed != "static" else turns
+    known, cuts = scenes(
+        np.array([m.anchor for m in measured]),
+        np.array([m.known for m in measured]),
+        odometer.loose,
+        odometer.cuts,
+    )
+    turns = _without_zoom(bridged(_turns(measured, known, odometer)))
     kind = fixed or _kind(turns, camera, odometer, given)
     path = None if kind == "static" else corrected(turns, given).path()
     return CameraMotion(
         kind,
         path,
         turns.known,
-        np.array([m.error_px for m in measured]),
+        np.where(turns.known, [m.error_px for m in measured], np.nan),
         turns.doubt,
         _points(measured),
-        tuple(_findings(measured, odometer, turns)),
+        tuple(_findings(measured, cuts, turns)),
     )
 
 
-def _turns(measured: Sequence[Measured], odometer: Odometer) -> Turns:
+def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
     """The turns of all frames, from the anchors in agreement."""
-    anchors = agreed(odometer.turns, odometer.edges)
+    anchors = odometer.territory.agreed()
     variance = np.array([np.diag(m.covariance) for m in measured])
     return joined(
         np.array([m.anchor for m in measured]),
@@ -117,10 +121,10 @@ def _turns(measured: Sequence[Measured], odometer: Odometer) -> Turns:
         np.log([m.turn.zoom for m in measured]),
         np.sqrt(variance[:, :3].mean(axis=1)),
         np.sqrt(variance[:, 3]),
-        np.array([m.known for m in measured]),
+        known,
         np.stack([turn.R for turn in anchors]),
         np.log([turn.zoom for turn in anchors]),
-        odometer.frames,
+        odometer.territory.frames,
     )
 
 
@@ -163,10 +167,15 @@ def _ways(turns: Turns, camera: Camera) -> Array:
     return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
 
 
-def _findings(measured: Sequence[Measured], odometer: Odometer, turns: Turns) -> list[Finding]:
-    found = gaps([m.cause for m in measured])
-    found += [Finding("cut", frame, frame, 1.0) for frame in odometer.cuts]
-    doubtful = np.flatnonzero(turns.known & (turns.zoom_doubt > ZOOM_UNSURE))
+def _findings(measured: Sequence[Measured], cuts: Sequence[int], turns: Turns) -> list[Finding]:
+    causes = [
+        "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
+    ]
+    found = gaps(causes)
+    found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
+    doubtful = np.flatnonzero(
+        turns.known & (turns.zoom_doubt > ZOOM_UNSURE) & (turns.zoom_doubt < 1)
+    )
     if turns.log_zoom.any() and len(doubtful):
         most = float(turns.zoom_doubt[doubtful].max())
         found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))

@@ -46,19 +46,26 @@ ASIDE_PX = np.float32(1.5)
 AROUND_PX = 10
 """Room at the edge of the background in which a point's window would hold what is before it."""
 FEWEST_FOLLOWED = 0.3
-"""Share of the points from the picture before; with fewer the whole picture is asked for a shift."""
+"""Share of the points from the picture before; with less the whole picture is asked for a shift."""
 COARSE = 4
 """By which a picture is made smaller to be asked for the shift of its whole."""
 
+FEWEST_EXPOSED = 12
+LEAST_GAIN, LEAST_OFFSET = 0.015, 1.5
+"""A smaller change of brightness is left."""
+GAIN_POWER = 2000.0
+
+_SAME = (1.0, 0.0)
 _ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
 _ROUGHLY = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 0.05)
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """A picture in which points were picked, and where (K, 2), film's pixels."""
+    """A picture in which points were picked, its half, and where (K, 2), film's pixels."""
 
     grey: Grey
+    half: Grey
     ids: NDArray[np.int64]
     uv: Array
 
@@ -77,7 +84,9 @@ class PointFollower:
     anchor: Anchor | None = None
     scale: float = field(init=False)
     visible: int = field(default=0, init=False)
+    _raw: Grey | None = field(default=None, init=False)
     _now: Grey | None = field(default=None, init=False)
+    _exposure: tuple[float, float] = field(default=(1.0, 0.0), init=False)
     _half: Grey | None = field(default=None, init=False)
     _half_before: Grey | None = field(default=None, init=False)
     _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
@@ -93,8 +102,9 @@ class PointFollower:
 
         most: how many are asked, of those found in the picture before if there are enough.
         """
-        self._now = self._small(picture)
-        self._half_before, self._half = self._half, np.asarray(cv2.pyrDown(self._now), np.uint8)
+        self._raw = self._small(picture)
+        self._now = _exposed(self._raw, self._exposure)
+        self._half_before, self._half = self._half, _halved(self._now)
         if self.anchor is None or self._half_before is None:
             return self._last, np.zeros(len(self._last), bool)
         asked = self._asked(most)
@@ -107,7 +117,26 @@ class PointFollower:
                 there, found = again, found_again
         rough, followed = self._last.copy(), np.zeros(len(self._last), bool)
         rough[asked], followed[asked] = self.to_film(2 * there), found
+        self._expose(asked[found], there[found])
         return rough, followed
+
+    def _expose(self, followed: NDArray[np.int64], there: Array) -> None:
+        """Make the latest picture as bright as the anchor's, by points (K,) that were followed to
+        (K, 2) of its half: Lucas and Kanade take every other difference for motion.
+        """
+        assert self.anchor is not None
+        assert self._raw is not None
+        assert self._half is not None
+        if len(followed) < FEWEST_EXPOSED:
+            return
+        was = _brightness(self.anchor.half, self.to_look(self.anchor.uv[followed]) / 2)
+        change = _line(_brightness(self._half, there), was)
+        if abs(change[0] - 1) < LEAST_GAIN and abs(change[1]) < LEAST_OFFSET:
+            return
+        gain, offset = self._exposure
+        self._exposure = (gain * change[0], offset * change[0] + change[1])
+        self._now = _exposed(self._raw, self._exposure)
+        self._half = _halved(self._now)
 
     def _asked(self, most: int | None) -> NDArray[np.int64]:
         every = np.arange(len(self._last))
@@ -143,30 +172,35 @@ class PointFollower:
         self._last, self._found = uv, found
         return uv, found
 
-    def pick(
-        self, usable: Mask | None, ids: NDArray[np.int64], uv: Array
-    ) -> tuple[NDArray[np.int64], Array]:
+    def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> Anchor:
         """Make the latest picture the anchor: with points that are known in it (K,), (K, 2), and
-        new ones in the cells that hold none. Return the anchor's points.
+        new ones in the cells that hold none.
         """
-        assert self._now is not None
+        assert self._raw is not None
         picked = self.to_film(self._corners(self._open(usable), self.to_look(uv)))
         fresh = self._next_id + np.arange(len(picked))
         self._next_id += len(picked)
         ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
-        self.anchor, self._last = Anchor(self._now, ids, uv), uv
-        self._found = np.ones(len(ids), bool)
-        return ids, uv
+        anchor = Anchor(self._raw, _halved(self._raw), ids, uv)
+        self.use(anchor, uv)
+        return anchor
 
-    @property
-    def ids(self) -> NDArray[np.int64]:
-        """The anchor's points (K,)."""
-        return np.zeros(0, np.int64) if self.anchor is None else self.anchor.ids
+    def could_pick(self, usable: Mask | None, fewest: int) -> bool:
+        """Return whether an anchor in the latest picture would have so many points."""
+        return len(self._corners(self._open(usable), np.zeros((0, 2)))) >= fewest
 
-    @property
-    def anchor_uv(self) -> Array:
-        """Their places in the anchor (K, 2)."""
-        return np.zeros((0, 2)) if self.anchor is None else self.anchor.uv
+    def use(self, anchor: Anchor, expected: Array) -> None:
+        """Go on with an anchor whose points were or would be at (K, 2) in the latest picture."""
+        assert self._raw is not None
+        self.anchor, self._last = anchor, expected
+        self._found = np.ones(len(anchor.ids), bool)
+        self._exposure = _SAME
+        self._now, self._half = self._raw, _halved(self._raw)
+
+    def shift_from(self, anchor: Anchor) -> Array:
+        """The shift (2,) of the whole picture since an anchor, pixels of the film."""
+        assert self._half is not None
+        return 2 * _whole_shift(anchor.half, self._half) / self.scale
 
     @property
     def now(self) -> Grey | None:
@@ -196,7 +230,7 @@ class PointFollower:
 
     def _side(self) -> int:
         assert self._now is not None
-        return max(8, round(np.sqrt(self._now.size / CELLS)))
+        return max(8, round(float(np.sqrt(self._now.size / CELLS))))
 
     def _cells(self, at: Array) -> NDArray[np.int64]:
         """The number (K,) of the cell of each place (K, 2) of the picture looked at."""
@@ -290,6 +324,44 @@ def _followed(
     return np.asarray(there[:, 0], float), found
 
 
+def _halved(grey: Grey) -> Grey:
+    return np.asarray(cv2.pyrDown(grey), np.uint8)
+
+
+def _exposed(grey: Grey, exposure: tuple[float, float]) -> Grey:
+    """gain · grey + offset."""
+    if exposure == _SAME:
+        return grey
+    level = np.arange(256) * exposure[0] + exposure[1]
+    return np.asarray(cv2.LUT(grey, np.clip(np.rint(level), 0, 255).astype(np.uint8)), np.uint8)
+
+
+def _brightness(half: Grey, at: Array) -> Array:
+    """The mean grey levels (K,) about places (K, 2)."""
+    blurred = cv2.blur(half, (7, 7))
+    height, width = half.shape
+    column, row = np.rint(at).astype(int).T
+    levels = blurred[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]
+    return np.asarray(levels, dtype=float)
+
+
+def _line(x: Array, y: Array) -> tuple[float, float]:
+    """The gain and offset that lead from values (K,) to others, by those that agree."""
+    gain, offset = 1.0, float(np.median(y - x))
+    for _ in range(4):
+        away = y - gain * x - offset
+        spread = max(1.5, 1.5 * float(np.median(np.abs(away))))
+        w = 1 / (1 + (away / spread) ** 2) ** 2
+        mean_x, mean_y = (w @ x) / w.sum(), (w @ y) / w.sum()
+        power = w @ (x - mean_x) ** 2
+        if power < 1e-9:
+            break
+        # a spread of a few levels says nothing of the gain
+        gain = float((w @ ((x - mean_x) * (y - mean_y)) + GAIN_POWER) / (power + GAIN_POWER))
+        offset = float(mean_y - gain * mean_x)
+    return float(np.clip(gain, 0.4, 2.5)), offset
+
+
 def _whole_shift(one: Grey, other: Grey) -> Array:
     """The shift (2,) of a whole picture that best leads to another, by phase correlation."""
     first, second = (
@@ -343,6 +415,7 @@ def follow(
             shift = np.median((rough - last)[found], axis=0) if found.any() else np.zeros(2)
             uv, found = follower.refine(np.where(found[:, None], rough, last + shift), usable)
         if not len(rough) or found.mean() < least_share or frame - anchor >= longest:
-            ids, uv = follower.pick(usable, ids[found], uv[found])
+            picked = follower.pick(usable, ids[found], uv[found])
+            ids, uv = picked.ids, picked.uv
             anchor, found = frame, np.ones(len(ids), bool)
         yield Followed(frame, anchor, ids, uv, found)
