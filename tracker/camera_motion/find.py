@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
+from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.odometer import Measured, Odometer
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
@@ -55,7 +56,8 @@ class CameraMotion:
     kind: "static", "turns" (and zooms), or "moves": then `path` is the turning that explains most.
     path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
     bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
-    where unknown.  doubt (N,): standard deviation of the turn against the anchor, radians.
+    where unknown.  focal: the focal length that its turning tells, None where it does not.
+    doubt (N,): standard deviation of the turn against the anchor, radians.
     """
 
     kind: CameraKind
@@ -65,6 +67,7 @@ class CameraMotion:
     doubt: Array
     points: Points
     findings: tuple[Finding, ...]
+    focal: FocalScale | None = None
 
 
 def find_camera_motion(
@@ -98,7 +101,8 @@ def find_camera_motion(
         odometer.cuts,
     )
     turns = _without_zoom(bridged(_turns(measured, known, odometer)))
-    kind = fixed or _kind(turns, camera, odometer, given)
+    focal = focal_scale(odometer.lens, odometer.scale, odometer.pairs)
+    kind = fixed or _kind(turns, camera, odometer, focal, given)
     path = None if kind == "static" else corrected(turns, given).path()
     return CameraMotion(
         kind,
@@ -108,6 +112,7 @@ def find_camera_motion(
         turns.doubt,
         _points(measured),
         tuple(_findings(measured, cuts, turns)),
+        focal,
     )
 
 
@@ -137,9 +142,15 @@ def _without_zoom(turns: Turns) -> Turns:
 
 
 def _kind(
-    turns: Turns, camera: Camera, odometer: Odometer, corrections: Sequence[Correction]
+    turns: Turns,
+    camera: Camera,
+    odometer: Odometer,
+    focal: FocalScale | None,
+    corrections: Sequence[Correction],
 ) -> CameraKind:
-    if _aside(odometer.summaries) > ASIDE_SHARE:
+    # a wrong focal length leaves points aside as well
+    aside = 1.0 if focal is None else focal.aside
+    if min(_aside(odometer.summaries), aside) > ASIDE_SHARE:
         return "moves"
     way = _ways(turns, camera) * odometer.scale
     asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)

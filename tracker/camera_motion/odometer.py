@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.camera_motion.focal import LEAST_AWAY, MOST_PAIRS, Pair
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.points import Anchor, Grey, Mask, PointFollower
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
@@ -49,6 +50,8 @@ ROLL, ZOOM = np.radians(8.0), 0.14
 SOONEST = 4
 """Frames from an anchor to the next, where points merely become few."""
 TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
+FARTHER = 1.2
+"""By which the picture must have gone on for another pair to be kept."""
 SCENES = 3
 """Left ones that are tried again where the camera is lost."""
 LITTLE = (32, 18)
@@ -90,17 +93,20 @@ class Odometer:
     """Takes the frames of a film in order.
 
     territory: the anchors.  summaries: what the points of each said.  cuts: frames at which the
-    picture changed wholly.  loose: anchors that are tied to nothing before them.
+    picture changed wholly.  loose: anchors that are tied to nothing before them.  pairs: of
+    pictures that tell the focal length.
     """
 
     def __init__(self, lens: Lens) -> None:
-        self._lens = lens
+        self.lens = lens
         self._points = PointFollower(lens.camera.width, lens.camera.height)
         self.territory = Territory(lens, self._points)
         self.summaries: list[Summary] = []
         self.cuts: list[int] = []
         self.loose: list[int] = []
+        self.pairs: list[Pair] = []
         self._scene: _Scene | None = None
+        self._pair: Pair | None = None
         self._left: list[_Scene] = []
         self._turn, self._step = Turn.none(), Turn.none()
         self._uv = np.zeros((0, 2))
@@ -124,7 +130,7 @@ class Odometer:
     def finish(self) -> None:
         """Take up what the last anchor's points said."""
         if self._scene is not None:
-            self.summaries.append(self._scene.steady.summary())
+            self._end_anchor()
         else:
             self.territory.add(0, Turn.none())
 
@@ -159,14 +165,14 @@ class Odometer:
     def _expected(self, turn: Turn) -> Array:
         """Where the anchor's points are seen (K, 2) when it is turned so; far off when behind."""
         rays = turn.rotated(self._current.directions)
-        uv = self._lens.pixels(rays, self._zoom * turn.zoom)
+        uv = self.lens.pixels(rays, self._zoom * turn.zoom)
         return np.where(np.isfinite(uv), uv, -1e4)
 
     def _solve(
         self, uv: Array, found: NDArray[np.bool_], starts: list[Turn], scales: Sequence[float]
     ) -> Solved | None:
         scene, zoom = self._current, self._zoom
-        seen = self._lens.flat(uv[found], zoom * starts[0].zoom) / zoom
+        seen = self.lens.flat(uv[found], zoom * starts[0].zoom) / zoom
         return solve_turn(
             scene.directions[found],
             seen,
@@ -205,7 +211,10 @@ class Odometer:
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
         )
-        if self._is_due(frame, found, solved.turn):
+        away = self._away(found)
+        if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
+            self._take_pair(found, solved, away)
+        if self._is_due(frame, found, solved.turn, away):
             self._advance_anchor(frame, usable, agrees, measured)
         return measured
 
@@ -288,10 +297,24 @@ class Odometer:
 
     # --- anchors ---
 
-    def _is_due(self, frame: int, found: NDArray[np.bool_], turn: Turn) -> bool:
-        scene = self._current
-        flat = self._uv[found] - scene.anchor.uv[found]
-        away = np.linalg.norm(np.median(flat, axis=0)) / self._lens.camera.width
+    def _away(self, found: NDArray[np.bool_]) -> float:
+        """How far the picture went since the anchor, as a share of its width."""
+        ways = self._uv[found] - self._current.anchor.uv[found]
+        return float(np.linalg.norm(np.median(ways, axis=0)) / self.lens.camera.width)
+
+    def _take_pair(self, found: NDArray[np.bool_], solved: Solved, away: float) -> None:
+        """Keep the anchor and this frame, so far the farthest from it, for the focal length."""
+        zooms = self._zoom, self._zoom * solved.turn.zoom
+        self._pair = Pair(self._current.anchor.uv[found], self._uv[found], zooms, away)
+
+    def _end_anchor(self) -> None:
+        """Take up what the points of the anchor measured from said."""
+        self.summaries.append(self._current.steady.summary())
+        if self._pair is not None:
+            self.pairs = sorted([*self.pairs, self._pair], key=lambda p: -p.away)[:MOST_PAIRS]
+        self._pair = None
+
+    def _is_due(self, frame: int, found: NDArray[np.bool_], turn: Turn, away: float) -> bool:
         roll = abs(np.arctan2(turn.R[1, 0], turn.R[0, 0]))
         if away > AWAY_SHARE or roll > ROLL or abs(np.log(turn.zoom)) > ZOOM:
             return True
@@ -326,12 +349,12 @@ class Odometer:
     ) -> None:
         """Set an anchor at the latest picture; known: ids, places and trust of its points."""
         if self._scene is not None:
-            self.summaries.append(self._scene.steady.summary())
+            self._end_anchor()
         ids, uv, trust = known or (np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0))
         anchor = self._points.pick(usable, ids, uv)
         self._uv = anchor.uv
         trust = np.concatenate([trust, np.full(len(anchor.ids) - len(trust), TRUST_NEW)])
-        directions = self._lens.directions(anchor.uv, turn.zoom)
+        directions = self.lens.directions(anchor.uv, turn.zoom)
         number = len(self.territory.turns)
         self._scene = _Scene(number, anchor, directions, trust, Steadiness(len(trust)))
         self.territory.add(frame, turn)
