@@ -29,6 +29,8 @@ NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
 ZOOM_UNSURE = 0.02
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""
+STILL_ASIDE_SHARE = 0.6
+"""The same where all others stand still: something large then moves before a static camera."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,12 +151,13 @@ def _kind(
     corrections: Sequence[Correction],
 ) -> CameraKind:
     # a wrong focal length leaves points aside as well
-    aside = 1.0 if focal is None else focal.aside
-    if min(_aside(odometer.summaries), aside) > ASIDE_SHARE:
-        return "moves"
+    aside = min(_aside(odometer.summaries), 1.0 if focal is None else focal.aside)
     way = _ways(turns, camera) * odometer.scale
+    still = way[turns.known].max(initial=0.0) < STILL_PX and aside < STILL_ASIDE_SHARE
     asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)
-    return "turns" if asked or way[turns.known].max(initial=0.0) > STILL_PX else "static"
+    if still and not asked:
+        return "static"
+    return "moves" if aside > ASIDE_SHARE else "turns"
 
 
 def _aside(summaries: Sequence[Summary]) -> float:

@@ -32,7 +32,7 @@ FEWEST_POINTS = 12
 """With fewer picked there is no texture."""
 ROUGH_POINTS = 100
 """That are followed from the frame before."""
-FEWEST_AGREE, SHARE_AGREE = 8, 0.25
+FEWEST_AGREE, SHARE_AGREE = 8, 0.2
 """Points that must agree, and their share of those that could be seen."""
 MOST_DOUBT = np.radians(0.2)
 """Standard deviation of the turn above which it is not known."""
@@ -43,8 +43,8 @@ LOST_FRAMES = 4
 CUT_LIKENESS, SAME_LIKENESS = 0.5, 0.7
 """Correlation of two pictures at a cut, and of two of one scene."""
 SEEN_SHARE, AWAY_SHARE = 0.6, 0.22
-"""A new anchor is due where this share of its points is left, or it moved by this share of the
-picture's width."""
+"""A new anchor is due where this share of the points once found is left, or the picture went by
+this share of its width."""
 ROLL, ZOOM = np.radians(8.0), 0.14
 """Or rolled, or zoomed, so far that windows no longer look alike."""
 SOONEST = 4
@@ -76,10 +76,10 @@ class Measured:
     good: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Scene:
     """An anchor to measure from: its number, points, their directions (K, 3) in its camera's
-    frame and their trust (K,), which changes.
+    frame and their trust (K,); and how many points at most were found since.
     """
 
     number: int
@@ -87,6 +87,7 @@ class _Scene:
     directions: Array
     trust: Array
     steady: Steadiness
+    most_found: int = 0
 
 
 class Odometer:
@@ -318,7 +319,9 @@ class Odometer:
         roll = abs(np.arctan2(turn.R[1, 0], turn.R[0, 0]))
         if away > AWAY_SHARE or roll > ROLL or abs(np.log(turn.zoom)) > ZOOM:
             return True
-        few = found.sum() < SEEN_SHARE * len(found)
+        scene = self._current
+        scene.most_found = max(scene.most_found, int(found.sum()))
+        few = found.sum() < SEEN_SHARE * scene.most_found
         return bool(few and frame - self.territory.frames[-1] >= SOONEST)
 
     def _advance_anchor(

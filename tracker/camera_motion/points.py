@@ -33,8 +33,11 @@ CELLS = 240
 """Into which the picture is divided; each holds a point at most."""
 BORDER_PX = 6
 """Nearer to the picture's edge no point is picked."""
-LEAST_CORNER = 3e-4
-"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is noise."""
+LEAST_CORNER, SURE_CORNER = 1e-5, 3e-4
+"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is nothing, more is
+a corner; between them the noise decides."""
+ABOVE_NOISE, QUIET_CELLS = 5.0, 10
+"""A point stands out where it has so many times the median of the cells at this percentile."""
 WINDOW_PX = (21, 21)
 ROUGH_WINDOW_PX = (15, 15)
 ROUGH_HALVINGS = 3
@@ -288,9 +291,11 @@ class PointFollower:
         padded[:height, :width] = strength
         squares = padded.reshape(rows, side, columns, side).swapaxes(1, 2)
         cells = squares.reshape(rows * columns, side * side)
+        quiet = _quiet(cells)
+        least = np.clip(ABOVE_NOISE * quiet, LEAST_CORNER, SURE_CORNER)
         cells[self._cells(taken)] = 0.0
         best = cells.argmax(axis=1)
-        good = cells[np.arange(len(cells)), best] > LEAST_CORNER
+        good = cells[np.arange(len(cells)), best] > least
         cell = np.flatnonzero(good)
         v = (cell // columns) * side + best[cell] // side
         u = (cell % columns) * side + best[cell] % side
@@ -322,6 +327,13 @@ def _followed(
     returned = np.linalg.norm((again - p)[:, 0], axis=1) < RETURN_PX
     found = (forth[:, 0] > 0) & (back[:, 0] > 0) & returned
     return np.asarray(there[:, 0], float), found
+
+
+def _quiet(cells: NDArray[np.float32]) -> float:
+    """The strength of corners that noise has, of strengths (cells, pixels); 0 is not looked at."""
+    some = cells[:, ::7]
+    full = some[(some > 0).mean(axis=1) > 0.7]
+    return float(np.percentile(np.median(full, axis=1), QUIET_CELLS)) if len(full) else 0.0
 
 
 def _halved(grey: Grey) -> Grey:

@@ -113,7 +113,7 @@ def solve_turn(
         return None
     turn = _start(directions, seen, focal_px, trust, starts, zooms)
     for scale in (*scales_px, *[0.0] * STEPS_AT_END):
-        residual, J = _linearised(turn, directions, seen, focal_px)
+        residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
         weight = trust * _weights(error, scale or _spread(error, trust))
         step = _step(residual, J, weight, zooms)
@@ -124,7 +124,7 @@ def solve_turn(
 
 
 def _solved(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> Solved:
-    residual, J = _linearised(turn, directions, seen, focal_px)
+    residual, J = linearised(turn, directions, seen, focal_px)
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
     agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
@@ -186,7 +186,7 @@ def _from_pairs(
     order = order[apart > 0.3 * np.median(apart)]
     if not len(order):
         return []
-    residual, J = _linearised(start, directions, seen, focal_px)
+    residual, J = linearised(start, directions, seen, focal_px)
     used = 4 if zooms else 3
     Jp = J[order].reshape(len(order), 4, 4)[..., :used]
     A = np.swapaxes(Jp, 1, 2) @ Jp
@@ -198,7 +198,7 @@ def _from_pairs(
     return [start.moved(step) for step in sound]
 
 
-def _linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
+def linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
     """Return what is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
     points behind the camera have neither.
     """
