@@ -15,6 +15,7 @@ from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.odometer import Measured, Odometer
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
 from keypose.tracker.camera_motion.points import Background, Grey
+from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Summary
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -113,7 +114,7 @@ def find_camera_motion(
         np.where(turns.known, [m.error_px for m in measured], np.nan),
         turns.doubt,
         _points(measured),
-        tuple(_findings(measured, cuts, turns)),
+        tuple(_findings(measured, cuts, turns, odometer.shutter)),
         focal,
     )
 
@@ -181,7 +182,9 @@ def _ways(turns: Turns, camera: Camera) -> Array:
     return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
 
 
-def _findings(measured: Sequence[Measured], cuts: Sequence[int], turns: Turns) -> list[Finding]:
+def _findings(
+    measured: Sequence[Measured], cuts: Sequence[int], turns: Turns, shutter: Shutter
+) -> list[Finding]:
     causes = [
         "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
     ]
@@ -193,6 +196,10 @@ def _findings(measured: Sequence[Measured], cuts: Sequence[int], turns: Turns) -
     if turns.log_zoom.any() and len(doubtful):
         most = float(turns.zoom_doubt[doubtful].max())
         found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
+    readout = shutter.readout()
+    if readout is not None:
+        span = readout.first_frame, readout.last_frame
+        found.append(Finding("rolling_shutter", *span, readout.share))
     return sorted(found, key=lambda finding: finding.first_frame)
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from keypose.tracker.camera_motion.focal import LEAST_AWAY, MOST_PAIRS, Pair
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.points import Anchor, Grey, Mask, PointFollower
+from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
 from keypose.tracker.camera_motion.territory import SYSTEMATIC_PX, Territory, covariance
 from keypose.tracker.camera_motion.turn import SCALES_PX, Solved, Turn, solve_turn
@@ -79,7 +80,8 @@ class Measured:
 @dataclass(eq=False)
 class _Scene:
     """An anchor to measure from: its number, points, their directions (K, 3) in its camera's
-    frame and their trust (K,); and how many points at most were found since.
+    frame and their trust (K,); how fast the picture moved along its rows, pixels looked at, a
+    frame; and how many points at most were found since.
     """
 
     number: int
@@ -87,6 +89,7 @@ class _Scene:
     directions: Array
     trust: Array
     steady: Steadiness
+    speed_px: float = 0.0
     most_found: int = 0
 
 
@@ -106,6 +109,7 @@ class Odometer:
         self.cuts: list[int] = []
         self.loose: list[int] = []
         self.pairs: list[Pair] = []
+        self.shutter = Shutter()
         self._scene: _Scene | None = None
         self._pair: Pair | None = None
         self._left: list[_Scene] = []
@@ -195,12 +199,17 @@ class Odometer:
         self, frame: int, usable: Mask | None, found: NDArray[np.bool_], solved: Solved
     ) -> Measured:
         scene = self._current
-        self._step = Turn.none() if self._lost else self._turn.inverse().then(solved.turn)
+        followed = not self._lost
+        self._step = self._turn.inverse().then(solved.turn) if followed else Turn.none()
         self._turn, self._lost, self._cut = solved.turn, 0, -1
         agrees = np.zeros(len(found), bool)
         agrees[found] = solved.agrees
         scene.trust[found] += TRUST_RATE * (solved.agrees - scene.trust[found])
         scene.steady.add(found, solved)
+        if followed:
+            at, height = self._points.to_look(self._uv[found]), self._points.look_height
+            speed = self._speed_px() - scene.speed_px
+            self.shutter.add(frame, at, solved.residual_px, speed, height)
         error = np.median(np.linalg.norm(solved.residual_px[solved.agrees], axis=1))
         measured = Measured(
             anchor=scene.number,
@@ -225,6 +234,11 @@ class Odometer:
         return Measured(
             anchor, self._turn, False, cause, np.eye(4), np.nan, none, np.zeros(0, bool)
         )
+
+    def _speed_px(self) -> float:
+        """How far the picture went along its rows since the frame before, pixels looked at."""
+        zoom = self._zoom * self._turn.zoom
+        return float(self._step.R[0, 2] * self.territory.focal_px * zoom)
 
     # --- where the camera is lost ---
 
@@ -359,7 +373,8 @@ class Odometer:
         trust = np.concatenate([trust, np.full(len(anchor.ids) - len(trust), TRUST_NEW)])
         directions = self.lens.directions(anchor.uv, turn.zoom)
         number = len(self.territory.turns)
-        self._scene = _Scene(number, anchor, directions, trust, Steadiness(len(trust)))
+        speed = 0.0 if known is None else self._speed_px()
+        self._scene = _Scene(number, anchor, directions, trust, Steadiness(len(trust)), speed)
         self.territory.add(frame, turn)
         self._turn, self._lost, self._cut = Turn.none(), 0, -1
         if known is None:
