@@ -196,10 +196,9 @@ def _findings(
     if turns.log_zoom.any() and len(doubtful):
         most = float(turns.zoom_doubt[doubtful].max())
         found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
-    readout = shutter.readout()
+    readout = shutter.found()
     if readout is not None:
-        span = readout.first_frame, readout.last_frame
-        found.append(Finding("rolling_shutter", *span, readout.share))
+        found.append(Finding("rolling_shutter", 0, len(measured) - 1, readout))
     return sorted(found, key=lambda finding: finding.first_frame)
 
 

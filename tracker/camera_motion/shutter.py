@@ -1,69 +1,78 @@
-"""Tell from residuals how long a camera takes to read a picture, row after row.
+"""Learn how long a camera takes to read a picture, row after row, and what that does to it.
 
-While the camera pans, each row is seen from a little farther on, so the picture is sheared in
-proportion to the speed. Measured from an anchor, a frame is sheared by the difference of the two
-speeds. A turn takes up the part of the shear that looks like a roll; what is left of it is fitted
-here, frame by frame, and set against the speeds.
+While the camera turns, each row is seen from a little farther on: a point is shifted by its share
+of the readout times how fast the picture moves there. The readout, as a share of the time between
+frames, is one constant of the film. It is an unknown of every frame's solve beside the turn, with
+what earlier frames said of it as prior; the shear is then neither taken for roll nor for points
+that move by themselves. A phone held upright reads columns: both axes have their own.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.geometry.rotations import Array
 
-FAR_PX = 5.0
-"""Residuals beyond this are other motion."""
-LEAST_PX = 0.3
-"""Shear between the first and the last row, root mean square, below which nothing is said."""
-LEAST_SHARE, LEAST_SIGMAS, FEWEST_FRAMES = 0.1, 5.0, 10
+PRIOR_SIGMA = 0.5
+LEAST_SIGMA = 0.01
+"""What the frames have in common that their number does not better."""
+MOST = 1.5
+LEAST_SHARE, LEAST_SIGMAS = 0.1, 5.0
+"""A readout that is smaller, or less sure, is not reported."""
 
 
-@dataclass(frozen=True)
-class Readout:
-    """The share of the time between frames from the first row to the last, its standard
-    deviation, and the frames over which it shows.
+@dataclass(eq=False)
+class Shutter:
+    """The readouts (2,) along u and v, from the first column or row to the last, and their
+    information (2, 2), of the frames so far. size: of the film's pictures.
     """
 
-    share: float
-    sigma: float
-    first_frame: int
-    last_frame: int
+    size: tuple[int, int]
+    share: Array = field(default_factory=lambda: np.zeros(2))
+    information: Array = field(default_factory=lambda: np.eye(2) / PRIOR_SIGMA**2)
 
-
-class Shutter:
-    """Sums over frames."""
-
-    def __init__(self) -> None:
-        self._sums = np.zeros(3)
-        self._speeds: list[tuple[int, float]] = []
-
-    def add(self, frame: int, at: Array, residual_px: Array, speed_px: float, height: int) -> None:
-        """Take points at (K, 2) pixels and what is left of them (K, 2); speed_px: of the picture
-        along its rows, less the anchor's, a frame.
+    def shifts(self, uv: Array, flat: Array, rate: Array) -> Array:
+        """Shifts (K, 2, 2) of points for a readout of 1 along u and along v, in the units of
+        `flat` (K, 2), tangents; uv (K, 2): where they are seen.  rate (3,): turn a frame, radians.
         """
-        near = np.linalg.norm(residual_px, axis=1) < FAR_PX
-        if near.sum() < FEWEST_FRAMES:
-            return
-        x, y = (at[near] - at[near].mean(axis=0)).T
-        roll = (y @ y) / max(x @ x + y @ y, 1e-9)
-        template = np.stack([(1 - roll) * y, roll * x], axis=1)
-        shear = (template * residual_px[near]).sum() / max((template**2).sum(), 1e-9) * height
-        self._sums += speed_px * shear, speed_px**2, shear**2
-        self._speeds.append((frame, abs(speed_px)))
+        x, y = flat.T
+        way = np.stack(
+            [
+                -x * y * rate[0] + (1 + x * x) * rate[1] - y * rate[2],
+                -(1 + y * y) * rate[0] + x * y * rate[1] + x * rate[2],
+            ],
+            axis=1,
+        )
+        part = (uv + 0.5) / self.size - 0.5
+        return np.asarray(way[:, :, None] * part[:, None, :])
 
-    def readout(self) -> Readout | None:
-        """Return what the frames say; None where that is nothing."""
-        product, power, shears = self._sums
-        count = len(self._speeds)
-        if count < FEWEST_FRAMES or np.sqrt(shears / count) < LEAST_PX or power < 1e-9:
-            return None
-        share = product / power
-        sigma = np.sqrt(max(shears - share * product, 1e-12) / count / power)
-        if not LEAST_SHARE < share < 1.5 or share < LEAST_SIGMAS * sigma:
-            return None
-        typical = np.sqrt(power / count)
-        frames = [frame for frame, speed in self._speeds if speed >= typical]
-        return Readout(float(share), float(sigma), frames[0], frames[-1])
+    def straightened(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
+        """Where points (K, 2) of a picture would be seen if it were read at once."""
+        return uv - self._shifted(lens, uv, zoom, rate)
+
+    def sheared(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
+        """Where points (K, 2) are seen that would be here if the picture were read at once."""
+        return uv + self._shifted(lens, uv, zoom, rate)
+
+    def _shifted(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
+        tangents = lens.flat(uv, zoom) / zoom
+        shifts = self.shifts(uv, tangents, rate) @ self.share
+        return np.asarray(shifts * zoom * (lens.camera.fx, lens.camera.fy))
+
+    def learn(self, share: Array, information: Array) -> None:
+        """Take what a frame's points alone say: a readout (2,) and its information (2, 2)."""
+        before = self.information @ self.share
+        total = self.information + information
+        found = np.linalg.solve(total, before + information @ share)
+        self.share = np.clip(found, -MOST, MOST)
+        most = np.linalg.eigvalsh(total)[-1] * LEAST_SIGMA**2
+        self.information = total / max(1.0, most)
+
+    def found(self) -> float | None:
+        """Return the readout as a share of the time between frames, None where there is none."""
+        sigma = np.sqrt(np.diag(np.linalg.inv(self.information)))
+        sure = (np.abs(self.share) > LEAST_SHARE) & (np.abs(self.share) > LEAST_SIGMAS * sigma)
+        return float(np.abs(self.share[sure]).max()) if sure.any() else None
