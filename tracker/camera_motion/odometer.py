@@ -51,6 +51,8 @@ ROLL, ZOOM = np.radians(8.0), 0.14
 SOONEST = 4
 """Frames from an anchor to the next, where points merely become few."""
 TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
+LEAST_CHANGE_PX = 1.5
+"""Of the speed since the anchor, a frame: with less nothing is said of the shutter."""
 FARTHER = 1.2
 """By which the picture must have gone on for another pair to be kept."""
 SCENES = 3
@@ -65,6 +67,7 @@ class Measured:
 
     turn: from the anchor's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points found.
+    share: of the points that could be seen, those that agree.
     """
 
     anchor: int
@@ -75,6 +78,7 @@ class Measured:
     error_px: float
     uv: NDArray[np.float32]
     good: NDArray[np.bool_]
+    share: float = 1.0
 
 
 @dataclass(eq=False)
@@ -230,6 +234,7 @@ class Odometer:
             error_px=float(error) / self.scale,
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
+            share=solved.agreeing / max(int(found.sum()), self._points.visible),
         )
         away = self._away(found)
         if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
@@ -248,7 +253,9 @@ class Odometer:
     def _learn_shutter(self, scene: _Scene, solved: Solved) -> None:
         """Take what the frame says of the readout, or learn how fast the anchor was turned."""
         if scene.rate is not None:
-            self.shutter.learn(solved.share, solved.share_information)
+            change_px = np.linalg.norm(self._rate - scene.rate) * self.territory.focal_px
+            if change_px * self._zoom > LEAST_CHANGE_PX:
+                self.shutter.learn(solved.pull, solved.pull_information)
             return
         scene.rate = log_rotation(self._step.R)
         tangents = scene.directions[:, :2] / scene.directions[:, 2:]
@@ -271,7 +278,7 @@ class Odometer:
         shifts = shutter.shifts(seen, tangents, self._rate_at(turn)) - scene.shifts[found]
         if scene.rate is None:  # as in this frame
             shifts = np.zeros_like(shifts)
-        return Shear(np.nan_to_num(shifts * turn.zoom), shutter.share, shutter.information)
+        return Shear(np.nan_to_num(shifts * turn.zoom), shutter.share)
 
     # --- where the camera is lost ---
 

@@ -2,9 +2,9 @@
 
 While the camera turns, each row is seen from a little farther on: a point is shifted by its share
 of the readout times how fast the picture moves there. The readout, as a share of the time between
-frames, is one constant of the film. It is an unknown of every frame's solve beside the turn, with
-what earlier frames said of it as prior; the shear is then neither taken for roll nor for points
-that move by themselves. A phone held upright reads columns: both axes have their own.
+frames, is one constant of the film. Every frame says by how much to change it, and the next is
+straightened by what is known so far; the shear is then neither taken for roll nor for points that
+move by themselves. A phone held upright reads columns: both axes have their own.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ import numpy as np
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.geometry.rotations import Array
 
-PRIOR_SIGMA = 0.5
+PRIOR_SIGMA = 0.3
+IN_COMMON = 25.0
+"""How many points and frames err alike, as a number: they share an anchor's errors."""
 LEAST_SIGMA = 0.01
 """What the frames have in common that their number does not better."""
 MOST = 1.5
@@ -62,11 +64,12 @@ class Shutter:
         shifts = self.shifts(uv, tangents, rate) @ self.share
         return np.asarray(shifts * zoom * (lens.camera.fx, lens.camera.fy))
 
-    def learn(self, share: Array, information: Array) -> None:
-        """Take what a frame's points alone say: a readout (2,) and its information (2, 2)."""
-        before = self.information @ self.share
-        total = self.information + information
-        found = np.linalg.solve(total, before + information @ share)
+    def learn(self, pull: Array, information: Array) -> None:
+        """Take what a frame's points say: by how much the readout (2,) should change, times the
+        information (2, 2) they have of it.
+        """
+        total = self.information + information / IN_COMMON
+        found = self.share + np.linalg.solve(total, pull / IN_COMMON)
         self.share = np.clip(found, -MOST, MOST)
         most = np.linalg.eigvalsh(total)[-1] * LEAST_SIGMA**2
         self.information = total / max(1.0, most)

@@ -31,7 +31,6 @@ START_PX, START_SHARE = 4.0, 0.5
 GOOD_SHARE = 0.8
 """And so good here that no other is tried."""
 PAIRS = 60
-USUAL_NOISE_PX = 0.15
 LEAST_NOISE_PX = 0.05
 """Below which no residual is believed."""
 MOST_STEP = 0.3
@@ -77,13 +76,12 @@ class Turn:
 
 @dataclass(frozen=True, eq=False)
 class Shear:
-    """What a picture is sheared by, unknown beside the turn: shifts (K, 2, S) of points in focal
-    lengths for each of S numbers, and these (S,) with their information (S, S) so far.
+    """What a picture is sheared by: shifts (K, 2, S) of points in focal lengths for each of S
+    numbers, and these (S,) as far as they are known.
     """
 
     shifts: Array
     share: Array
-    information: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +90,8 @@ class Solved:
 
     residual_px (K, 2), large for points behind.  agrees (K,).  information (4, 4), inverse
     covariance of a small turn (radians) and the logarithm of the zoom.  noise_px: one standard
-    deviation of the inliers.  share (S,): of a shear, and what the points alone say of it, as
-    information (S, S).
+    deviation of the inliers.  pull (S,) and pull_information (S, S): what the points say of the
+    numbers of a shear, the turn being unknown: by how much these should change, times information.
     """
 
     turn: Turn
@@ -101,8 +99,8 @@ class Solved:
     agrees: NDArray[np.bool_]
     information: Array
     noise_px: float
-    share: Array
-    share_information: Array
+    pull: Array
+    pull_information: Array
 
     @property
     def agreeing(self) -> int:
@@ -125,25 +123,23 @@ def solve_turn(
     """
     if len(seen) < FEWEST:
         return None
-    shear = shear or Shear(np.zeros((len(seen), 2, 0)), np.zeros(0), np.zeros((0, 0)))
-    share = shear.share
-    straight = seen - shear.shifts @ share
-    turn = _start(directions, straight, focal_px, trust, starts)
+    shifts = np.zeros((len(seen), 2, 0)) if shear is None else shear.shifts
+    if shear is not None:
+        seen = seen - shifts @ shear.share
+    turn = _start(directions, seen, focal_px, trust, starts)
     for scale in (*scales_px, *[0.0] * STEPS_AT_END):
-        residual, J = linearised(turn, directions, seen - shear.shifts @ share, focal_px)
+        residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
         weight = trust * _weights(error, scale or _spread(error, trust))
-        step = _step(residual, J, weight, shear, share, focal_px)
+        step = _step(residual, J, weight)
         if step is None:
             return None
-        turn, share = turn.moved(step[:4]), share + step[4:]
-    residual, J = linearised(turn, directions, seen - shear.shifts @ share, focal_px)
-    return _solved(turn, residual, J, trust, shear.shifts * focal_px, share)
+        turn = turn.moved(step)
+    residual, J = linearised(turn, directions, seen, focal_px)
+    return _solved(turn, residual, J, trust, shifts * focal_px)
 
 
-def _solved(
-    turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array, share: Array
-) -> Solved:
+def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array) -> Solved:
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
     agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
@@ -151,10 +147,12 @@ def _solved(
     squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
     noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
     every = np.concatenate([J, sheared], axis=2).reshape(2 * len(J), -1)
-    A = (every * np.repeat(weight, 2)[:, None]).T @ every / noise**2
+    weighted = (every * np.repeat(weight, 2)[:, None]).T / noise**2
+    A, b = weighted @ every, weighted @ residual.reshape(-1)
     own = A[:4, :4] + 1e-9 * np.trace(A[:4, :4]) * np.eye(4)
-    alone = A[4:, 4:] - A[4:, :4] @ np.linalg.solve(own, A[:4, 4:])
-    return Solved(turn, residual, agrees, A[:4, :4], noise, share, alone)
+    taken = np.linalg.solve(own, np.column_stack([A[:4, 4:], b[:4]]))  # what the turn takes up
+    alone, pull = A[4:, 4:] - A[4:, :4] @ taken[:, :-1], b[4:] - A[4:, :4] @ taken[:, -1]
+    return Solved(turn, residual, agrees, A[:4, :4], noise, pull, alone)
 
 
 def _start(
@@ -243,21 +241,15 @@ def _spread(error: Array, trust: Array) -> float:
     return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
 
 
-def _step(
-    residual: Array, J: Array, weight: Array, shear: Shear, share: Array, focal_px: float
-) -> Array | None:
-    """The step (4 + S,) of turn, zoom and shear; None where the points do not tell it."""
-    every = np.concatenate([J, shear.shifts * focal_px], axis=2).reshape(2 * len(J), -1)
-    weighted = (every * np.repeat(weight, 2)[:, None]).T
-    A, b = weighted @ every, weighted @ residual.reshape(-1)
-    A[np.diag_indices(4)] += 1e-9 * np.trace(A[:4, :4]) + 1e-12
-    prior = shear.information * USUAL_NOISE_PX**2
-    A[4:, 4:] += prior
-    b[4:] += prior @ (shear.share - share)
+def _step(residual: Array, J: Array, weight: Array) -> Array | None:
+    """The step (4,) of turn and zoom; None where the points do not tell it."""
+    weighted = (J.reshape(-1, 4) * np.repeat(weight, 2)[:, None]).T
+    A = weighted @ J.reshape(-1, 4)
+    A[np.diag_indices(4)] += 1e-9 * np.trace(A) + 1e-12
     try:
-        step = np.linalg.solve(A, b)
+        step = np.linalg.solve(A, weighted @ residual.reshape(-1))
     except np.linalg.LinAlgError:
         return None
     if not np.isfinite(step).all():
         return None
-    return np.asarray(step * min(1.0, MOST_STEP / max(np.abs(step[:4]).max(), 1e-12)))
+    return np.asarray(step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12)))
