@@ -52,7 +52,7 @@ class Landmarks:
     def keep(self, picture: Grey, home: int, ids: NDArray[np.int64], uv: Array, at: Array) -> None:
         """Keep points of an anchor's picture, uv in pixels of the film, `at` of this picture.
 
-        Beyond the most, every second of the older half is given up.
+        Beyond the most, every second of the older half is given up, as often as need be.
         """
         patches, first = tiles(picture, at)
         self.ids = np.concatenate([self.ids, ids])
@@ -60,7 +60,7 @@ class Landmarks:
         self.uv = np.concatenate([self.uv, uv])
         self.inside = np.concatenate([self.inside, at - first])
         self.patches = np.concatenate([self.patches, patches])
-        if len(self) > MOST_KEPT:
+        while len(self) > MOST_KEPT:
             kept = np.ones(len(self), bool)
             kept[: len(self) // 2 : 2] = False
             self.ids, self.home, self.uv = self.ids[kept], self.home[kept], self.uv[kept]
