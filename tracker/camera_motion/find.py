@@ -124,11 +124,12 @@ def find_camera_motion(
 def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
     """The turns of all frames, from the anchors in agreement."""
     anchors = odometer.territory.agreed()
+    straight = [m.straightened(odometer.shutter.share) for m in measured]
     variance = np.array([np.diag(m.covariance) for m in measured])
     return joined(
         np.array([m.anchor for m in measured]),
-        np.stack([m.turn.R for m in measured]),
-        np.log([m.turn.zoom for m in measured]),
+        np.stack([turn.R for turn in straight]),
+        np.log([turn.zoom for turn in straight]),
         np.sqrt(variance[:, :3].mean(axis=1)),
         np.sqrt(variance[:, 3]),
         known,

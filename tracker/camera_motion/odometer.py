@@ -10,7 +10,7 @@ said of a frame.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 import cv2
@@ -67,7 +67,8 @@ class Measured:
 
     turn: from the anchor's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points found.
-    share: of the points that could be seen, those that agree.
+    share: of the points that could be seen, those that agree.  lever (4, 2): how the turn and the
+    logarithm of the zoom follow the readout, of which `readout` (2,) was used.
     """
 
     anchor: int
@@ -79,6 +80,12 @@ class Measured:
     uv: NDArray[np.float32]
     good: NDArray[np.bool_]
     share: float = 1.0
+    lever: Array = field(default_factory=lambda: np.zeros((4, 2)))
+    readout: Array = field(default_factory=lambda: np.zeros(2))
+
+    def straightened(self, readout: Array) -> Turn:
+        """The turn as it would have been measured with another readout (2,)."""
+        return self.turn.moved(self.lever @ (readout - self.readout))
 
 
 @dataclass(eq=False)
@@ -114,6 +121,7 @@ class Odometer:
         self.cuts: list[int] = []
         self.loose: list[int] = []
         self.pairs: list[Pair] = []
+        self._ties: list[tuple[int, Measured]] = []
         self.shutter = Shutter((lens.camera.width, lens.camera.height))
         self.territory = Territory(lens, self._points, self.shutter)
         self._rate = np.zeros(3)
@@ -140,7 +148,10 @@ class Odometer:
         return self._gain(frame, usable, found, solved)
 
     def finish(self) -> None:
-        """Take up what the last anchor's points said."""
+        """Take up what the last anchor's points said, and what became known of the shutter."""
+        for number, measured in self._ties:
+            turn = measured.straightened(self.shutter.share)
+            self.territory.edges[number] = replace(self.territory.edges[number], turn=turn)
         if self._scene is not None:
             self._end_anchor()
         else:
@@ -222,6 +233,7 @@ class Odometer:
         agrees[found] = solved.agrees
         scene.trust[found] += TRUST_RATE * (solved.agrees - scene.trust[found])
         scene.steady.add(found, solved)
+        readout = self.shutter.share
         if followed:
             self._learn_shutter(scene, solved)
         error = np.median(np.linalg.norm(solved.residual_px[solved.agrees], axis=1))
@@ -235,6 +247,8 @@ class Odometer:
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
             share=solved.agreeing / max(int(found.sum()), self._points.visible),
+            lever=solved.lever if solved.lever.size else np.zeros((4, 2)),
+            readout=readout,
         )
         away = self._away(found)
         if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
@@ -390,6 +404,7 @@ class Odometer:
         rate = np.zeros(3) if scene.rate is None else scene.rate
         territory.keep(scene.anchor, scene.number, rate, scene.trust > TRUSTED)
         turn = territory.turns[scene.number].then(measured.turn)
+        self._ties.append((len(territory.edges), measured))
         territory.tie(scene.number, measured.turn, measured.covariance)
         ids, uv, trust = scene.anchor.ids[agrees], self._uv[agrees], scene.trust[agrees]
         turn, back, back_uv = territory.returned(turn, self._rate, usable)

@@ -235,7 +235,7 @@ def test_a_rolling_shutter_is_told_and_does_not_roll_the_camera() -> None:
     assert finding.kind == "rolling_shutter"
     assert abs(finding.amount - 0.6) < 0.12
     assert found.path is not None
-    assert off_deg(found.path.Ts_camera_world, [at(k) for k in range(45)]).max() < 0.12
+    assert off_deg(found.path.Ts_camera_world, [at(k) for k in range(45)]).max() < 0.06
 
 
 def test_corrections_are_met_exactly_and_halve_the_error_between(wandered: list[Grey]) -> None:
