@@ -121,7 +121,7 @@ class Odometer:
         self.cuts: list[int] = []
         self.loose: list[int] = []
         self.pairs: list[Pair] = []
-        self._ties: list[tuple[int, Measured]] = []
+        self._ties: list[tuple[int, Array, Array]] = []
         self.shutter = Shutter((lens.camera.width, lens.camera.height))
         self.territory = Territory(lens, self._points, self.shutter)
         self._rate = np.zeros(3)
@@ -149,9 +149,10 @@ class Odometer:
 
     def finish(self) -> None:
         """Take up what the last anchor's points said, and what became known of the shutter."""
-        for number, measured in self._ties:
-            turn = measured.straightened(self.shutter.share)
-            self.territory.edges[number] = replace(self.territory.edges[number], turn=turn)
+        edges = self.territory.edges
+        for number, lever, readout in self._ties:
+            turn = edges[number].turn.moved(lever @ (self.shutter.share - readout))
+            edges[number] = replace(edges[number], turn=turn)
         if self._scene is not None:
             self._end_anchor()
         else:
@@ -404,7 +405,7 @@ class Odometer:
         rate = np.zeros(3) if scene.rate is None else scene.rate
         territory.keep(scene.anchor, scene.number, rate, scene.trust > TRUSTED)
         turn = territory.turns[scene.number].then(measured.turn)
-        self._ties.append((len(territory.edges), measured))
+        self._ties.append((len(territory.edges), measured.lever, measured.readout))
         territory.tie(scene.number, measured.turn, measured.covariance)
         ids, uv, trust = scene.anchor.ids[agrees], self._uv[agrees], scene.trust[agrees]
         turn, back, back_uv = territory.returned(turn, self._rate, usable)
