@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Kind: TypeAlias = Literal[
-    "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "zoom_unsure"
+    "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter"
 ]
 
 
@@ -25,8 +25,7 @@ class Finding:
     do not move as one, such as water, a crowd or a person nearer than the background; amount: the
     share of frames, or over the whole film that of points.  no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
-    frames that it takes from the first row to the last.  zoom_unsure: the zoom is not told;
-    amount: its standard deviation, as a share.
+    frames that it takes from the first row to the last.
     """
 
     kind: Kind

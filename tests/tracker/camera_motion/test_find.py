@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion import CameraMotion, Correction, find_camera_motion
+from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from tests.tracker.camera_cases import (
     SMALL,
@@ -266,6 +267,19 @@ def test_work_can_be_cancelled_and_says_how_far_it_is(wandered: list[Grey]) -> N
     with pytest.raises(InterruptedError):
         find_camera_motion(wandered, SMALL, FRAMES, progress=progress)
     assert told == [(1, FRAMES), (2, FRAMES), (3, FRAMES)]
+
+
+def test_pictures_of_another_size_are_refused(wandered: list[Grey]) -> None:
+    with pytest.raises(CameraError, match="320×180"):
+        found_in([wandered[0][:100]])
+
+
+def test_something_large_that_no_mask_covers_is_reported() -> None:
+    still, wide = film(SMALL, [np.eye(3)] * 24), texture(7)[:170, :250]
+    pictures = [p.copy() for p in still]
+    for frame, picture in enumerate(pictures):
+        picture[10:, 2 * frame : 250 + 2 * frame] = wide
+    assert "not_rigid" in kinds(found_in(pictures))
 
 
 def test_the_same_film_gives_the_same_path(wandered: list[Grey]) -> None:
