@@ -1,0 +1,225 @@
+"""Find how a film's camera turned and zoomed, from its background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
+from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
+from keypose.tracker.camera_motion.lens import Lens
+from keypose.tracker.camera_motion.odometer import Measured, Odometer
+from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
+from keypose.tracker.camera_motion.points import Background, Grey
+from keypose.tracker.camera_motion.shutter import Shutter
+from keypose.tracker.camera_motion.steadiness import Summary
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array
+
+CameraKind: TypeAlias = Literal["static", "turns", "moves"]
+
+STILL_PX = 0.35
+"""A camera is static where no part of the picture went farther, of the size looked at."""
+NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
+"""A zoom that stays within this share of 1, or so many standard deviations, is none."""
+ASIDE_SHARE = 0.35
+"""Share of points beside where a turning camera would show them, above which it moves."""
+AGREEING_SHARE = 0.57
+"""Share of the points in view that must agree, in the middle frame, or that is reported."""
+STILL_ASIDE_SHARE = 0.6
+"""The same where all others stand still: something large then moves before a static camera."""
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedPoints:
+    """Points followed in N frames: those of frame i are [starts[i], starts[i + 1]).
+
+    uv (P, 2) float32, pixels of the film.  good (P,): whether they move as the background does.
+    starts (N + 1,).
+    """
+
+    uv: NDArray[np.float32]
+    good: NDArray[np.bool_]
+    starts: NDArray[np.int64]
+
+    def of(self, frame: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Places (K, 2) and verdicts (K,) of one frame."""
+        span = slice(self.starts[frame], self.starts[frame + 1])
+        return self.uv[span], self.good[span]
+
+
+@dataclass(frozen=True, eq=False)
+class CameraMotion:
+    """What a film tells of its camera.
+
+    kind: "static", "turns" (and zooms), or "moves": then `path` is the turning that explains most.
+    path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
+    bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
+    where unknown.  focal: the focal length that its turning tells, None where it does not.
+    doubt (N,): standard deviation of the turn against the anchor, radians.
+    """
+
+    kind: CameraKind
+    path: CameraPath | None
+    known: NDArray[np.bool_]
+    error_px: Array
+    doubt: Array
+    points: FollowedPoints
+    findings: tuple[Finding, ...]
+    focal: FocalScale | None = None
+
+
+def find_camera_motion(
+    pictures: Iterable[Grey | None],
+    camera: Camera,
+    frame_count: int,
+    background: Background = lambda frame: None,
+    corrections: Sequence[Correction] = (),
+    fixed: CameraKind | None = None,
+    progress: Callable[[int, int], None] = lambda done, expected: None,
+) -> CameraMotion:
+    """Find the camera's motion over the pictures (H, W) of a film, in order; None for one that
+    cannot be read.
+
+    camera: its lens at zoom 1.  frame_count: how many pictures are expected.  fixed: the kind,
+    where it is known.  progress(done, expected) after every frame; what it raises ends the work.
+    CameraError where a picture has not the camera's size.
+    """
+    odometer, measured = Odometer(Lens.of(camera)), []
+    for frame, picture in enumerate(pictures):
+        _require_size(picture, camera)
+        measured.append(odometer.advance(frame, picture, background(frame)))
+        progress(frame + 1, max(frame_count, frame + 1))
+    odometer.finish()
+    if not measured:
+        none = np.zeros(0)
+        return CameraMotion("static", None, none > 0, none, none, _points([]), ())
+    given = [c for c in corrections if 0 <= c.frame < len(measured)]
+    known, cuts = scenes(
+        np.array([m.anchor for m in measured]),
+        np.array([m.known for m in measured]),
+        odometer.loose,
+        odometer.cuts,
+    )
+    turns = _without_zoom(bridged(_turns(measured, known, odometer)))
+    focal = focal_scale(odometer.lens, odometer.scale, odometer.pairs)
+    kind = fixed or _kind(turns, camera, odometer, focal, given)
+    path = None if kind == "static" else corrected(turns, given).path()
+    return CameraMotion(
+        kind,
+        path,
+        turns.known,
+        np.where(turns.known, [m.error_px for m in measured], np.nan),
+        turns.doubt,
+        _points(measured),
+        tuple(_findings(measured, cuts, turns, kind, odometer.shutter)),
+        focal,
+    )
+
+
+def _require_size(picture: Grey | None, camera: Camera) -> None:
+    if picture is not None and picture.shape != (camera.height, camera.width):
+        raise CameraError(
+            f"The film's pictures are not of the camera's size, {camera.width}×{camera.height}: "
+            "choose the camera that took it."
+        )
+
+
+def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
+    """The turns of all frames, from the anchors in agreement."""
+    anchors = odometer.territory.agreed()
+    straight = [m.straightened(odometer.shutter.share) for m in measured]
+    variance = np.array([np.diag(m.covariance) for m in measured])
+    return joined(
+        np.array([m.anchor for m in measured]),
+        np.stack([turn.R for turn in straight]),
+        np.log([turn.zoom for turn in straight]),
+        np.sqrt(variance[:, :3].mean(axis=1)),
+        np.sqrt(variance[:, 3]),
+        known,
+        np.stack([turn.R for turn in anchors]),
+        np.log([turn.zoom for turn in anchors]),
+        odometer.territory.frames,
+    )
+
+
+def _without_zoom(turns: Turns) -> Turns:
+    """The same with no zoom at all, where it differs from none by no more than its noise."""
+    most = np.maximum(NO_ZOOM, ZOOM_SIGMAS * turns.zoom_doubt)
+    if (np.abs(turns.log_zoom)[turns.known] > most[turns.known]).any():
+        return turns
+    return Turns(turns.R, 0.0 * turns.log_zoom, turns.known, turns.doubt, turns.zoom_doubt)
+
+
+def _kind(
+    turns: Turns,
+    camera: Camera,
+    odometer: Odometer,
+    focal: FocalScale | None,
+    corrections: Sequence[Correction],
+) -> CameraKind:
+    # a wrong focal length leaves points aside as well
+    aside = min(_aside(odometer.summaries), 1.0 if focal is None else focal.aside)
+    way = _ways(turns, camera) * odometer.scale
+    still = way[turns.known].max(initial=0.0) < STILL_PX and aside < STILL_ASIDE_SHARE
+    asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)
+    if still and not asked:
+        return "static"
+    return "moves" if aside > ASIDE_SHARE else "turns"
+
+
+def _aside(summaries: Sequence[Summary]) -> float:
+    """The share of points that do not stay where a turning camera would show them."""
+    points = np.array([s.points for s in summaries], float)
+    aside = np.array([s.aside for s in summaries])
+    return float((points * aside).sum() / max(points.sum(), 1.0))
+
+
+def _ways(turns: Turns, camera: Camera) -> Array:
+    """How far (N,) the middle part of the picture has gone since the first frame, at most, film's
+    pixels.
+    """
+    lens, share = Lens.of(camera), np.array([0.25, 0.5, 0.75])
+    grid = np.stack(np.meshgrid(share * camera.width, share * camera.height), -1).reshape(-1, 2)
+    rays = lens.directions(grid, 1.0)
+    seen = np.einsum("nab,kb->nka", turns.R, rays)
+    ahead = seen[..., 2:] > 1e-3
+    flat = np.exp(turns.log_zoom)[:, None, None] * seen[..., :2] / np.where(ahead, seen[..., 2:], 1)
+    way = np.where(ahead, flat - rays[:, :2] / rays[:, 2:], np.inf) * lens.focal_px
+    return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
+
+
+def _findings(
+    measured: Sequence[Measured],
+    cuts: Sequence[int],
+    turns: Turns,
+    kind: CameraKind,
+    shutter: Shutter,
+) -> list[Finding]:
+    causes = [
+        "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
+    ]
+    found = gaps(causes)
+    found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
+    last = len(measured) - 1
+    shares = np.array([m.share for m in measured])[turns.known]
+    if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
+        found.append(Finding("not_rigid", 0, last, 1 - share))
+    readout = shutter.found()
+    if kind == "turns" and readout is not None:
+        found.append(Finding("rolling_shutter", 0, last, readout))
+    return sorted(found, key=lambda finding: finding.first_frame)
+
+
+def _points(measured: Sequence[Measured]) -> FollowedPoints:
+    none = [np.zeros((0, 2), np.float32)], [np.zeros(0, bool)]
+    uv = np.concatenate([*none[0], *(m.uv for m in measured)])
+    good = np.concatenate([*none[1], *(m.good for m in measured)])
+    starts = np.cumsum([0, *(len(m.uv) for m in measured)])
+    return FollowedPoints(uv, good, np.asarray(starts, np.int64))
