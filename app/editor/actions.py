@@ -12,6 +12,7 @@ from keypose.app.editor import (
     copied,
     floor,
     keyframes,
+    moving_camera,
     notes,
     part_keyframes,
     pins,
@@ -90,6 +91,16 @@ class FindUp(Message):
     """What is up found by upright lines in the pictures."""
 
     do: Literal["find_up"] = "find_up"
+
+
+class FindCamera(Message):
+    """How the film's camera turned, zoomed and moved, found from its background.
+
+    camera: how it moves, where a person knows: static, turns or moves.
+    """
+
+    do: Literal["find_camera"] = "find_camera"
+    camera: Literal["static", "turns", "moves"] | None = None
 
 
 class Stand(Message):
@@ -275,6 +286,7 @@ Fitting: TypeAlias = (
     | DraftRest
     | Lift
     | FindUp
+    | FindCamera
     | Stand
     | TrackAhead
     | LookBefore
@@ -291,8 +303,8 @@ Action: TypeAlias = Editing | Running | PoseKeeping | InsertPose
 MESSAGES = tuple(
     kind
     for subject in (
-        body, camera, copied, floor, keyframes, notes, part_keyframes, pins, posing, tracking,
-        update,
+        body, camera, copied, floor, keyframes, moving_camera, notes, part_keyframes, pins, posing,
+        tracking, update,
     )
     for kind in subject.MESSAGES
 )  # fmt: skip

@@ -17,7 +17,7 @@ from keypose.tracker.tracking.pool import Cancelled, never
 if TYPE_CHECKING:
     from keypose.app.jobs.worker_cache import WorkerCache
 
-Kind: TypeAlias = Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts"]
+Kind: TypeAlias = Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts", "camera"]
 
 
 @dataclass(frozen=True, eq=False)

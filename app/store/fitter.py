@@ -10,6 +10,7 @@ from keypose.app.editor import actions as do
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.draft import DraftClip
+from keypose.app.jobs.find_camera import FindCamera
 from keypose.app.jobs.find_up import FindUp
 from keypose.app.jobs.fit import Fit
 from keypose.app.jobs.fit_pose import FitPose
@@ -30,6 +31,7 @@ Asking: TypeAlias = (
     | do.DraftRest
     | do.Lift
     | do.FindUp
+    | do.FindCamera
     | do.Stand
     | do.TrackAhead
     | do.Reduce
@@ -40,7 +42,7 @@ JOBS: Mapping[type[Asking], Any] = {
     do.FitHere: FitPose, do.FitSizes: FitSizes, do.Draft: DraftClip,
     do.DraftRest: DraftClip, do.TrackAhead: FollowAhead,
     do.Reduce: ReduceMotion, do.Stand: StandOnFloor,
-    do.Lift: LiftDrafts, do.FindUp: FindUp,
+    do.Lift: LiftDrafts, do.FindUp: FindUp, do.FindCamera: FindCamera,
 }  # fmt: skip
 
 

@@ -57,13 +57,17 @@ Packed: TypeAlias = Annotated[str, AfterValidator(_are_numbers)]
 class CameraFinding(Plain):
     """What is not known of a camera's motion, or not as surely, over some frames.
 
-    no_background: too few points of it are seen.  cut: another picture begins at the last frame.
-    not_rigid: most of what is seen moves by itself.  rolling_shutter: rows of the picture were
-    taken one after another, up to `amount` pixels apart.  no_scale: how far it moved is known but
-    for its scale.  unsure: by `amount` pixels.
+    no_texture: too few points of the background can be followed.  body_fills: what is not
+    background leaves too little of the picture.  cut: another scene begins at the first frame, and
+    nothing ties it to what was before.  not_rigid: what is seen does not move as one, such as
+    water or a crowd.  no_picture: frames cannot be read.  rolling_shutter: rows are exposed one
+    after another, over `amount` of the time between frames.  no_scale: how far the camera moved is
+    known but for its scale.
     """
 
-    kind: Literal["no_background", "cut", "not_rigid", "rolling_shutter", "no_scale", "unsure"]
+    kind: Literal[
+        "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "no_scale"
+    ]
     first_frame: FrameIndex
     last_frame: FrameIndex
     amount: FiniteFloat = Field(default=0.0, exclude_if=operator.not_)

@@ -164,6 +164,32 @@ def add_stand(commands: Subcommands) -> None:
     add_json(command)
 
 
+_CAMERA_EXAMPLES = """\
+  keypose camera jump.keypose
+  keypose camera jump.keypose --kind turns --dry-run --json
+  keypose camera jump.keypose --forget
+"""
+
+
+def add_camera(commands: Subcommands) -> None:
+    details = (
+        "Points of the background are followed through the film, beside the body where it is posed "
+        "or tracked, and beside what is masked. They tell how the camera turned and zoomed, so "
+        "that the world stands still: floor, pins, smoothness and exports are in it. What was set "
+        "right at frames stays as it was set."
+    )
+    command = add_command(commands, "camera", details, _CAMERA_EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--kind", choices=("static", "turns", "moves"), help="how it moves, where you know"
+    )
+    command.add_argument("--forget", action="store_true", help="leave the camera as it was")
+    command.add_argument(
+        "--dry-run", action="store_true", help="say what would change and write nothing"
+    )
+    add_json(command)
+
+
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""
 

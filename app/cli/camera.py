@@ -1,0 +1,111 @@
+"""`keypose camera`: how the film's camera turned, zoomed and moved."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+
+import numpy as np
+
+from keypose.app.cli.json_output import print_json
+from keypose.app.document.folder_lock import locked
+from keypose.app.jobs.find_camera import found_words
+from keypose.tracker.session import Session
+from keypose.tracker.storage.camera_motion import (
+    FoundCamera,
+    find_camera,
+    keep_points,
+    known_poses,
+)
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.results import load_results
+
+
+def run(arguments: argparse.Namespace) -> int:
+    path = arguments.session
+    held = path.is_file() and not arguments.dry_run  # reading it reports one that is not there
+    with locked(path, "close it there first") if held else nullcontext():
+        session = load_session(path)
+        if arguments.forget:
+            found, after = None, session.changed({"camera_motion": None, "camera_keyframes": ()})
+        else:
+            poses = known_poses(session, load_results(session, path).fitting(session))
+            with open_video_of(session, path) as video, _reporter(arguments.json) as report:
+                found = find_camera(session, video, poses, arguments.kind, report)
+            keep_points(found)
+            after = found.applied(session)
+        if not arguments.dry_run:
+            save_session(after, path)
+    _print(found, after, arguments)
+    return 0
+
+
+@contextmanager
+def _reporter(as_json: bool) -> Iterator[Callable[[float], None]]:
+    """JSON lines, a bar at a terminal, or nothing: a log needs no progress."""
+    if as_json:
+        said = -1
+
+        def report(share: float) -> None:
+            nonlocal said
+            if int(100 * share) > said:
+                said = int(100 * share)
+                print_json({"event": "progress", "percent": said})
+
+        yield report
+    elif sys.stderr.isatty():
+        from tqdm import tqdm
+
+        with tqdm(total=100, unit="%", file=sys.stderr, dynamic_ncols=True) as bar:
+
+            def draw(share: float) -> None:
+                bar.n = round(100 * share)
+                bar.refresh()
+
+            yield draw
+    else:
+        yield lambda share: None
+
+
+def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namespace) -> None:
+    if arguments.json:
+        print_json(_facts(found, arguments))
+        return
+    print("The camera is as it was." if found is None else found_words(found))
+    if found is not None and found.focal is not None:
+        share, sigma = found.focal
+        focal = after.view.camera.focal_mm
+        print(
+            f"Its turns tell a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the session "
+            f"has {focal:.1f} mm."
+        )
+    print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
+
+
+def _facts(found: FoundCamera | None, arguments: argparse.Namespace) -> dict[str, object]:
+    facts: dict[str, object] = {
+        "event": "finished", "session": None if arguments.dry_run else str(arguments.session)
+    }  # fmt: skip
+    if found is None:
+        return facts
+    facts |= {
+        "kind": found.kind,
+        "findings": [one.model_dump(mode="json") for one in found.findings],
+        "focal_share": None if found.focal is None else found.focal[0],
+        "focal_share_sigma": None if found.focal is None else found.focal[1],
+    }
+    if found.motion is not None:
+        errors, path = found.motion.errors_px, found.motion.path
+        R, centres = path.Ts_camera_world[:, :3, :3], path.Ts_world_camera[:, :3, 3]
+        cosines = np.clip((np.trace(R, axis1=1, axis2=2) - 1) / 2, -1, 1)
+        facts |= {
+            "error_px": float(np.nanmedian(errors)) if np.isfinite(errors).any() else None,
+            "turned_deg": float(np.degrees(np.arccos(cosines)).max()),
+            "zoom": [float(path.zoom.min()), float(path.zoom.max())],
+            "way_m": float(
+                np.linalg.norm(np.diff(path.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum()
+            ),
+        }
+    return facts

@@ -1,0 +1,87 @@
+"""Find how the film's camera moves, from its background."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import numpy as np
+
+from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.job import Context
+from keypose.app.words.camera import camera_sentence, finding_sentences
+from keypose.tracker.session import Session
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.result import SegmentResult
+
+if TYPE_CHECKING:
+    from keypose.app.document.open import OpenSession
+    from keypose.app.editor.actions import FindCamera as Asked
+    from keypose.app.editor.state import EditorState
+    from keypose.app.store.state import AppState
+    from keypose.tracker.camera_motion import CameraKind
+    from keypose.tracker.storage.camera_motion import FoundCamera
+
+LABEL: Final = "find the camera's motion"
+REPORTS_S: Final = 0.2
+
+
+def found_words(found: FoundCamera) -> str:
+    """Say what was found of the camera, the most important first."""
+    motion, error = found.motion, None
+    if motion is not None and np.isfinite(motion.errors_px).any():
+        error = float(np.nanmedian(motion.errors_px))
+    zooms = motion is not None and motion.path.zooms
+    return " ".join([camera_sentence(found.kind, zooms, error), *finding_sentences(found.findings)])
+
+
+@dataclass(frozen=True)
+class FindCamera(Fit):
+    """camera: how it moves, where a person said; None: as it is found.  fitting: what was tracked,
+    by segment: the body is no background."""
+
+    camera: CameraKind | None = None
+    fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
+
+    kind = "camera"
+    title = "Finding the camera's motion"
+    fault = "Finding the camera failed with an internal error ({}). Nothing was changed."
+    died = "Finding the camera stopped unexpectedly; everything is as it was, find it again."
+    why_cancelled = "Cancelled because the lens or a mask changed."
+    not_of_surfaces = "A film is needed to find its camera's motion."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, asked: Asked) -> Self:
+        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        given = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
+        return cls(*given, asked.camera, finished)
+
+    def work(self, session: Session, context: Context) -> FoundCamera:
+        from keypose.tracker.storage import camera_motion  # loads what only this needs
+
+        began, said = time.monotonic(), 0.0
+
+        def report(share: float) -> None:
+            nonlocal said
+            context.leave_when_cancelled()
+            now = time.monotonic() - began
+            if now - said > REPORTS_S:
+                said = now
+                left = now * (1 - share) / share if share > 0 else None
+                context.report(share, "", seconds_left=left)
+
+        video = context.cache.video(session, self.video_path)
+        poses = camera_motion.known_poses(session, self.fitting)
+        found = camera_motion.find_camera(session, video, poses, self.camera, report)
+        camera_motion.keep_points(found)
+        return replace(found, points=None)  # which are many, and kept
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        return doc.view.camera, doc.view.ignore_masks
+
+    def apply(self, found: FoundCamera, state: AppState) -> tuple[AppState, str]:
+        edit = state.editing
+        after = edit.with_step(found.applied(edit.doc), LABEL)
+        return replace(state, edit=after), found_words(found)

@@ -1,0 +1,50 @@
+"""What was found of a film's camera, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from keypose.tracker.session.camera_motion import CameraFinding
+
+KINDS: Final = {
+    "static": "The camera stands still",
+    "turns": "The camera turns",
+    "moves": "The camera moves",
+}
+_FINDINGS: Final = {
+    "no_texture": "{frames}: the background shows too little to follow. The camera is bridged "
+    "there.",
+    "body_fills": "{frames}: too little background is seen beside the body. The camera is bridged "
+    "there.",
+    "cut": "Frame {first}: another scene begins. What is before and after it has no common world.",
+    "not_rigid": "{frames}: the background moves by itself, as water or a crowd does. Mask what "
+    "moves, and find the camera again.",
+    "no_picture": "{frames}: the pictures cannot be read. The camera is bridged there.",
+    "rolling_shutter": "The shutter rolls: a picture is exposed over {amount:.0%} of the time "
+    "between frames. The camera's turns are freed of it.",
+    "no_scale": "How far the camera moved is known but for its scale: pin a foot that stands "
+    "still, and find the camera again.",
+}
+
+
+def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
+    """Say how the camera moves, and how well the background agrees."""
+    words = KINDS[kind]
+    if zooms:
+        words += " and zooms"
+    if error_px is None:
+        return f"{words}."
+    return f"{words}: background points agree within {error_px:.2g} px."
+
+
+def finding_sentence(found: CameraFinding) -> str:
+    """Say what is not known of a camera's motion."""
+    first, last = found.first_frame, found.last_frame
+    frames = f"Frames {first}–{last}" if last > first else f"Frame {first}"
+    return _FINDINGS[found.kind].format(frames=frames, first=first, amount=found.amount)
+
+
+def finding_sentences(found: Sequence[CameraFinding]) -> list[str]:
+    """All of them, those of a cut first."""
+    return [finding_sentence(one) for one in sorted(found, key=lambda one: one.kind != "cut")]
