@@ -104,8 +104,6 @@ def _facts(found: FoundCamera | None, arguments: argparse.Namespace) -> dict[str
             "error_px": float(np.nanmedian(errors)) if np.isfinite(errors).any() else None,
             "turned_deg": float(np.degrees(np.arccos(cosines)).max()),
             "zoom": [float(path.zoom.min()), float(path.zoom.max())],
-            "way_m": float(
-                np.linalg.norm(np.diff(path.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum()
-            ),
+            "way_m": float(np.linalg.norm(np.diff(centres, axis=0), axis=1).sum()),
         }
     return facts

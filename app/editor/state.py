@@ -36,6 +36,8 @@ class Display:
     ghosts: bool = False
     trail: bool = True
     floor: bool = False
+    background: bool = False
+    """Whether the points of the background are shown, by which the camera's motion was found."""
     live: bool = False
     limits: bool = True
     axes: Literal["part", "parent", "view"] = "part"

@@ -58,6 +58,7 @@ class Show(Look):
     ghosts: bool | None = None
     trail: bool | None = None
     floor: bool | None = None
+    background: bool | None = None
     tint: Literal["clay", "contact", "photo", "distance"] | None = None
 
     def after(self, state: EditorState) -> EditorState:

@@ -139,6 +139,7 @@
  * @property {boolean} ghosts
  * @property {boolean} trail
  * @property {boolean} floor  Whether the camera view shows it.
+ * @property {boolean} background  Whether the camera view shows the points that tell how the camera moves.
  * @property {boolean} live
  * @property {boolean} limits
  * @property {'part' | 'parent' | 'view'} axes
@@ -325,10 +326,36 @@
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 
 /**
+ * @typedef {object} SmallViews  They stand still in the world, so that they turn against a camera that turns.
+ * @property {number[][]} top  R_view_camera.
+ * @property {number[][]} side
+ * @property {number[][]} front
+ * @property {Point} origin  Of the world in the camera frame, metres: where the views' coordinates begin.
+ */
+
+/** @typedef {{ kind: string, first: number, last: number, words: string }} CameraFinding */
+
+/** @typedef {{ frames: number[], T: number[][], zoom: number[] }} CameraPlaces  T_world_camera, 3 by 4, by rows. */
+
+/**
+ * @typedef {object} CameraMotion  How the camera turned, zoomed and moved.
+ * @property {'turns' | 'moves'} kind
+ * @property {string} source  The file it was imported from; empty where it was found.
+ * @property {boolean} counts  False while the camera is said to stand still.
+ * @property {string} words
+ * @property {(number | null)[]} error_px  By frame, of the points of the background.
+ * @property {number[]} keys  Frames at which a person corrected it.
+ * @property {CameraFinding[]} findings
+ * @property {CameraPlaces | null} path
+ */
+
+/** @typedef {{ uv: Spot[], good: boolean[] }} BackgroundPoints  Pixels of the rectified picture. */
+
+/**
  * @typedef {object} Feet  Their ways, and the floor under them.
- * @property {number} floor_m  How far along up the floor lies from the camera's centre.
+ * @property {number} floor_m  How far along up the floor lies from the world's origin, the camera's first place.
  * @property {number[]} frames  Those at which the motion is known.
- * @property {FootPath[]} paths  Of the soles, or of the limbs' ends; a point for every frame.
+ * @property {FootPath[]} paths  Of the soles, or of the limbs' ends, in the world; a point for every frame.
  */
 /** @typedef {{ polygon: Spot[], first: number, last: number, note: string }} Mask */
 
@@ -481,7 +508,10 @@
  * @property {File | null} file
  * @property {Camera | null} camera
  * @property {Surface | null} surface
- * @property {Record<string, number[][]> | null} views  R_view_camera of the three small ones.
+ * @property {SmallViews | null} views  Of the camera at the present frame.
+ * @property {CameraMotion | null} camera_motion  Null where the camera stands still or nobody looked.
+ * @property {number[] | null} camera_here  T_world_camera of the present frame, 3 by 4, by rows.
+ * @property {BackgroundPoints | null} background  Null while they are not shown, or nobody kept them.
  * @property {Body | null} body
  * @property {Looks | null} view
  * @property {Pose | null} pose

@@ -56,13 +56,17 @@ export function cameraEye(camera) {
   };
 }
 
-/** An eye with parallel rays, its rows those of R_view_camera. Its plane is in metres. */
+/** An eye with parallel rays, its rows those of R_view_camera. Its plane is in metres, from the
+ * world's origin. */
 export function parallelEye(name, rotations, middle) {
   const rows = rotations?.[name] ?? USUAL_VIEWS[name];
-  const along = (row, p) => row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
+  const place = rotations?.origin ?? [0, 0, 0];
+  const along = (row, p) =>
+    row[0] * (p[0] - place[0]) + row[1] * (p[1] - place[1]) + row[2] * (p[2] - place[2]);
   const depth = along(rows[2], middle);
   return {
     rows,
+    place,
     project: (p) => [along(rows[0], p), along(rows[1], p), along(rows[2], p)],
     unitsPerMetre: () => 1,
     setProjection(matrix, edges, coordinates, reversed) {

@@ -5,7 +5,7 @@ import { server, ui } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
 import { cameraEye } from './cameras.js';
 import { dropped, gridPaths } from './floor.js';
-import { feetMiddle } from './freescene.js';
+import { feetMiddle, ground } from './freescene.js';
 import { View } from './view.js';
 
 const GREATEST_SCALE = 64;
@@ -79,8 +79,8 @@ export class CameraView extends View {
 
   /** The floor around the feet, over the picture and under the body. */
   #floor() {
-    if (!server.view?.floor || !server.feet || !server.views) return nothing;
-    const [level, floor] = [server.views.front, server.feet.floor_m];
+    if (!server.view?.floor || !ground()) return nothing;
+    const { level, floor } = ground();
     const centre = dropped(feetMiddle(), level, floor);
     const paths = gridPaths((p) => this.project(p), { level, floor, centre, reach: FLOOR_REACH_M });
     return svg`<g class="floor">${paths.map(

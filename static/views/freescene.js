@@ -5,6 +5,7 @@ import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { CELL_M, dropped, gridPaths, outlineOf, placed } from './floor.js';
 import { dot, plus } from './orbit.js';
+import { moved, movedBack } from './world.js';
 
 /** The grid reaches so many times as far as the eye is from what it looks at, within these. */
 const REACH = 0.95;
@@ -18,10 +19,16 @@ const NEAR_M = 0.05;
 const PICTURE_M = 1.2;
 const PICTURE_SHARE = 1 / 3;
 
-/** Where the floor is and which way is down; null before the page knows. */
+/** Where the floor is and which way is down, for the camera at the present frame; null before the page
+ * knows. */
 export function ground() {
-  return server.feet && server.views ? { level: server.views.front, floor: server.feet.floor_m } : null;
+  if (!server.feet || !server.views) return null;
+  const { front: level, origin } = server.views;
+  return { level, floor: server.feet.floor_m - dot(level[1], origin) };
 }
+
+/** A point of the world for the camera at the present frame. @param {number[]} p */
+export const toCamera = (p) => movedBack(p, server.camera_here);
 
 /** Whether there is a body to see: somebody posed it at some frame. */
 export function hasBody() {
@@ -117,10 +124,17 @@ function shownMoments() {
 
 const isWayShown = () => Boolean(server.view?.trail && hasBody() && server.feet?.paths.length);
 
+/** The feet's ways for the camera at the present frame. */
+function pathsHere() {
+  const { paths } = server.feet;
+  if (!server.camera_motion) return paths;
+  return paths.map((foot) => ({ ...foot, points: foot.points.map(toCamera) }));
+}
+
 export function drawWays(project) {
   if (!isWayShown()) return nothing;
   const shown = shownMoments();
-  return svg`<g class="ways">${server.feet.paths.map((foot) => drawWay(project, foot, shown))}</g>`;
+  return svg`<g class="ways">${pathsHere().map((foot) => drawWay(project, foot, shown))}</g>`;
 }
 
 function drawWay(project, { side, points }, shown) {
@@ -155,9 +169,9 @@ function nearestMoment(shown) {
 export function wayKeys(project) {
   if (!isWayShown()) return [];
   const keys = new Set(server.keys.frames);
-  const { frames, paths } = server.feet;
+  const { frames } = server.feet;
   const shown = shownMoments().filter((i) => keys.has(frames[i]));
-  return paths.flatMap(({ part, points, label }) =>
+  return pathsHere().flatMap(({ part, points, label }) =>
     shown.map((i) => ({ part, frame: frames[i], at: project(points[i]), label: `${label}, frame ${frames[i]}` })).filter(({ at }) => at[2] > NEAR_M),
   );
 }
@@ -167,7 +181,7 @@ export function wayLabels(project) {
   if (!isWayShown()) return [];
   const shown = shownMoments();
   const reach = ({ points }) => Math.max(...shown.map((i) => Math.hypot(...plus(points[i], points[shown[0]], -1))));
-  const { points } = server.feet.paths.reduce((best, foot) => (reach(foot) > reach(best) ? foot : best));
+  const { points } = pathsHere().reduce((best, foot) => (reach(foot) > reach(best) ? foot : best));
   const ends = [...new Set([shown[0], shown.at(-1)])].filter((i) => i !== undefined);
   return ends.map((i) => ({ words: `${server.feet.frames[i]}`, at: project(points[i]), shift: [-8, 16] }));
 }
@@ -196,6 +210,42 @@ export function drawFilmCamera(project) {
   const rays = isTele || at[2] < NEAR_M ? [] : seen.map((corner) => path([at, corner]));
   return svg`<g class="film">${rays.map((d) => svg`<path class="ray" d=${d} />`)}
     <path class="frame" d=${path(seen, true)} /></g>`;
+}
+
+/** So many of the frames at which the camera is drawn on its path. */
+const MOST_FRUSTUMS = 12;
+/** How far before its place a frustum's picture stands. */
+const FRUSTUM_M = 0.25;
+
+/** The way of a camera that moves, and how it looked on it. */
+export function drawCameraPath(project) {
+  const path_ = server.camera_motion?.path;
+  if (!path_) return nothing;
+  const places = path_.T.map((T) => project(toCamera([T[3], T[7], T[11]])));
+  const every = Math.max(1, Math.ceil(path_.T.length / MOST_FRUSTUMS));
+  const drawn = path_.T.map((T, i) => ({ T, i })).filter(({ i }) => i % every === 0);
+  return svg`<g class="campath">
+    <path class="way" d=${path(places.filter((p) => p[2] > NEAR_M))} />
+    ${drawn.map(({ T, i }) => svg`<path class="frustum" d=${frustum(project, T, path_.zoom[i])} />`)}</g>`;
+}
+
+/** The pyramid of what a camera sees that stands so. */
+function frustum(project, T, zoom) {
+  const { camera } = server;
+  const here = camera.fx / zoomHere();
+  const corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([x, y]) =>
+    [(x * camera.width * FRUSTUM_M) / (here * zoom), (y * camera.height * FRUSTUM_M) / (here * zoom), FRUSTUM_M]);
+  const seen = [[0, 0, 0], ...corners].map((p) => project(toCamera(moved(p, T))));
+  if (seen.some((p) => p[2] < NEAR_M)) return '';
+  const [at, ...frame] = seen;
+  return frame.map((corner) => path([at, corner])).join('') + path(frame, true);
+}
+
+/** The zoom of the present frame: the camera's numbers are those of it. */
+function zoomHere() {
+  const { frames, zoom } = server.camera_motion.path;
+  const nearest = frames.reduce((best, f, i) => (Math.abs(f - server.view.frame) < Math.abs(frames[best] - server.view.frame) ? i : best), 0);
+  return zoom[nearest];
 }
 
 /** "26 mm · frame 50": the lens as one of a film of 36 by 24 mm. */

@@ -7,13 +7,14 @@ import { server, setUi, ui, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
 import { onto } from './floor.js';
 import {
-  bodyMiddle, drawFilmCamera, drawFloor, drawGhosts, drawShadow, drawWays, filmCamera, filmWords, ghostLabels,
-  ground, hasBody, wayKeys, wayLabels,
+  bodyMiddle, drawCameraPath, drawFilmCamera, drawFloor, drawGhosts, drawShadow, drawWays, filmCamera, filmWords, ghostLabels,
+  ground, hasBody, toCamera, wayKeys, wayLabels,
 } from './freescene.js';
 import {
   aboveFloor, alongAxis, between, dollied, FOCAL, framing, freeEye, isEye, orbited, panned, placeOf, rowsOf,
 } from './orbit.js';
 import { View } from './view.js';
+import { moved, movedBack } from './world.js';
 
 /** Of the shorter side of the view: an angle of view of 37°, as in exported pictures. */
 const FOCAL_SHARE = 1.5;
@@ -60,6 +61,7 @@ export class FreeView extends View {
   // --- the eye
 
   newEye() {
+    this.#carry();
     const isKnown = server.views && server.camera && server.pose && server.feet;
     if (!isKnown || !this.el.clientWidth) return; // what fits is known once there is a place to fit it into
     this.state ??= this.#read() ?? this.#usual();
@@ -71,6 +73,19 @@ export class FreeView extends View {
     if (!this.state) this.newEye();
   }
 
+  /** The eye stands still in the world while the film's camera moves. */
+  #carry() {
+    const { camera_here: here } = server;
+    if (this.state && here !== this.#here) {
+      this.state = { ...this.state, target: movedBack(moved(this.state.target, this.#here), here) };
+      if (this.#root) this.#root = movedBack(moved(this.#root, this.#here), here);
+    }
+    this.#here = here;
+  }
+
+  /** T_world_camera of the frame that the eye is said for. */
+  #here = null;
+
   /** Another film: what was kept of it, or all there is to see. */
   fit() {
     const id = server.file?.id ?? null;
@@ -79,6 +94,7 @@ export class FreeView extends View {
     clearTimeout(this.#keeping);
     this.#keeping = 0;
     this.#root = this.state = this.eye = null;
+    this.#here = server.camera_here;
     this.newEye();
   }
 
@@ -163,7 +179,7 @@ export class FreeView extends View {
   /** The body, its way, and the camera's picture, from beside. */
   #usual() {
     const level = server.views.front;
-    const points = [...Object.values(server.pose?.points ?? {}), ...(server.feet?.paths ?? []).flatMap((foot) => foot.points)];
+    const points = [...Object.values(server.pose?.points ?? {}), ...(server.feet?.paths ?? []).flatMap((foot) => foot.points.map(toCamera))];
     if (!points.length) points.push([-1, -1, 2], [1, 1, 4]);
     const { width, height } = this.window;
     const half = [width, height].map((px) => (MARGIN * px * FOCAL) / (2 * FOCAL_SHARE * Math.min(width, height)));
@@ -188,7 +204,7 @@ export class FreeView extends View {
       if (!isEye(kept?.eye)) return null;
       const isHabit = ([name, value]) => typeof value === typeof HABITS[name];
       this.habits = { ...HABITS, ...Object.fromEntries(Object.entries(kept.habits ?? {}).filter(isHabit)) };
-      return kept.eye;
+      return { ...kept.eye, target: movedBack(kept.eye.target, server.camera_here) };
     } catch {
       return null; // what cannot be read is as if it were not there
     }
@@ -204,7 +220,9 @@ export class FreeView extends View {
     if (!this.#keeping) return;
     clearTimeout(this.#keeping);
     this.#keeping = 0;
-    if (this.state) inBrowser.write(this.#key(), JSON.stringify({ eye: this.state, habits: this.habits }));
+    if (!this.state) return;
+    const eye = { ...this.state, target: moved(this.state.target, this.#here) };
+    inBrowser.write(this.#key(), JSON.stringify({ eye, habits: this.habits }));
   }
 
   // --- turning by itself
@@ -248,7 +266,8 @@ export class FreeView extends View {
 
   #things() {
     const project = this.#project;
-    return svg`${drawGhosts(project)}${drawWays(project)}${this.habits.camera && server.camera ? drawFilmCamera(project) : nothing}`;
+    const hasCamera = this.habits.camera && server.camera;
+    return svg`${drawGhosts(project)}${drawWays(project)}${hasCamera ? svg`${drawCameraPath(project)}${drawFilmCamera(project)}` : nothing}`;
   }
 
   /** The picture of the film, laid into its frame. */

@@ -36,7 +36,7 @@ export function mount() {
   mountPersonMask(view('main').person, () => view('main').redraw());
   setTimeout(begin, PATIENCE_MS);
   watch(['file'], newFile);
-  watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));
+  watch(['camera', 'views', 'camera_here', 'camera_motion'], () => views.forEach((each) => each.newEye()));
   watch(['pose'], () => views.forEach((each) => each.follow()));
   watch(['feet', 'keys'], () => ['main', 'side', 'front'].forEach((name) => view(name).redraw()));
   watch(['view'], () => view('main').follow());

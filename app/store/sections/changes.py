@@ -14,6 +14,7 @@ from keypose.app.editor.documents import unchanged
 from keypose.app.store.sections import (
     angle_values,
     body_values,
+    camera_values,
     evidence_values,
     motion_values,
     scene_values,
@@ -127,6 +128,15 @@ SECTIONS: dict[str, _Section] = {
     "surface": _Section(
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         evidence_values.surface,
+    ),
+    "camera_motion": _Section(
+        _doc("camera_motion", "camera_keyframes", "settings", "video"),
+        camera_values.camera_motion,
+    ),
+    "camera_here": _Section(_before_camera, camera_values.camera_here),
+    "background": _Section(
+        _both(_doc("camera_motion", "camera"), _edit("frame", "display")),
+        camera_values.background_points,
     ),
     "views": _Section(_both(_doc("up_world"), _before_camera), scene_values.small_view_rotations),
     "body": _Section(_doc("body"), body_values.body),

@@ -158,6 +158,7 @@ def view(app_state: AppState) -> Json:
         "ghosts": looks.ghosts,
         "trail": looks.trail,
         "floor": looks.floor,
+        "background": looks.background,
         "live": looks.live,
         "limits": looks.limits,
         "axes": looks.axes,
