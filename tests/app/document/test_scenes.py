@@ -111,7 +111,6 @@ def test_a_second_view_is_kept_with_where_its_camera_stands() -> None:
     assert again == scene
     assert again.view == session.view
     p_world = np.array([0.3, -0.2, 4.0, 1.0])
-    expected = [0.5, 0.0, 2.0] + np.array(
-        [-0.28 * 0.3 + 0.96 * 4.0, -0.2, -0.96 * 0.3 - 0.28 * 4.0]
-    )
+    x, z = -0.28 * 0.3 + 0.96 * 4.0, -0.96 * 0.3 - 0.28 * 4.0
+    expected = [0.5 + x, -0.2, 2.0 + z]
     np.testing.assert_allclose((again.views[1].T_camera_world @ p_world)[:3], expected)

@@ -1,0 +1,107 @@
+"""`keypose camera`: how the film's camera turned, in the session's file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from keypose.app.cli.main import main
+from keypose.app.document.folder_lock import locked
+from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.storage.camera_motion import points_of
+from keypose.tracker.storage.files import load_session, save_session
+from tests.scenes import sample
+from tests.tracker import panned_cases as panned
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return panned.write(tmp_path / "panned")
+
+
+def test_a_pan_is_found_kept_and_told(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["camera", str(path)]) == 0
+    assert capsys.readouterr().out.startswith("The camera turns: background points agree within 0.")
+    session = load_session(path)
+    found = session.camera_path
+    assert found is not None
+    miss = found.Ts_camera_world[:, :3, :3] @ transpose(panned.Rs_camera_world())
+    cosine = (np.trace(miss, axis1=1, axis2=2) - 1) / 2
+    assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 0.05
+    assert not found.zooms
+    assert not found.moves
+    motion = session.view.camera_motion
+    assert motion is not None
+    points = points_of(motion)
+    assert points is not None
+    uv, good = points.of(5)
+    assert len(uv) == len(good) > 20
+    assert good.mean() > 0.8
+
+
+def test_as_json_it_says_how_far_it_turned_and_a_dry_run_writes_nothing(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = path.read_bytes()
+    assert main(["camera", str(path), "--dry-run", "--json"]) == 0
+    events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert path.read_bytes() == before
+    assert {event["event"] for event in events[:-1]} == {"progress"}
+    assert events[-1]["kind"] == "turns"
+    assert events[-1]["turned_deg"] == pytest.approx(9.0, abs=0.3)
+    assert events[-1]["session"] is None
+
+
+def test_one_word_leaves_the_camera_as_it_was(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = load_session(path)
+    assert main(["camera", str(path), "--kind", "turns"]) == 0
+    assert load_session(path).camera_path is not None
+    assert main(["camera", str(path), "--forget"]) == 0
+    assert "as it was" in capsys.readouterr().out
+    assert load_session(path) == before
+
+
+def test_a_camera_that_stands_still_has_no_motion_and_every_digit_stays(tmp_path: Path) -> None:
+    path = sample(tmp_path, "box")
+    before = load_session(path)
+    assert main(["camera", str(path)]) == 0
+    after = load_session(path)
+    assert after.view.camera_motion is None
+    assert after.has_static_camera
+    assert after.subject == before.subject
+    assert after.view.camera == before.view.camera
+
+
+def test_a_session_that_is_open_elsewhere_is_left_alone(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = path.read_bytes()
+    with locked(path, ""):
+        assert main(["camera", str(path)]) == 2
+    assert "close it there first" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
+def test_found_anew_it_keeps_what_a_person_corrected(path: Path) -> None:
+    assert main(["camera", str(path)]) == 0
+    session = load_session(path)
+    motion = session.view.camera_motion
+    assert motion is not None
+    key = {"frame": 9, "R_camera_world_wxyz": (1.0, 0.0, 0.0, 0.0)}
+    data = session.model_dump(mode="json")
+    data["views"][0]["camera_keyframes"] = [key]
+    save_session(type(session).model_validate(data), path)
+    assert main(["camera", str(path)]) == 0
+    again = load_session(path).camera_path
+    assert again is not None
+    np.testing.assert_array_equal(again.Ts_camera_world[9], np.eye(4))

@@ -1,0 +1,208 @@
+"""Before a camera that moves: the world stands still, and a person corrects the camera."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
+from keypose.app.editor.motion import end_trail, feet_paths
+from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
+from keypose.app.editor.state import EditorState
+from keypose.app.posing import opening_pose
+from keypose.app.store.sections import Sections
+from keypose.app.store.state import AppState
+from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.horizon import horizon_of
+from keypose.tracker.geometry.rotations import exp_rotation, transpose
+from keypose.tracker.session import Session
+from tests.app.editor.desk import after
+from tests.tracker import panned_cases as panned
+from tests.tracker import session_cases as cases
+
+UP = (0.0, -1.0, 0.0)
+
+
+def desk(doc: Session | None = None, frame: int = 0) -> EditorState:
+    """A body that stands still in the world, before a camera that pans."""
+    doc = panned.panned().with_up(UP) if doc is None else doc
+    return EditorState(
+        doc=doc,
+        skeleton=cases.SKELETON,
+        file_times_s=np.arange(panned.FRAMES) / 25,
+        opening=opening_pose(doc.subject.body, doc.view.camera, UP),
+        frame=frame,
+    )
+
+
+def test_a_body_that_stands_still_in_the_world_is_seen_where_it_stands_between_keyframes() -> None:
+    for frame in range(panned.FRAMES):
+        state = desk(frame=frame)
+        Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
+        in_world = np.linalg.inv(T_camera_world(state.doc, frame)) @ Ts
+        first = pose_transforms(state.skeleton, cases.pose(0.4))
+        np.testing.assert_allclose(in_world, first, atol=1e-9)
+
+
+def test_ghosts_lie_on_the_body_that_stands_still() -> None:
+    state = desk(frame=7)
+    here = pose_transforms(state.skeleton, shown_pose(state).pose)
+    shown = ghosts(state)
+    assert [frame for frame, _ in shown] == [2, 12]
+    for frame, pose in shown:
+        np.testing.assert_allclose(ghost_transforms(state, frame, pose), here, atol=1e-9)
+
+
+def test_a_trail_of_what_stands_still_is_a_point() -> None:
+    trail = end_trail(desk(frame=7))
+    assert trail is not None
+    assert np.ptp(trail.p_camera, axis=0).max() < 0.03  # it is interpolated as the camera sees it
+
+
+def test_small_views_stand_still_in_the_world() -> None:
+    p_world = np.array([0.4, 0.3, 3.0])
+    seen = []
+    for frame in (0, 9, 23):
+        state = desk(frame=frame)
+        p_camera = T_camera_world(state.doc, frame)[:3, :3] @ p_world
+        views = pointer_views(state.doc, frame)
+        seen.append([views[name].project(p_camera) for name in ("top", "side", "front")])
+    np.testing.assert_allclose(seen[1:], [seen[0]] * 2, atol=1e-9)
+
+
+def test_up_and_the_floor_are_the_worlds() -> None:
+    for frame in (0, 11, 23):
+        state = desk(frame=frame)
+        R = T_camera_world(state.doc, frame)[:3, :3]
+        np.testing.assert_allclose(up_of(state.doc, frame), R @ UP, atol=1e-12)
+    floors = {round(feet_paths(desk(frame=frame)).floor_m, 6) for frame in (0, 11, 23)}
+    assert len(floors) == 1
+
+
+def test_a_horizon_drawn_at_any_frame_says_the_same() -> None:
+    up = exp_rotation(np.radians([9.0, 0.0, 4.0])) @ UP
+    for frame in (0, 13, 23):
+        state = desk(panned.panned(), frame)
+        line = horizon_of(state.camera, T_camera_world(state.doc, frame)[:3, :3] @ up)
+        assert line is not None
+        drawn = after(state, {"do": "horizon", "a": line[0].tolist(), "b": line[1].tolist()})
+        assert drawn.doc.world.up_world is not None
+        np.testing.assert_allclose(drawn.doc.world.up_world, up, atol=1e-5)
+
+
+def wrong() -> Session:
+    """The camera's motion as found wrong: it pans too little."""
+    from keypose.tracker.geometry.camera_path import CameraPath
+    from keypose.tracker.session.camera_motion import CameraMotion
+
+    less = exp_rotation(np.stack([np.zeros(24), -0.6 * panned.PAN * np.linspace(0, 1, 24),
+                                  np.zeros(24)], axis=1))  # fmt: skip
+    path = CameraPath.of(less, np.zeros((24, 3)), np.ones(24))
+    return panned.session(CameraMotion.of("turns", path)).with_up(UP)
+
+
+def off_deg(doc: Session) -> np.ndarray:
+    path = doc.camera_path
+    assert path is not None
+    miss = path.Ts_camera_world[:, :3, :3] @ transpose(panned.Rs_camera_world())
+    cosine = (np.trace(miss, axis1=1, axis2=2) - 1) / 2
+    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+
+
+def marked(frame: int, p_world: np.ndarray) -> list[list[float]]:
+    R = panned.Rs_camera_world()[frame]
+    return [panned.CAMERA.project(R @ p).tolist() for p in p_world]
+
+
+P_WORLD = np.array([[0.5, -0.5, 5.0], [2.0, 0.6, 6.0], [1.2, 0.1, 4.0]])
+
+
+def test_points_matched_in_two_frames_correct_the_camera_and_halve_what_is_between() -> None:
+    state = desk(wrong(), frame=23)
+    before = off_deg(state.doc)
+    state = after(
+        state,
+        {
+            "do": "camera_match",
+            "other": 0,
+            "here": marked(23, P_WORLD),
+            "there": marked(0, P_WORLD),
+        },
+    )
+    assert off_deg(state.doc)[23] < 0.02
+    assert off_deg(state.doc)[1:23].max() < 0.5 * before.max()
+    assert [key.frame for key in state.doc.view.camera_keyframes] == [23]
+    state = after(state, {"do": "undo"})
+    assert state.doc == wrong()
+
+
+def test_the_horizon_corrects_the_camera_at_a_frame_and_is_taken_back() -> None:
+    doc = panned.panned().with_up(UP)
+    tilted = doc.view.camera_motion
+    state = desk(doc, frame=20)
+    up = exp_rotation(np.radians([0.0, 0.0, 3.0])) @ np.array(up_of(doc, 20))
+    line = horizon_of(state.camera, up)
+    assert line is not None
+    state = after(state, {"do": "camera_horizon", "a": line[0].tolist(), "b": line[1].tolist()})
+    np.testing.assert_allclose(up_of(state.doc, 20), up, atol=1e-6)
+    assert state.doc.world.up_world == UP
+    assert state.doc.view.camera_motion is tilted
+    state = after(state, {"do": "delete_camera_key", "frame": 20})
+    assert state.doc.view.camera_keyframes == ()
+
+
+def test_a_camera_that_nobody_found_can_be_set_by_hand() -> None:
+    state = desk(panned.session(), frame=23)
+    given = {"other": 0, "here": marked(23, P_WORLD), "there": marked(0, P_WORLD)}
+    state = after(state, {"do": "camera_match", **given})
+    assert off_deg(state.doc)[23] < 0.02
+    state = after(state, {"do": "forget_camera"})
+    assert state.doc.camera_path is None
+
+
+@pytest.mark.parametrize(
+    ("message", "frame", "words"),
+    [
+        ({"do": "camera_match", "other": 5, "here": [[1, 1], [90, 9]], "there": [[1, 1], [9, 9]]},
+         5, "another frame"),
+        ({"do": "camera_match", "other": 99, "here": [[1, 1], [9, 9]], "there": [[1, 1], [9, 9]]},
+         5, "another frame"),
+        ({"do": "camera_match", "other": 0, "here": [[1, 1], [1, 1]], "there": [[5, 5], [5, 5]]},
+         5, "farther apart"),
+        ({"do": "camera_match", "other": 9, "here": [[1, 1], [90, 9]], "there": [[1, 1], [90, 9]]},
+         0, "first frame is the world's own"),
+        ({"do": "camera_horizon", "a": [0, 90], "b": [1, 90]}, 5, "longer line"),
+        ({"do": "delete_camera_key", "frame": 5}, 5, "not corrected"),
+    ],
+)  # fmt: skip
+def test_what_corrects_nothing_is_refused_in_a_sentence(
+    message: dict[str, object], frame: int, words: str
+) -> None:
+    with pytest.raises(ActionRefused, match=words):
+        after(desk(frame=frame), message)
+
+
+def test_without_what_is_up_the_horizon_corrects_no_camera() -> None:
+    state = desk(panned.panned(), frame=5)
+    with pytest.raises(ActionRefused, match="Say what is up first"):
+        after(state, {"do": "camera_horizon", "a": [0, 90], "b": [300, 90]})
+
+
+def test_the_page_is_told_how_the_camera_moves_and_where_it_is() -> None:
+    state = desk(frame=12)
+    sections = Sections().changed(AppState(edit=state))
+    told = sections["camera_motion"]
+    assert (told["kind"], told["counts"], len(told["error_px"])) == ("turns", True, 24)
+    assert told["words"].startswith("The camera turns: background points agree within 0.1 px")
+    here = np.array(sections["camera_here"]).reshape(3, 4)
+    np.testing.assert_allclose(here[:, :3], panned.Rs_camera_world()[12].T, atol=1e-5)
+    R = np.array(sections["views"]["front"])
+    rotations, origin = views_of(state.doc, 12)
+    np.testing.assert_allclose(R, rotations["front"])
+    np.testing.assert_allclose(sections["views"]["origin"], origin)
+    before = {name: value for name, value in sections.items() if name in ("feet", "camera_motion")}
+    later = Sections().changed(AppState(edit=replace(state, frame=20)))
+    assert {name: later[name] for name in before} == before

@@ -1,0 +1,121 @@
+"""A camera's motion in a session's file: read back to the last digit, refused where it is none."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from keypose.tracker.errors import one_sentence
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.session import Session
+from keypose.tracker.session.camera_motion import (
+    CameraFinding,
+    CameraKeyframe,
+    CameraMotion,
+    packed,
+)
+from keypose.tracker.storage.fingerprints import segment_keys
+from keypose.tracker.storage.stretches import stretch_keys
+from tests.tracker import panned_cases as panned
+
+
+def test_it_is_read_back_as_it_was_written() -> None:
+    finding = CameraFinding(kind="no_texture", first_frame=3, last_frame=9, amount=0.2)
+    errors = np.full(panned.FRAMES, 0.25)
+    errors[4] = np.nan
+    motion = CameraMotion.of("turns", panned.path(), errors, (finding,))
+    session = panned.session(motion)
+    again = Session.model_validate_json(session.model_dump_json())
+    assert again == session
+    path = again.camera_path
+    assert path is not None
+    np.testing.assert_allclose(path.Ts_camera_world, panned.path().Ts_camera_world, atol=1e-15)
+    np.testing.assert_array_equal(path.Ts_camera_world[0], np.eye(4))
+    assert again.view.camera_motion is not None
+    np.testing.assert_array_equal(again.view.camera_motion.errors_px, errors)
+
+
+def test_a_session_without_one_is_written_as_before_there_was_any() -> None:
+    written = panned.session().model_dump_json()
+    assert "camera_motion" not in written
+    assert "camera_keyframes" not in written
+    assert panned.session().camera_path is None
+
+
+def test_a_camera_that_is_said_to_stand_still_does() -> None:
+    session = panned.panned()
+    still = session.changed(
+        {"settings": session.settings.model_copy(update={"static_camera": True})}
+    )
+    assert still.camera_path is None
+    assert still.camera_at(5) is still.view.camera
+
+
+def test_a_persons_correction_is_met_and_outdates_no_segment_that_does_not_zoom() -> None:
+    session = panned.panned()
+    T = panned.path().Ts_camera_world[20].copy()
+    T[:3, :3] = T[:3, :3] @ panned.Rs_camera_world()[3]
+    key = CameraKeyframe.of(20, T, 1.0)
+    after = session.changed({"camera_keyframes": (key,)})
+    assert after.camera_path is not None
+    np.testing.assert_allclose(after.camera_path.Ts_camera_world[20], T, atol=1e-12)
+    assert segment_keys(after) == segment_keys(session)
+    assert stretch_keys(after, []) == set()
+
+
+def test_a_lens_that_zooms_makes_other_segments_and_one_that_turns_does_not() -> None:
+    still, turned = segment_keys(panned.session()), segment_keys(panned.panned())
+    assert still == turned
+    zoom = np.ones(panned.FRAMES)
+    zoom[15:] = 1.2
+    path = CameraPath(panned.path().Ts_camera_world, zoom)
+    zoomed = segment_keys(panned.session(CameraMotion.of("turns", path)))
+    assert [span for span in still if zoomed[span] != still[span]] == [(12, 22)]
+
+
+ROWS = np.tile([1.0, 0, 0, 0, 0, 0, 0, 1], (panned.FRAMES, 1))
+
+
+def with_row(place: int, value: float) -> str:
+    rows = ROWS.copy()
+    rows[3, place] = value
+    return packed(rows.ravel())
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"samples": "?"}, "no base64"),
+        ({"samples": base64.b64encode(b"1234567").decode()}, "no base64"),
+        ({"samples": ""}, "no multiple of 8"),
+        ({"samples": packed(ROWS[:4].ravel()[:-1])}, "no multiple of 8"),
+        ({"samples": packed(ROWS[:-1].ravel())}, "has 23 frames and the video 24"),
+        ({"samples": with_row(0, 2.0)}, "not of unit length"),
+        ({"samples": with_row(5, np.nan)}, "not finite"),
+        ({"samples": with_row(7, 0.0)}, "zoom"),
+        ({"samples": packed(ROWS.ravel()), "error_px": packed(np.ones(3))}, "number of frames"),
+        ({"samples": packed(ROWS.ravel()), "kind": "flies"}, "turns"),
+    ],
+)
+def test_what_is_no_motion_is_refused_in_a_sentence(motion: dict[str, Any], words: str) -> None:
+    data = panned.session().model_dump(mode="json")
+    data["views"][0]["camera_motion"] = {"kind": "turns", **motion}
+    with pytest.raises(ValidationError) as refused:
+        Session.model_validate(data)
+    assert words in one_sentence(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"), [((5, 5), "stands after"), ((9, 3), "stands after"), ((3, 24), "beyond")]
+)
+def test_corrections_are_within_the_film_and_in_order(frames: tuple[int, ...], words: str) -> None:
+    data = panned.panned().model_dump(mode="json")
+    data["views"][0]["camera_keyframes"] = [
+        {"frame": frame, "R_camera_world_wxyz": [1, 0, 0, 0]} for frame in frames
+    ]
+    with pytest.raises(ValidationError, match=words):
+        Session.model_validate(data)
