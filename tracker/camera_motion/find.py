@@ -30,8 +30,8 @@ NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
 """A zoom that stays within this share of 1, or so many standard deviations, is none."""
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""
-AGREEING_SHARE = 0.57
-"""Share of the points in view that must agree, in the middle frame, or that is reported."""
+AGREEING_SHARE = 0.73
+"""Share of the points that must move alike, in the middle frame, or that is reported."""
 STILL_ASIDE_SHARE = 0.6
 """The same where all others stand still: something large then moves before a static camera."""
 

@@ -67,7 +67,8 @@ class Measured:
 
     turn: from the anchor's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points found.
-    share: of the points that could be seen, those that agree.  lever (4, 2): how the turn and the
+    share: of the points followed from the frame before, or of those in view, those that moved
+    alike, whichever is more.  lever (4, 2): how the turn and the
     logarithm of the zoom follow the readout, of which `readout` (2,) was used.
     """
 
@@ -130,6 +131,7 @@ class Odometer:
         self._left: list[_Scene] = []
         self._turn, self._step = Turn.none(), Turn.none()
         self._uv = np.zeros((0, 2))
+        self._alike = 1.0
         self._lost, self._cut = 0, -1
         self._little: Array | None = None
 
@@ -181,6 +183,7 @@ class Odometer:
         starts = [self._turn.then(self._step), self._turn]
         first = self._solve(rough, followed, starts, SCALES_PX, None)
         sure = first is not None and first.agreeing >= max(FEWEST_AGREE, 0.5 * followed.sum())
+        self._alike = first.agreeing / followed.sum() if first is not None else 1.0
         turn = starts[1] if first is None or first.agreeing < FEWEST_AGREE else first.turn
         self._uv, found = self._points.refine(self._expected(turn), usable, 0 if sure else 1)
         scales = SCALES_PX[-1:] if sure else SCALES_PX
@@ -247,7 +250,7 @@ class Odometer:
             error_px=float(error) / self.scale,
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
-            share=solved.agreeing / max(int(found.sum()), self._points.visible),
+            share=max(self._alike, solved.agreeing / max(self._points.visible, 1)),
             lever=solved.lever if solved.lever.size else np.zeros((4, 2)),
             readout=readout,
         )
