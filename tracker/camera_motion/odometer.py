@@ -48,8 +48,9 @@ SEEN_SHARE, AWAY_SHARE = 0.6, 0.22
 this share of its width."""
 ROLL, ZOOM = np.radians(8.0), 0.14
 """Or rolled, or zoomed, so far that windows no longer look alike."""
-SOONEST = 4
-"""Frames from an anchor to the next, where points merely become few."""
+SOONEST, SCARCE = 4, 20
+"""Frames from an anchor to the next, where points merely become fewer; not where they are less
+than so many."""
 TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
 LEAST_CHANGE_PX = 1.5
 """Of the speed since the anchor, a frame: with less nothing is said of the shutter."""
@@ -398,7 +399,8 @@ class Odometer:
         scene = self._current
         scene.most_found = max(scene.most_found, int(found.sum()))
         few = found.sum() < SEEN_SHARE * scene.most_found
-        return bool(few and frame - self.territory.frames[-1] >= SOONEST)
+        late = frame - self.territory.frames[-1] >= SOONEST or found.sum() < SCARCE
+        return bool(few and late)
 
     def _advance_anchor(
         self, frame: int, usable: Mask | None, agrees: NDArray[np.bool_], measured: Measured
