@@ -1,0 +1,1 @@
+"""Find how a film's camera turned and zoomed, from its background."""

@@ -1,0 +1,286 @@
+"""Follow points of the background through a film, one picture after another.
+
+Two looks a frame, both by Lucas and Kanade: from the picture before, which finds where points went
+however the camera was jerked; and from the *anchor*, an earlier picture in which the points were
+picked, which says to a fraction of a pixel where they are. What is measured from one anchor does
+not drift, and a point that was occluded is found again. Points are picked one a cell, where the
+texture is best, so that no corner of the picture outweighs the others.
+
+Pixels are the film's, whatever the size looked at. Which motion carries points is not known here:
+who follows gives the places that are expected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.geometry.rotations import Array
+
+Grey: TypeAlias = NDArray[np.uint8]
+Mask: TypeAlias = NDArray[np.bool_]
+Background: TypeAlias = Callable[[int], Mask | None]
+"""Of a frame, the pixels (H, W) where background may be seen; None for all."""
+
+LOOK_PX = 960
+"""Longest side of the pictures looked at; larger ones are made smaller."""
+CELLS = 240
+"""Into which the picture is divided; each holds a point at most."""
+BORDER_PX = 6
+"""Nearer to the picture's edge no point is picked."""
+LEAST_CORNER = 3e-4
+"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is noise."""
+WINDOW_PX = (21, 21)
+ROUGH_WINDOW_PX = (15, 15)
+ROUGH_HALVINGS, FINE_HALVINGS = 4, 1
+RETURN_PX = 0.5
+"""A point counts where it is followed back to within this of where it began."""
+ASIDE_PX = np.float32(1.5)
+"""The way back begins this far off, along both axes: what is no corner does not return."""
+AROUND_PX = 10
+"""Room at the edge of the background in which a point's window would hold what is before it."""
+FEWEST_FOLLOWED = 0.3
+"""Share of the points from the picture before; with fewer the whole picture is asked for a shift."""
+COARSE = 8
+"""By which a picture is made smaller to be asked for the shift of its whole."""
+
+_ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
+_ROUGHLY = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 0.05)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """A picture in which points were picked, and where (K, 2), film's pixels."""
+
+    grey: Grey
+    ids: NDArray[np.int64]
+    uv: Array
+
+
+@dataclass(eq=False)
+class PointFollower:
+    """Points of one film, width × height pixels.
+
+    Of every frame first `look`, then `refine`; and `pick` where a new anchor is due.
+    """
+
+    width: int
+    height: int
+    anchor: Anchor | None = None
+    scale: float = field(init=False)
+    _before: Grey | None = field(default=None, init=False)
+    _now: Grey | None = field(default=None, init=False)
+    _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
+    _next_id: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self.scale = min(1.0, LOOK_PX / max(self.width, self.height))
+
+    def look(self, picture: Grey) -> tuple[Array, NDArray[np.bool_]]:
+        """Take the next picture and return roughly where the anchor's points went (K, 2), and
+        which of them (K,) were followed from the picture before.
+        """
+        self._before, self._now = self._now, self._small(picture)
+        if self.anchor is None or self._before is None:
+            return np.zeros((0, 2)), np.zeros(0, bool)
+        start = self._to_look(self._last)
+        there, found = _followed(self._before, self._now, start, start, *_ROUGH)
+        if found.mean() < FEWEST_FOLLOWED:
+            shift = _whole_shift(self._before, self._now)
+            again, found_again = _followed(self._before, self._now, start, start + shift, *_ROUGH)
+            if found_again.sum() > found.sum():
+                there, found = again, found_again
+        return self._to_film(there), found
+
+    def refine(self, expected: Array, usable: Mask | None) -> tuple[Array, NDArray[np.bool_]]:
+        """Return where the anchor's points are (K, 2), and which (K,) were found.
+
+        expected: (K, 2), to within a few pixels; also the places that are taken for points that
+        were not found.  usable: of the picture's pixels (H, W), those that may be background.
+        """
+        assert self.anchor is not None
+        assert self._now is not None
+        start, guess = self._to_look(self.anchor.uv), self._to_look(expected)
+        inside = self._inside(guess, 0.0)
+        guess = np.where(inside[:, None], guess, start)
+        there, found = _followed(self.anchor.grey, self._now, start, guess, *_FINE)
+        found &= inside & self._inside(there, 1.0)
+        uv = self._to_film(there)
+        found &= self._on(self._open(usable), uv)
+        uv = np.where(found[:, None], uv, expected)
+        self._last = uv
+        return uv, found
+
+    def pick(
+        self, usable: Mask | None, ids: NDArray[np.int64], uv: Array
+    ) -> tuple[NDArray[np.int64], Array]:
+        """Make the latest picture the anchor: with points that are known in it (K,), (K, 2), and
+        new ones in the cells that hold none. Return the anchor's points.
+        """
+        assert self._now is not None
+        picked = self._to_film(self._corners(self._open(usable), self._to_look(uv)))
+        fresh = self._next_id + np.arange(len(picked))
+        self._next_id += len(picked)
+        ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
+        self.anchor, self._last = Anchor(self._now, ids, uv), uv
+        return ids, uv
+
+    @property
+    def now(self) -> Grey | None:
+        """The latest picture, at the size looked at."""
+        return self._now
+
+    def _small(self, picture: Grey) -> Grey:
+        if self.scale == 1.0:
+            return picture
+        size = (round(self.width * self.scale), round(self.height * self.scale))
+        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+
+    def _to_look(self, uv: Array) -> Array:
+        return (uv + 0.5) * self.scale - 0.5
+
+    def _to_film(self, uv: Array) -> Array:
+        return (uv + 0.5) / self.scale - 0.5
+
+    def _inside(self, at: Array, border: float) -> NDArray[np.bool_]:
+        assert self._now is not None
+        height, width = self._now.shape
+        far = (width - 1 - border, height - 1 - border)
+        return np.asarray(((at >= border) & (at <= far)).all(axis=1))
+
+    def _open(self, usable: Mask | None) -> Mask | None:
+        """A fourth of the size looked at: where nothing near is before the background."""
+        if usable is None or usable.all():
+            return None
+        assert self._now is not None
+        height, width = (-(-side // 4) for side in self._now.shape)
+        share = cv2.resize(
+            usable.astype(np.uint8) * 255, (width, height), interpolation=cv2.INTER_AREA
+        )
+        reach = 2 * -(-AROUND_PX // 4) + 1
+        eroded = cv2.erode(share, np.ones((reach, reach), np.uint8), borderValue=255)
+        return np.asarray(eroded == 255)
+
+    def _on(self, open_: Mask | None, uv: Array) -> NDArray[np.bool_]:
+        if open_ is None:
+            return np.ones(len(uv), bool)
+        column, row = np.rint(self._to_look(uv) / 4 - 0.375).astype(int).T
+        height, width = open_.shape
+        return np.asarray(open_[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
+
+    def _corners(self, open_: Mask | None, taken: Array) -> Array:
+        """The best corner of every cell that holds no point and has one, pixels looked at."""
+        assert self._now is not None
+        height, width = self._now.shape
+        strength = cv2.cornerMinEigenVal(self._now, 5)
+        if open_ is not None:
+            large = cv2.resize(open_.astype(np.uint8), (4 * open_.shape[1], 4 * open_.shape[0]),
+                               interpolation=cv2.INTER_NEAREST)  # fmt: skip
+            strength = strength * large[:height, :width]
+        strength[:BORDER_PX] = strength[-BORDER_PX:] = 0.0
+        strength[:, :BORDER_PX] = strength[:, -BORDER_PX:] = 0.0
+        side = max(8, round(np.sqrt(width * height / CELLS)))
+        rows, columns = -(-height // side), -(-width // side)
+        padded = np.zeros((rows * side, columns * side), np.float32)
+        padded[:height, :width] = strength
+        squares = padded.reshape(rows, side, columns, side).swapaxes(1, 2)
+        cells = squares.reshape(rows * columns, side * side)
+        column, row = np.clip(np.rint(taken) // side, 0, (columns - 1, rows - 1)).astype(int).T
+        cells[row * columns + column] = 0.0
+        best = cells.argmax(axis=1)
+        good = cells[np.arange(len(cells)), best] > LEAST_CORNER
+        cell = np.flatnonzero(good)
+        v = (cell // columns) * side + best[cell] // side
+        u = (cell % columns) * side + best[cell] % side
+        return np.stack([u, v], axis=1).astype(float)
+
+
+_ROUGH = (ROUGH_WINDOW_PX, ROUGH_HALVINGS, _ROUGHLY)
+_FINE = (WINDOW_PX, FINE_HALVINGS, _ENOUGH)
+
+
+def _followed(
+    one: Grey,
+    other: Grey,
+    start: Array,
+    guess: Array,
+    window: tuple[int, int],
+    halvings: int,
+    criteria: tuple[int, int, float],
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Where points (K, 2) of one picture are in another, and whether they are found back."""
+    if not len(start):
+        return np.zeros((0, 2)), np.zeros(0, bool)
+    p, q = (np.ascontiguousarray(uv[:, None], np.float32) for uv in (start, guess))
+    usual = {"winSize": window, "maxLevel": halvings, "criteria": criteria}
+    given = cv2.OPTFLOW_USE_INITIAL_FLOW
+    there, forth, _ = cv2.calcOpticalFlowPyrLK(one, other, p, q.copy(), flags=given, **usual)  # type: ignore[call-overload]
+    again, back, _ = cv2.calcOpticalFlowPyrLK(
+        other, one, there, p + ASIDE_PX, flags=given, **{**usual, "maxLevel": min(halvings, 1)}
+    )  # type: ignore[call-overload]
+    returned = np.linalg.norm((again - p)[:, 0], axis=1) < RETURN_PX
+    found = (forth[:, 0] > 0) & (back[:, 0] > 0) & returned
+    return np.asarray(there[:, 0], float), found
+
+
+def _whole_shift(one: Grey, other: Grey) -> Array:
+    """The shift (2,) of a whole picture that best leads to another, by phase correlation."""
+    first, second = (
+        cv2.resize(grey, None, fx=1 / COARSE, fy=1 / COARSE, interpolation=cv2.INTER_AREA)
+        for grey in (one, other)
+    )
+    height, width = first.shape
+    if min(height, width) < 8:
+        return np.zeros(2)
+    window = cv2.createHanningWindow((width, height), cv2.CV_32F)
+    shift, _ = cv2.phaseCorrelate(first.astype(np.float32), second.astype(np.float32), window)
+    found = np.asarray(shift, float) * COARSE
+    return found if np.isfinite(found).all() else np.zeros(2)
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """The points of one frame: their ids (K,), places (K, 2), and which of them (K,) were found.
+
+    anchor: number of the frame in which they were picked.
+    """
+
+    frame: int
+    anchor: int
+    ids: NDArray[np.int64]
+    uv: Array
+    found: NDArray[np.bool_]
+
+
+def follow(
+    pictures: Iterable[Grey],
+    width: int,
+    height: int,
+    background: Background = lambda frame: None,
+    least_share: float = 0.6,
+    longest: int = 30,
+) -> Iterator[Followed]:
+    """Follow points with no motion known: each is expected where it went from the frame before,
+    or with the others' median where it was lost.
+
+    A new anchor is set where less than `least_share` of the points are found, or after `longest`
+    frames; points that are found keep their ids.
+    """
+    follower, anchor, ids = PointFollower(width, height), 0, np.zeros(0, np.int64)
+    for frame, picture in enumerate(pictures):
+        usable = background(frame)
+        last = follower._last
+        rough, found = follower.look(picture)
+        uv = np.zeros((0, 2))
+        if len(rough):
+            shift = np.median((rough - last)[found], axis=0) if found.any() else np.zeros(2)
+            uv, found = follower.refine(np.where(found[:, None], rough, last + shift), usable)
+        if not len(rough) or found.mean() < least_share or frame - anchor >= longest:
+            ids, uv = follower.pick(usable, ids[found], uv[found])
+            anchor, found = frame, np.ones(len(ids), bool)
+        yield Followed(frame, anchor, ids, uv, found)
