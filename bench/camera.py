@@ -1,0 +1,155 @@
+"""How well a moving camera's path is found from its film, beside OpenCV's own pieces.
+
+`python -m bench.camera FILM METHOD [unmasked]` measures one in a process of its own: one core, the
+time without decoding, the peak of its memory.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from bench import camera_opencv
+from bench.camera_films import FILMS, CameraFilm, camera_film
+from bench.children import peak_bytes
+from bench.keeping import ROOT, Absent
+from bench.table import Expected, Report
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
+
+Grey = NDArray[np.uint8]
+Method = Callable[[Iterator[Grey], Camera, camera_opencv.Masks], CameraPath]
+
+MOST_TURN_DEG, MOST_ZOOM, MOST_WAY, MOST_MS = 0.3, 0.5, 1.0, 6.0
+TURNING = ("warped walk", "pan and zoom", "pan and zoom, blurred")
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Errors of a path: degrees, percent of the focal length and of the way; ms and MB it took.
+
+    way: with the scale that fits best; NaN where the camera stays where it is.
+    """
+
+    turn_end: float
+    turn_max: float
+    turn_median: float
+    zoom: float
+    way: float
+    way_median: float
+    ms: float
+    mb: float
+
+
+METHODS: dict[str, Method] = {
+    "OpenCV turning": camera_opencv.turning,
+    "OpenCV moving": camera_opencv.moving,
+}
+
+
+def camera(report: Report) -> None:
+    """The whole group."""
+    report.note("turn: degrees off the truth; zoom, way: most that focal length and place are off,")
+    report.note("percent of the truth and of the way, scale by best fit; one core, no decoding")
+    columns = ("turn end", "turn max", "turn median", "zoom %", "way %", "way median", "ms", "MB")
+    for film in FILMS:
+        table = report.table(film, *columns)
+        turning = film in TURNING
+        for method in METHODS:
+            if method.startswith("OpenCV") and method.endswith("moving") == turning:
+                continue
+            for masked in (True, False):
+                try:
+                    found = in_a_child(film, method, masked)
+                except Absent as absent:
+                    report.note(f"left out: {absent} is not here")
+                    continue
+                name = method if masked else f"{method}, no masks"
+                ours = not method.startswith("OpenCV")
+                expected = _expected(found, turning) if ours and masked else []
+                table.row(name, *asdict(found).values(), expected=expected)
+
+
+def _expected(found: Figures, turning: bool) -> list[Expected]:
+    own = Expected("zoom", found.zoom, MOST_ZOOM, "%")
+    if not turning:
+        own = Expected("way", found.way, MOST_WAY, "%")
+    turn = Expected("turn", found.turn_max, MOST_TURN_DEG, "°")
+    return [turn, own, Expected("time", found.ms, MOST_MS, "ms")]
+
+
+def in_a_child(film: str, method: str, masked: bool) -> Figures:
+    """One measurement in a process of its own; the film is made before."""
+    camera_film(film)
+    command = [
+        sys.executable,
+        "-m",
+        "bench.camera",
+        film,
+        method,
+        *([] if masked else ["unmasked"]),
+    ]
+    done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    return Figures(**json.loads(done.stdout.splitlines()[-1]))
+
+
+class Timed:
+    """Pictures, and how long they and their masks took to come."""
+
+    def __init__(self, film: CameraFilm, masked: bool) -> None:
+        self.film, self.masked, self.seconds = film, masked, 0.0
+
+    def pictures(self) -> Iterator[Grey]:
+        source, began = self.film.grey(), time.perf_counter()
+        for picture in source:
+            self.seconds += time.perf_counter() - began
+            yield picture
+            began = time.perf_counter()
+
+    def hidden(self, frame: int) -> NDArray[np.bool_] | None:
+        """What is before the background; None without masks."""
+        began = time.perf_counter()
+        mask = self.film.mask(frame) if self.masked else None
+        self.seconds += time.perf_counter() - began
+        return mask
+
+
+def measured(film: CameraFilm, method: Method, masked: bool) -> Figures:
+    """One method on one film, in this process."""
+    cv2.setNumThreads(1)
+    timed, began = Timed(film, masked), time.perf_counter()
+    path = method(timed.pictures(), film.camera, timed.hidden)
+    seconds = time.perf_counter() - began - timed.seconds
+    turn, zoom, way = errors(path, film.path)
+    return Figures(
+        float(turn[-1]), float(turn.max()), float(np.median(turn)), float(zoom.max()),
+        float(way.max()), float(np.median(way)), 1000 * seconds / len(film), peak_bytes() / 1e6,
+    )  # fmt: skip
+
+
+def errors(path: CameraPath, true: CameraPath) -> tuple[Array, Array, Array]:
+    """Of every frame (N,): degrees; percent of the focal length; percent of the way, by the scale
+    that fits best."""
+    R = path.Ts_camera_world[:, :3, :3] @ transpose(true.Ts_camera_world[:, :3, :3])
+    turn = np.degrees(np.linalg.norm(log_rotation(R), axis=-1))
+    zoom = 100 * np.abs(path.zoom / true.zoom - 1)
+    p, p_true = (one.Ts_world_camera[:, :3, 3] for one in (path, true))
+    whole = float(np.linalg.norm(np.diff(p_true, axis=0), axis=-1).sum())
+    if not true.moves:
+        return turn, zoom, np.full(len(turn), np.nan)
+    scale = (p * p_true).sum() / max((p * p).sum(), 1e-300)
+    return turn, zoom, 100 * np.linalg.norm(scale * p - p_true, axis=-1) / whole
+
+
+if __name__ == "__main__":
+    figures = measured(camera_film(sys.argv[1]), METHODS[sys.argv[2]], "unmasked" not in sys.argv)
+    print(json.dumps(asdict(figures)))
