@@ -22,6 +22,7 @@ from bench.camera_films import FILMS, CameraFilm, camera_film
 from bench.children import peak_bytes
 from bench.keeping import ROOT, Absent
 from bench.table import Expected, Report
+from keypose.tracker.camera_motion.moving import moved_path
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
@@ -50,7 +51,18 @@ class Figures:
     mb: float
 
 
+def _moving(pictures: Iterator[Grey], camera: Camera, masks: camera_opencv.Masks) -> CameraPath:
+    """Ours, of a camera that moves."""
+
+    def background(frame: int) -> NDArray[np.bool_] | None:
+        hidden = masks(frame)
+        return None if hidden is None else ~hidden
+
+    return moved_path(pictures, camera, background).path
+
+
 METHODS: dict[str, Method] = {
+    "moving": _moving,
     "OpenCV turning": camera_opencv.turning,
     "OpenCV moving": camera_opencv.moving,
 }

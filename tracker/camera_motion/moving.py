@@ -1,0 +1,258 @@
+"""Find where a camera went that moves through a place, from points of the background.
+
+The scale is not told by pictures: the unit of length is the usual depth of points where the camera
+began to move. Until it moves it is turned only, and where it never does its place is not known.
+The focal length stays what it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.body.trajectory import runs
+from keypose.tracker.camera_motion.bundle import Indices
+from keypose.tracker.camera_motion.path_drift import pulled
+from keypose.tracker.camera_motion.points import Background, Grey, Mask, PointFollower
+from keypose.tracker.camera_motion.resection import resected
+from keypose.tracker.camera_motion.two_views import parallax, two_views
+from keypose.tracker.camera_motion.view_map import FREE, View, ViewMap
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array
+
+NOISE_PX = 0.25
+"""Standard deviation of a place, at the size looked at."""
+FEWEST = 15
+"""Points that a place is believed from."""
+LEAST_SHARE, LONGEST = 0.7, 15
+"""A new view is due where fewer points are left, or after so many frames."""
+STEP = 0.1
+"""Standard deviation of a frame's step, in usual depths."""
+START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 4
+"""Parallax with which the camera is seen to move; after so many views the least will do."""
+SHARED = 0.4
+"""Share of the points that two views must both see to tell how the camera moved."""
+WAITING = 24
+"""Views before the camera moves whose place is found once it does."""
+EVERY = 3
+"""Frames after which it is asked whether the camera moves."""
+
+
+@dataclass(frozen=True)
+class FewPoints:
+    """Frames first to last show too few points to say where the camera was."""
+
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class NoParallax:
+    """The film does not show that the camera was anywhere else than at its first frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovedPath:
+    """A path in the unit of length that the film gives, and what is to be said of it.
+
+    agree: (N,) how many points each frame's place is found from.
+    """
+
+    path: CameraPath
+    agree: NDArray[np.int64]
+    findings: tuple[FewPoints | NoParallax, ...]
+
+    def scaled(self, metres: float) -> CameraPath:
+        """The path in metres, where the unit is so many."""
+        Ts = self.path.Ts_camera_world.copy()
+        Ts[:, :3, 3] *= metres
+        return CameraPath(Ts, self.path.zoom)
+
+
+def moved_path(
+    pictures: Iterable[Grey], camera: Camera, background: Background = lambda frame: None
+) -> MovedPath:
+    """Follow the camera through all pictures (H, W), one after the other; none is kept."""
+    moving = MovingCamera(camera)
+    for frame, picture in enumerate(pictures):
+        moving.take(picture, background(frame))
+    return moving.finished()
+
+
+@dataclass(eq=False)
+class _Frame:
+    """A frame that waits for its last place: points found (K,), (K, 2)."""
+
+    frame: int
+    ids: Indices
+    xy: Array
+
+
+@dataclass(eq=False)
+class MovingCamera:
+    """A camera's places up to the latest picture."""
+
+    camera: Camera
+    _follower: PointFollower = field(init=False)
+    _map: ViewMap = field(init=False)
+    _Ts: list[Array] = field(default_factory=list, init=False)
+    _agree: list[int] = field(default_factory=list, init=False)
+    _waiting: list[_Frame] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        plain = {"projection": "perspective", "telephoto_distance_m": None}
+        self.camera = self.camera.model_copy(update=plain)
+        self._follower = PointFollower(self.camera.width, self.camera.height)
+        self._map = ViewMap(NOISE_PX / self._follower.scale / self.camera.fx)
+
+    @property
+    def _px(self) -> float:
+        """A pixel, at the size looked at, in standard deviations."""
+        return 1 / NOISE_PX
+
+    def take(self, picture: Grey, usable: Mask | None) -> None:
+        """Find where the camera was as it took the next picture."""
+        frame, follower = len(self._Ts), self._follower
+        rough, followed = follower.look(picture)
+        if follower.anchor is None:
+            self._Ts.append(np.eye(4))
+            self._agree.append(0)
+            self._add_view(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
+            return
+        ids = follower.anchor.ids
+        T = self._Ts[-1]
+        if followed.sum() >= FEWEST:
+            T = self._placed(T, ids[followed], self._flat(rough[followed]), (12.0, 6.0, 3.0))[0]
+        lost = self._pixels(self._map.expected(T, ids))
+        lost = np.where(np.isfinite(lost), lost, rough)
+        uv, found = follower.refine(np.where(followed[:, None], rough, lost), usable)
+        ids, uv = ids[found], uv[found]
+        xy, agree = self._flat(uv), np.zeros(len(ids), bool)
+        if len(ids) >= FEWEST:
+            T, agree = self._placed(T, ids, xy)
+        self._Ts.append(T)
+        self._agree.append(int(agree.sum()))
+        self._waiting.append(_Frame(frame, ids, xy))
+        # until depths are known, what no turn explains is as likely near as an outlier
+        kept = agree if self._map.known else np.ones(len(ids), bool)
+        moves = not self._map.known and frame % EVERY == 0 and self._moves(ids, xy)
+        few = kept.sum() < LEAST_SHARE * len(found)
+        if moves or few or frame - self._map.views[-1].frame >= LONGEST:
+            self._add_view(usable, ids[kept], uv[kept])
+
+    def finished(self) -> MovedPath:
+        """The path of all frames."""
+        if not self._map.known:
+            self._start(LEAST_START_PX)
+        Ts = np.stack(self._Ts)
+        if self._map.known:
+            self._settle(len(self._map.views) - 1)
+            self._settle_frames(self._waiting)
+            Ts = self._in_whole()
+        agree = np.array(self._agree)
+        agree[0] = agree[1:].max(initial=0)
+        findings: list[FewPoints | NoParallax] = [FewPoints(*run) for run in runs(agree < FEWEST)]
+        if not self._map.known:
+            findings.append(NoParallax())
+        return MovedPath(CameraPath(Ts, np.ones(len(Ts))), agree, tuple(findings))
+
+    def _in_whole(self) -> Array:
+        """All frames' (N, 4, 4), after all views are adjusted together."""
+        before, frames = np.stack(self._Ts), [view.frame for view in self._map.views]
+        self._map.adjust_all()
+        return pulled(before, frames, np.stack([view.T for view in self._map.views]))
+
+    def _flat(self, uv: Array) -> Array:
+        return self.camera.back_project(uv, 1.0)[..., :2]
+
+    def _pixels(self, xy: Array) -> Array:
+        return self.camera.project(np.concatenate([xy, np.ones((len(xy), 1))], axis=1))
+
+    def _placed(
+        self, start: Array, ids: Indices, xy: Array, scales: tuple[float, ...] | None = None
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        sound = self._map.sound[ids]
+        seen = self._map.seen(ids[sound], xy[sound])
+        given = {} if scales is None else {"scales": scales}
+        found = resected(start, seen, self._map.noise, STEP, **given)
+        agree = np.zeros(len(ids), bool)
+        agree[sound] = found.agree
+        return found.T, agree
+
+    def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
+        """Make the latest picture a view, and adjust the last ones."""
+        ids, uv = self._follower.pick(usable, ids, uv)
+        self._map.add(View(len(self._Ts) - 1, self._Ts[-1], ids, self._flat(uv)))
+        if self._map.known:
+            self._map.adjust_last()
+            self._Ts[-1] = self._map.views[-1].T
+            self._settle(len(self._map.views) - FREE)
+        else:
+            patient = len(self._map.views) % PATIENCE == 0
+            self._start(LEAST_START_PX if patient else START_PX)
+            if not self._map.known:
+                self._settle(len(self._map.views) - WAITING)
+
+    def _moves(self, ids: Indices, xy: Array) -> bool:
+        """Whether the latest picture shows that the camera is elsewhere than at an earlier view."""
+        return any(
+            self._parallax(view, ids, xy) >= START_PX * self._px for view in self._recent()[:1]
+        )
+
+    def _recent(self) -> list[View]:
+        """Views of which the latest still sees enough, the earliest first."""
+        last, views = self._map.views[-1], self._map.views[-WAITING:]
+        least = SHARED * len(last.ids)
+        return [view for view in views if np.isin(view.ids, last.ids).sum() >= least]
+
+    def _parallax(self, view: View, ids: Indices, xy: Array) -> float:
+        """Standard deviations."""
+        _, one, other = np.intersect1d(view.ids, ids, return_indices=True)
+        if len(one) < FEWEST:
+            return 0.0
+        return parallax(view.xy[one], xy[other], self._map.noise)
+
+    def _start(self, least_px: float) -> None:
+        """See whether two views tell how the camera moved, and how far all points are."""
+        last = self._map.views[-1]
+        earlier = [view for view in self._recent() if view is not last]
+        if not earlier:
+            return
+        shifts = [self._parallax(view, last.ids, last.xy) for view in earlier]
+        best = int(np.argmax(shifts))
+        if shifts[best] < least_px * self._px:
+            return
+        one = earlier[best]
+        ids, i, j = np.intersect1d(one.ids, last.ids, return_indices=True)
+        found = two_views(one.xy[i], last.xy[j], self._map.noise)
+        if found is None:
+            return
+        self._map.begin(one, last, ids, found)
+        for view in self._map.views[-WAITING:]:
+            if view is not one and view is not last and len(view.ids) >= FEWEST:
+                view.T = self._placed(view.T, view.ids, view.xy)[0]
+        self._map.adjust_all()
+        self._Ts[-1] = last.T
+
+    def _settle(self, count: int) -> None:
+        """Find once more where the frames before the view of this number were."""
+        if count <= 0:
+            return
+        until = self._map.views[min(count, len(self._map.views) - 1)].frame
+        done = [one for one in self._waiting if one.frame < until]
+        self._waiting = [one for one in self._waiting if one.frame >= until]
+        self._settle_frames(done)
+
+    def _settle_frames(self, frames: list[_Frame]) -> None:
+        views = {view.frame: view.T for view in self._map.views}
+        for one in frames:
+            if one.frame in views:
+                self._Ts[one.frame] = views[one.frame]
+            elif self._map.known and len(one.ids) >= FEWEST:
+                start = self._Ts[one.frame]
+                T, agree = self._placed(start, one.ids, one.xy, (2.5, 1.0, 1.0))
+                self._Ts[one.frame], self._agree[one.frame] = T, int(agree.sum())

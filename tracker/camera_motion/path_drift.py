@@ -1,0 +1,59 @@
+"""Pull a path so that it meets places that are known, and stays as it was between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array, rotation_between, transform, transpose
+
+
+@dataclass(frozen=True, eq=False)
+class PlaceCorrection:
+    """Where the camera was at a frame, as a person says: T_camera_world (4, 4), metres."""
+
+    frame: int
+    T_camera_world: Array
+
+
+def corrected(path: CameraPath, corrections: Sequence[PlaceCorrection]) -> CameraPath:
+    """A path that meets all corrections exactly, and the world's frame at frame 0. After the last
+    it goes on as it went from there.
+    """
+    wanted = {0: path.Ts_camera_world[0]} | {one.frame: one.T_camera_world for one in corrections}
+    frames = sorted(wanted)
+    Ts = pulled(path.Ts_camera_world, frames, np.stack([wanted[frame] for frame in frames]))
+    return CameraPath(Ts, path.zoom)
+
+
+def pulled(Ts: Array, frames: Sequence[int], wanted: Array) -> Array:
+    """Poses (N, 4, 4) that are `wanted` (M, 4, 4) at some frames, in order. What these are off by,
+    turn and place in the world, is shared out evenly between them, and is the same beyond them.
+    """
+    Rs, ps = _placed(Ts)
+    Rs_wanted, ps_wanted = _placed(wanted)
+    at = np.asarray(frames)
+    turn, shift = transpose(Rs[at]) @ Rs_wanted, ps_wanted - ps[at]
+    every = np.arange(len(Ts))
+    after = np.clip(np.searchsorted(at, every, side="right"), 1, max(len(at) - 1, 1))
+    before, after = after - 1, np.minimum(after, len(at) - 1)
+    share = (every - at[before]) / np.maximum(at[after] - at[before], 1)
+    share = np.clip(share, 0.0, 1.0)
+    R = np.stack([
+        rotation_between(turn[i], turn[j], [s])[0]
+        for i, j, s in zip(before, after, share, strict=True)
+    ])  # fmt: skip
+    R = Rs @ R
+    p = ps + (1 - share)[:, None] * shift[before] + share[:, None] * shift[after]
+    out = transform(R, -(R @ p[..., None])[..., 0])
+    out[at] = wanted
+    return out
+
+
+def _placed(Ts: Array) -> tuple[Array, Array]:
+    """Rs_camera_world (N, 3, 3), and the camera's places (N, 3) in the world."""
+    R = Ts[:, :3, :3]
+    return R, -np.einsum("nba,nb->na", R, Ts[:, :3, 3])
