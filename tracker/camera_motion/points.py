@@ -67,12 +67,15 @@ class PointFollower:
     """Points of one film, width × height pixels.
 
     Of every frame first `look`, then `refine`; and `pick` where a new anchor is due.
+    scale: from pixels of the film to those looked at.  visible: of the latest picture, how many
+    points were expected where background may be seen.
     """
 
     width: int
     height: int
     anchor: Anchor | None = None
     scale: float = field(init=False)
+    visible: int = field(default=0, init=False)
     _before: Grey | None = field(default=None, init=False)
     _now: Grey | None = field(default=None, init=False)
     _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
@@ -88,14 +91,14 @@ class PointFollower:
         self._before, self._now = self._now, self._small(picture)
         if self.anchor is None or self._before is None:
             return np.zeros((0, 2)), np.zeros(0, bool)
-        start = self._to_look(self._last)
+        start = self.to_look(self._last)
         there, found = _followed(self._before, self._now, start, start, *_ROUGH)
         if found.mean() < FEWEST_FOLLOWED:
             shift = _whole_shift(self._before, self._now)
             again, found_again = _followed(self._before, self._now, start, start + shift, *_ROUGH)
             if found_again.sum() > found.sum():
                 there, found = again, found_again
-        return self._to_film(there), found
+        return self.to_film(there), found
 
     def refine(self, expected: Array, usable: Mask | None) -> tuple[Array, NDArray[np.bool_]]:
         """Return where the anchor's points are (K, 2), and which (K,) were found.
@@ -105,13 +108,15 @@ class PointFollower:
         """
         assert self.anchor is not None
         assert self._now is not None
-        start, guess = self._to_look(self.anchor.uv), self._to_look(expected)
-        inside = self._inside(guess, 0.0)
+        start, guess = self.to_look(self.anchor.uv), self.to_look(expected)
+        inside = self.inside(guess, 0.0)
+        open_ = self._open(usable)
+        self.visible = int((inside & self._on(open_, expected)).sum())
         guess = np.where(inside[:, None], guess, start)
         there, found = _followed(self.anchor.grey, self._now, start, guess, *_FINE)
-        found &= inside & self._inside(there, 1.0)
-        uv = self._to_film(there)
-        found &= self._on(self._open(usable), uv)
+        found &= inside & self.inside(there, 1.0)
+        uv = self.to_film(there)
+        found &= self._on(open_, uv)
         uv = np.where(found[:, None], uv, expected)
         self._last = uv
         return uv, found
@@ -123,12 +128,22 @@ class PointFollower:
         new ones in the cells that hold none. Return the anchor's points.
         """
         assert self._now is not None
-        picked = self._to_film(self._corners(self._open(usable), self._to_look(uv)))
+        picked = self.to_film(self._corners(self._open(usable), self.to_look(uv)))
         fresh = self._next_id + np.arange(len(picked))
         self._next_id += len(picked)
         ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
         self.anchor, self._last = Anchor(self._now, ids, uv), uv
         return ids, uv
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """The anchor's points (K,)."""
+        return np.zeros(0, np.int64) if self.anchor is None else self.anchor.ids
+
+    @property
+    def anchor_uv(self) -> Array:
+        """Their places in the anchor (K, 2)."""
+        return np.zeros((0, 2)) if self.anchor is None else self.anchor.uv
 
     @property
     def now(self) -> Grey | None:
@@ -141,13 +156,20 @@ class PointFollower:
         size = (round(self.width * self.scale), round(self.height * self.scale))
         return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
 
-    def _to_look(self, uv: Array) -> Array:
+    def to_look(self, uv: Array) -> Array:
+        """Pixels of the picture looked at from those of the film."""
         return (uv + 0.5) * self.scale - 0.5
 
-    def _to_film(self, uv: Array) -> Array:
+    def to_film(self, uv: Array) -> Array:
+        """Pixels of the film from those of the picture looked at."""
         return (uv + 0.5) / self.scale - 0.5
 
-    def _inside(self, at: Array, border: float) -> NDArray[np.bool_]:
+    def usable_at(self, usable: Mask | None, at: Array) -> NDArray[np.bool_]:
+        """Return which places (K, 2) of the picture looked at may show background."""
+        return self._on(self._open(usable), self.to_film(at))
+
+    def inside(self, at: Array, border: float) -> NDArray[np.bool_]:
+        """Return which places (K, 2) lie so far inside the picture looked at."""
         assert self._now is not None
         height, width = self._now.shape
         far = (width - 1 - border, height - 1 - border)
@@ -169,7 +191,7 @@ class PointFollower:
     def _on(self, open_: Mask | None, uv: Array) -> NDArray[np.bool_]:
         if open_ is None:
             return np.ones(len(uv), bool)
-        column, row = np.rint(self._to_look(uv) / 4 - 0.375).astype(int).T
+        column, row = np.rint(self.to_look(uv) / 4 - 0.375).astype(int).T
         height, width = open_.shape
         return np.asarray(open_[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
 

@@ -1,0 +1,181 @@
+"""Find how a film's camera turned and zoomed, from its background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.camera_motion.anchors import agreed
+from keypose.tracker.camera_motion.findings import Finding, gaps
+from keypose.tracker.camera_motion.lens import Lens
+from keypose.tracker.camera_motion.odometer import Measured, Odometer
+from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
+from keypose.tracker.camera_motion.points import Background, Grey
+from keypose.tracker.camera_motion.steadiness import Summary
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array
+
+CameraKind: TypeAlias = Literal["static", "turns", "moves"]
+
+STILL_PX = 0.35
+"""A camera is static where no part of the picture went farther, of the size looked at."""
+NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
+"""A zoom that stays within this share of 1, or so many standard deviations, is none."""
+ZOOM_UNSURE = 0.02
+ASIDE_SHARE = 0.35
+"""Share of points beside where a turning camera would show them, above which it moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points followed in N frames: those of frame i are [starts[i], starts[i + 1]).
+
+    uv (P, 2) float32, pixels of the film.  good (P,): whether they move as the background does.
+    starts (N + 1,).
+    """
+
+    uv: NDArray[np.float32]
+    good: NDArray[np.bool_]
+    starts: NDArray[np.int64]
+
+    def of(self, frame: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Places (K, 2) and verdicts (K,) of one frame."""
+        span = slice(self.starts[frame], self.starts[frame + 1])
+        return self.uv[span], self.good[span]
+
+
+@dataclass(frozen=True, eq=False)
+class CameraMotion:
+    """What a film tells of its camera.
+
+    kind: "static", "turns" (and zooms), or "moves": then `path` is the turning that explains most.
+    path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
+    bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
+    where unknown.  doubt (N,): standard deviation of the turn against the anchor, radians.
+    """
+
+    kind: CameraKind
+    path: CameraPath | None
+    known: NDArray[np.bool_]
+    error_px: Array
+    doubt: Array
+    points: Points
+    findings: tuple[Finding, ...]
+
+
+def find_camera_motion(
+    pictures: Iterable[Grey | None],
+    camera: Camera,
+    frame_count: int,
+    background: Background = lambda frame: None,
+    corrections: Sequence[Correction] = (),
+    fixed: CameraKind | None = None,
+    progress: Callable[[int, int], None] = lambda done, expected: None,
+) -> CameraMotion:
+    """Find the camera's motion over the pictures (H, W) of a film, in order; None for one that
+    cannot be read.
+
+    camera: its lens at zoom 1.  frame_count: how many pictures are expected.  fixed: the kind,
+    where it is known.  progress(done, expected) after every frame; what it raises ends the work.
+    """
+    odometer, measured = Odometer(Lens.of(camera)), []
+    for frame, picture in enumerate(pictures):
+        measured.append(odometer.advance(frame, picture, background(frame)))
+        progress(frame + 1, max(frame_count, frame + 1))
+    odometer.finish()
+    if not measured:
+        none = np.zeros(0)
+        return CameraMotion("static", None, none > 0, none, none, _points([]), ())
+    given = [c for c in corrections if 0 <= c.frame < len(measured)]
+    turns = bridged(_turns(measured, odometer))
+    turns = _without_zoom(turns) if fixed != "static" else turns
+    kind = fixed or _kind(turns, camera, odometer, given)
+    path = None if kind == "static" else corrected(turns, given).path()
+    return CameraMotion(
+        kind,
+        path,
+        turns.known,
+        np.array([m.error_px for m in measured]),
+        turns.doubt,
+        _points(measured),
+        tuple(_findings(measured, odometer, turns)),
+    )
+
+
+def _turns(measured: Sequence[Measured], odometer: Odometer) -> Turns:
+    """The turns of all frames, from the anchors in agreement."""
+    anchors = agreed(odometer.turns, odometer.edges)
+    variance = np.array([np.diag(m.covariance) for m in measured])
+    return joined(
+        np.array([m.anchor for m in measured]),
+        np.stack([m.turn.R for m in measured]),
+        np.log([m.turn.zoom for m in measured]),
+        np.sqrt(variance[:, :3].mean(axis=1)),
+        np.sqrt(variance[:, 3]),
+        np.array([m.known for m in measured]),
+        np.stack([turn.R for turn in anchors]),
+        np.log([turn.zoom for turn in anchors]),
+        odometer.frames,
+    )
+
+
+def _without_zoom(turns: Turns) -> Turns:
+    """The same with no zoom at all, where it differs from none by no more than its noise."""
+    most = np.maximum(NO_ZOOM, ZOOM_SIGMAS * turns.zoom_doubt)
+    if (np.abs(turns.log_zoom)[turns.known] > most[turns.known]).any():
+        return turns
+    return Turns(turns.R, 0.0 * turns.log_zoom, turns.known, turns.doubt, turns.zoom_doubt)
+
+
+def _kind(
+    turns: Turns, camera: Camera, odometer: Odometer, corrections: Sequence[Correction]
+) -> CameraKind:
+    if _aside(odometer.summaries) > ASIDE_SHARE:
+        return "moves"
+    way = _ways(turns, camera) * odometer.scale
+    asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)
+    return "turns" if asked or way[turns.known].max(initial=0.0) > STILL_PX else "static"
+
+
+def _aside(summaries: Sequence[Summary]) -> float:
+    """The share of points that do not stay where a turning camera would show them."""
+    points = np.array([s.points for s in summaries], float)
+    aside = np.array([s.aside for s in summaries])
+    return float((points * aside).sum() / max(points.sum(), 1.0))
+
+
+def _ways(turns: Turns, camera: Camera) -> Array:
+    """How far (N,) the middle part of the picture has gone since the first frame, at most, film's
+    pixels.
+    """
+    lens, share = Lens.of(camera), np.array([0.25, 0.5, 0.75])
+    grid = np.stack(np.meshgrid(share * camera.width, share * camera.height), -1).reshape(-1, 2)
+    rays = lens.directions(grid, 1.0)
+    seen = np.einsum("nab,kb->nka", turns.R, rays)
+    ahead = seen[..., 2:] > 1e-3
+    flat = np.exp(turns.log_zoom)[:, None, None] * seen[..., :2] / np.where(ahead, seen[..., 2:], 1)
+    way = np.where(ahead, flat - rays[:, :2] / rays[:, 2:], np.inf) * lens.focal_px
+    return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
+
+
+def _findings(measured: Sequence[Measured], odometer: Odometer, turns: Turns) -> list[Finding]:
+    found = gaps([m.cause for m in measured])
+    found += [Finding("cut", frame, frame, 1.0) for frame in odometer.cuts]
+    doubtful = np.flatnonzero(turns.known & (turns.zoom_doubt > ZOOM_UNSURE))
+    if turns.log_zoom.any() and len(doubtful):
+        most = float(turns.zoom_doubt[doubtful].max())
+        found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
+    return sorted(found, key=lambda finding: finding.first_frame)
+
+
+def _points(measured: Sequence[Measured]) -> Points:
+    none = [np.zeros((0, 2), np.float32)], [np.zeros(0, bool)]
+    uv = np.concatenate([*none[0], *(m.uv for m in measured)])
+    good = np.concatenate([*none[1], *(m.good for m in measured)])
+    starts = np.cumsum([0, *(len(m.uv) for m in measured)])
+    return Points(uv, good, np.asarray(starts, np.int64))

@@ -1,0 +1,51 @@
+"""Tell what is doubtful about a camera's motion, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Kind: TypeAlias = Literal[
+    "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "zoom_unsure"
+]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something doubtful over frames, both included.
+
+    no_texture: too few points to follow; amount: the share of frames.  body_fills: what is not
+    background leaves too little of the picture.  cut: the picture changes wholly, and the path
+    before does not hang together with that from `first_frame`; amount 1.  not_rigid: the points
+    do not move as one, such as water or a crowd.  no_picture: the frames cannot be read.
+    rolling_shutter: rows are exposed one after another; amount: the share of the time between
+    frames that it takes from the first row to the last.  zoom_unsure: the zoom is not told;
+    amount: its standard deviation, as a share.
+    """
+
+    kind: Kind
+    first_frame: int
+    last_frame: int
+    amount: float
+
+
+SHORTEST = 3
+"""Frames; shorter gaps are bridged and not reported."""
+
+
+def gaps(causes: Sequence[str]) -> list[Finding]:
+    """Findings of the runs of frames at which nothing is known, by their most frequent cause."""
+    found, first = [], None
+    shortest = min(SHORTEST, len(causes))
+    for frame, cause in enumerate([*causes, ""]):
+        if cause and first is None:
+            first = frame
+        if not cause and first is not None:
+            run = [c for c in causes[first:frame] if c != "cut"]
+            if run and frame - first >= shortest:
+                most = max(sorted(set(run)), key=run.count)
+                amount = (frame - first) / len(causes)
+                found.append(Finding(most, first, frame - 1, amount))  # type: ignore[arg-type]
+            first = None
+    return found

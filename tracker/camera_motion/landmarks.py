@@ -1,0 +1,148 @@
+"""Keep what points of the background look like, and find them again when they come back into view.
+
+A landmark is a point with the patch of the picture in which it was picked, its home. To find it in
+a later picture its patch is warped to how it should look there, laid beside the part of the
+picture where it should be, and registered to a fraction of a pixel; all landmarks at once, as
+tiles of one tall picture. Patches alone are kept, no pictures, and only a number that is bounded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.camera_motion.points import Grey
+from keypose.tracker.geometry.rotations import Array
+
+PATCH_PX = 45
+"""Side of a patch, and of the tile in which it is looked for; odd."""
+REACH = PATCH_PX // 2
+MOST_KEPT = 10_000
+LIKENESS = 0.75
+"""Least correlation of a patch and the place where it was found."""
+MOST_OFF_PX = 12.0
+"""Farther from where it is expected no landmark is looked for."""
+_STAGES = (((15, 15), 1), ((21, 21), 0))
+"""Windows and halvings of the two registrations."""
+_ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 15, 0.01)
+_CORE = 8
+"""Half of the side over which likeness is asked, less one."""
+
+
+@dataclass(eq=False)
+class Landmarks:
+    """Landmarks in the order in which they were kept, at the size looked at.
+
+    ids (L,).  home (L,): the anchor of each.  uv (L, 2), its place there, pixels of the film;
+    inside (L, 2), its place in its patch.
+    """
+
+    ids: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    home: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    uv: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    inside: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    patches: Grey = field(default_factory=lambda: np.zeros((0, PATCH_PX, PATCH_PX), np.uint8))
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def keep(self, picture: Grey, home: int, ids: NDArray[np.int64], uv: Array, at: Array) -> None:
+        """Keep points of an anchor's picture, uv in pixels of the film, `at` of this picture.
+
+        Beyond the most, every second of the older half is given up.
+        """
+        patches, first = tiles(picture, at)
+        self.ids = np.concatenate([self.ids, ids])
+        self.home = np.concatenate([self.home, np.full(len(ids), home)])
+        self.uv = np.concatenate([self.uv, uv])
+        self.inside = np.concatenate([self.inside, at - first])
+        self.patches = np.concatenate([self.patches, patches])
+        if len(self) > MOST_KEPT:
+            kept = np.ones(len(self), bool)
+            kept[: len(self) // 2 : 2] = False
+            self.ids, self.home, self.uv = self.ids[kept], self.home[kept], self.uv[kept]
+            self.inside, self.patches = self.inside[kept], self.patches[kept]
+
+    def register(
+        self, chosen: NDArray[np.int64], picture: Grey, at: Array, warps: Array
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return where chosen landmarks (K,) are in a picture (K, 2), and which were found.
+
+        at: (K, 2), where they are expected, pixels of this picture.  warps: (K, 2, 2), by which
+        an offset in the home's picture becomes one in this.
+        """
+        if not len(chosen):
+            return np.zeros((0, 2)), np.zeros(0, bool)
+        wanted = _warped(self.patches[chosen], self.inside[chosen], warps)
+        shown, first = tiles(picture, at)
+        there, found = _registered(wanted, shown, at - first)
+        near = np.linalg.norm(there - (at - first), axis=1) < MOST_OFF_PX
+        found &= near & (np.abs(there - REACH) < REACH - _CORE).all(axis=1)
+        there = np.where(found[:, None], there, REACH)
+        return first + there, found & (_likeness(wanted, shown, there) > LIKENESS)
+
+
+def tiles(picture: Grey, at: Array) -> tuple[Grey, Array]:
+    """Return the squares (K, side, side) of a picture about places (K, 2), and the places (K, 2)
+    of their first pixels.
+    """
+    padded = cv2.copyMakeBorder(picture, *[REACH + 1] * 4, cv2.BORDER_REPLICATE)
+    height, width = padded.shape
+    corner = np.rint(at).astype(int) + 1
+    column = np.clip(corner[:, 0], 0, width - PATCH_PX)
+    row = np.clip(corner[:, 1], 0, height - PATCH_PX)
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (PATCH_PX, PATCH_PX))
+    first = np.stack([column, row], axis=1) - REACH - 1
+    return np.ascontiguousarray(windows[row, column], np.uint8), first.astype(float)
+
+
+_STEPS = np.stack(np.meshgrid(*[np.arange(PATCH_PX) - REACH] * 2), axis=-1).astype(float)
+"""(side, side, 2) offsets of a tile's pixels from its middle."""
+
+
+def _warped(patches: Grey, inside: Array, warps: Array) -> Grey:
+    """Tiles (K, side, side) whose middles show the landmarks, as another picture shows them."""
+    at = np.einsum("kab,yxb->kyxa", np.linalg.inv(warps), _STEPS) + inside[:, None, None]
+    at = np.clip(at, 0, PATCH_PX - 1)
+    at[..., 1] += PATCH_PX * np.arange(len(patches))[:, None, None]
+    return _sampled(patches, at)
+
+
+def _sampled(patches: Grey, at: Array) -> Grey:
+    """Patches' grey levels at places (K, y, x, 2) of all patches, one below the other."""
+    tall = patches.reshape(-1, PATCH_PX)
+    flat = at.reshape(len(patches), -1, 2).astype(np.float32)
+    shown = cv2.remap(tall, flat, None, cv2.INTER_LINEAR)  # type: ignore[call-overload]
+    return np.asarray(shown, np.uint8).reshape(at.shape[:-1])
+
+
+def _registered(wanted: Grey, shown: Grey, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Where in tiles (K, side, side) the middles of others are seen (K, 2), and which are."""
+    down = np.stack([np.zeros(len(wanted)), PATCH_PX * np.arange(len(wanted))], axis=1)
+    one, other = wanted.reshape(-1, PATCH_PX), shown.reshape(-1, PATCH_PX)
+    start = (down + REACH).astype(np.float32)[:, None]
+    there = (down + guess).astype(np.float32)[:, None]
+    found = np.ones(len(wanted), bool)
+    for window, halvings in _STAGES:
+        there, status, _ = cv2.calcOpticalFlowPyrLK(
+            one, other, start, there.copy(), winSize=window, maxLevel=halvings,
+            criteria=_ENOUGH, flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+        )  # type: ignore[call-overload]  # fmt: skip
+        found &= status[:, 0] > 0
+    return np.asarray(there[:, 0] - down, float), found
+
+
+def _likeness(wanted: Grey, shown: Grey, there: Array) -> Array:
+    """The correlation (K,) of the middles of tiles and where they were found in others."""
+    core = slice(REACH - _CORE, REACH + _CORE + 1)
+    at = _STEPS[core, core] + there[:, None, None]
+    at[..., 1] += PATCH_PX * np.arange(len(shown))[:, None, None]
+    one = wanted[:, core, core].reshape(len(wanted), -1).astype(float)
+    other = _sampled(shown, at).reshape(len(shown), -1).astype(float)
+    one -= one.mean(axis=1, keepdims=True)
+    other -= other.mean(axis=1, keepdims=True)
+    power = np.sqrt((one**2).sum(axis=1) * (other**2).sum(axis=1))
+    return np.asarray((one * other).sum(axis=1) / np.maximum(power, 1e-9))

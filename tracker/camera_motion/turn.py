@@ -1,0 +1,218 @@
+"""Find how a camera is turned and zoomed from directions that are known and where they are seen.
+
+A direction d (in a frame of reference) is seen at zoom · (R d)_xy / (R d)_z. The four unknowns,
+a small turn on the left of R and the logarithm of the zoom, are found by Gauss–Newton with the
+weights of Geman and McClure, whose scale becomes smaller from step to step: what is far from what
+most points say ends without weight. The start is the best of those given and, where none explains
+the points, of pairs of points, so that something large that moves by itself does not win by size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+
+FEWEST = 6
+"""Points that four unknowns are found from."""
+SCALES_PX = (6.0, 3.0, 1.5)
+"""Of the weights, on the way; then as the residuals' own spread is, within these."""
+LEAST_SCALE_PX, MOST_SCALE_PX = 0.35, 1.0
+STEPS_AT_END = 4
+INLIER_PX = 1.0
+"""A point agrees where its residual is below this, or below so many times the inliers' spread."""
+INLIER_SPREADS = 3.0
+START_PX, START_SHARE = 4.0, 0.55
+"""A start is good where this share of points lies within so many pixels, or pairs are asked."""
+PAIRS = 60
+LEAST_NOISE_PX = 0.05
+"""Below which no residual is believed."""
+MOST_STEP = 0.3
+"""Radians, and share of zoom."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """How a camera is turned (3, 3), from a frame of reference into its own, and its zoom."""
+
+    R: Array
+    zoom: float
+
+    @classmethod
+    def none(cls) -> Turn:
+        return cls(np.eye(3), 1.0)
+
+    def then(self, other: Turn) -> Turn:
+        """The turn that leads to `other` from the frame of reference that this one ends in."""
+        return Turn(other.R @ self.R, other.zoom * self.zoom)
+
+    def inverse(self) -> Turn:
+        return Turn(self.R.T, 1.0 / self.zoom)
+
+    def moved(self, step: Array) -> Turn:
+        """Turned on by step[:3] radians and zoomed by exp(step[3])."""
+        return Turn(exp_rotation(step[:3]) @ self.R, float(self.zoom * np.exp(step[3])))
+
+    def rotated(self, directions: Array) -> Array:
+        """Directions (K, 3) of the frame of reference in the camera's own."""
+        return np.asarray(directions @ self.R.T)
+
+    def flat(self, directions: Array) -> Array:
+        """Where directions (K, 3) are seen, (K, 2) focal lengths from the centre; NaN behind."""
+        p = directions @ self.R.T
+        z = np.where(p[:, 2:] > 1e-3, p[:, 2:], np.nan)
+        return np.asarray(self.zoom * p[:, :2] / z)
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A turn, and how the points bear it out.
+
+    residual_px (K, 2), NaN for points behind.  agrees (K,).  information (4, 4), inverse
+    covariance of a small turn (radians) and the logarithm of the zoom.  noise_px: one standard
+    deviation of the inliers.
+    """
+
+    turn: Turn
+    residual_px: Array
+    agrees: NDArray[np.bool_]
+    information: Array
+    noise_px: float
+
+    @property
+    def agreeing(self) -> int:
+        return int(self.agrees.sum())
+
+
+def solve_turn(
+    directions: Array,
+    seen: Array,
+    focal_px: float,
+    trust: Array,
+    starts: Sequence[Turn],
+    zooms: bool = True,
+) -> Solved | None:
+    """Find the turn that shows directions (K, 3) where they are seen (K, 2), focal lengths from
+    the centre. None with too few points, or where they do not tell it.
+
+    trust: (K,) from 0 to 1.  zooms: whether the zoom is unknown too.
+    """
+    if len(seen) < FEWEST:
+        return None
+    turn = _start(directions, seen, focal_px, trust, starts, zooms)
+    scales = [*SCALES_PX, *[0.0] * STEPS_AT_END]
+    for scale in scales:
+        residual, J = _linearised(turn, directions, seen, focal_px)
+        error = np.linalg.norm(residual, axis=1)
+        weight = trust * _weights(error, scale or _spread(error, trust))
+        step = _step(residual, J, weight, zooms)
+        if step is None:
+            return None
+        turn = turn.moved(step)
+    return _solved(turn, directions, seen, focal_px, trust)
+
+
+def _solved(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> Solved:
+    residual, J = _linearised(turn, directions, seen, focal_px)
+    error = np.linalg.norm(residual, axis=1)
+    spread = _spread(error, trust)
+    agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
+    weight = trust * _weights(error, spread) * agrees
+    squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
+    noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
+    information = np.einsum("k,kia,kib->ab", weight, J, J) / noise**2
+    return Solved(turn, residual, agrees, information, noise)
+
+
+def _start(
+    directions: Array,
+    seen: Array,
+    focal_px: float,
+    trust: Array,
+    starts: Sequence[Turn],
+    zooms: bool,
+) -> Turn:
+    scored = [(_score(start, directions, seen, focal_px, trust), start) for start in starts]
+    score, best = max(scored, key=lambda pair: pair[0])
+    if score >= START_SHARE:
+        return best
+    for pair in _from_pairs(directions, seen, focal_px, best, zooms):
+        found = _score(pair, directions, seen, focal_px, trust)
+        if found > score + 1e-9:
+            score, best = found, pair
+    return best
+
+
+def _score(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> float:
+    """The share of trust that lies where this turn shows it."""
+    squares = ((turn.flat(directions) - seen) ** 2).sum(axis=1) * focal_px**2
+    held = np.nan_to_num(1.0 / (1.0 + squares / START_PX**2), nan=0.0)
+    return float((trust * held).sum() / max(trust.sum(), 1e-9))
+
+
+def _from_pairs(
+    directions: Array, seen: Array, focal_px: float, start: Turn, zooms: bool
+) -> list[Turn]:
+    """Turns that show two points each where they are seen; the same ones every time."""
+    count = len(seen)
+    order = np.random.default_rng(0).integers(0, count, (PAIRS, 2))
+    apart = np.linalg.norm(seen[order[:, 0]] - seen[order[:, 1]], axis=1)
+    found = []
+    for pair in order[apart > 0.3 * np.median(apart)]:
+        turn, d, s = start, directions[pair], seen[pair]
+        for _ in range(3):
+            residual, J = _linearised(turn, d, s, focal_px)
+            step = _step(residual, J, np.ones(2), zooms)
+            if step is None:
+                break
+            turn = turn.moved(step)
+        found.append(turn)
+    return found
+
+
+def _linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
+    """Return what is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
+    points behind the camera have neither.
+    """
+    p = directions @ turn.R.T
+    ahead = p[:, 2] > 1e-3
+    q = p[:, :2] / np.where(ahead, p[:, 2], 1.0)[:, None]
+    x, y = q[:, 0], q[:, 1]
+    J = np.empty((len(q), 2, 4))
+    J[:, 0, 0], J[:, 0, 1], J[:, 0, 2], J[:, 0, 3] = -x * y, 1 + x * x, -y, x
+    J[:, 1, 0], J[:, 1, 1], J[:, 1, 2], J[:, 1, 3] = -1 - y * y, x * y, x, y
+    residual = (seen - turn.zoom * q) * focal_px
+    J *= turn.zoom * focal_px
+    if not ahead.all():
+        J[~ahead], residual[~ahead] = 0.0, 1e3
+    return residual, J
+
+
+def _weights(error: Array, scale: float) -> Array:
+    return np.asarray(1.0 / (1.0 + (error / scale) ** 2) ** 2)
+
+
+def _spread(error: Array, trust: Array) -> float:
+    """The scale of the weights: 2.5 times the noise along an axis, told by the nearest half."""
+    trusted = error[trust > 0.5] if (trust > 0.5).sum() >= FEWEST else error
+    noise = np.median(trusted) / 1.18
+    return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
+
+
+def _step(residual: Array, J: Array, weight: Array, zooms: bool) -> Array | None:
+    used = 4 if zooms else 3
+    Jw = (J[..., :used] * weight[:, None, None]).reshape(-1, used)
+    A = Jw.T @ J[..., :used].reshape(-1, used)
+    A[np.diag_indices(used)] += 1e-9 * np.trace(A) + 1e-12
+    try:
+        step = np.linalg.solve(A, Jw.T @ residual.reshape(-1))
+    except np.linalg.LinAlgError:
+        return None
+    if not np.isfinite(step).all():
+        return None
+    step = step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12))
+    return np.concatenate([step, np.zeros(4 - used)])
