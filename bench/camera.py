@@ -121,26 +121,26 @@ class Timed:
         self.film, self.masked, self.seconds = film, masked, 0.0
 
     def pictures(self) -> Iterator[Grey]:
-        source, began = self.film.grey(), time.perf_counter()
+        source, began = self.film.grey(), time.thread_time()
         for picture in source:
-            self.seconds += time.perf_counter() - began
+            self.seconds += time.thread_time() - began
             yield picture
-            began = time.perf_counter()
+            began = time.thread_time()
 
     def hidden(self, frame: int) -> NDArray[np.bool_] | None:
         """What is before the background; None without masks."""
-        began = time.perf_counter()
+        began = time.thread_time()
         mask = self.film.mask(frame) if self.masked else None
-        self.seconds += time.perf_counter() - began
+        self.seconds += time.thread_time() - began
         return mask
 
 
 def measured(film: CameraFilm, method: Method, masked: bool) -> Figures:
     """One method on one film, in this process."""
     cv2.setNumThreads(1)
-    timed, began = Timed(film, masked), time.perf_counter()
+    timed, began = Timed(film, masked), time.thread_time()
     path = method(timed.pictures(), film.camera, timed.hidden)
-    seconds = time.perf_counter() - began - timed.seconds
+    seconds = time.thread_time() - began - timed.seconds
     turn, zoom, way = errors(path, film.path)
     return Figures(
         float(turn[-1]), float(turn.max()), float(np.median(turn)), float(zoom.max()),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.camera_motion.bundle import Indices
+from keypose.tracker.camera_motion.homes import Homes
 from keypose.tracker.camera_motion.path_drift import pulled
 from keypose.tracker.camera_motion.points import Background, Grey, Mask, PointFollower
 from keypose.tracker.camera_motion.resection import resected
@@ -28,16 +29,18 @@ NOISE_PX = 0.25
 """Standard deviation of a place, at the size looked at."""
 FEWEST = 15
 """Points that a place is believed from."""
-LEAST_SHARE, LONGEST = 0.7, 15
+LEAST_SHARE, LONGEST = 0.7, 25
 """A new view is due where fewer points are left, or after so many frames."""
 STEP = 0.1
 """Standard deviation of a frame's step, in usual depths."""
-START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 4
-"""Parallax with which the camera is seen to move; after so many views the least will do."""
+START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 60
+"""Parallax with which the camera is seen to move; after so many frames the least will do."""
 SHARED = 0.4
 """Share of the points that two views must both see to tell how the camera moved."""
 WAITING = 24
 """Views before the camera moves whose place is found once it does."""
+SETTLING: tuple[float, ...] = (2.5, 1.0, 1.0)
+STAYING: tuple[float, ...] = ()
 EVERY = 3
 """Frames after which it is asked whether the camera moves."""
 
@@ -92,6 +95,15 @@ class _Frame:
     xy: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """A view and a later picture, and how far apart they show the same points, turns aside."""
+
+    px: float
+    view: View
+    other: View
+
+
 @dataclass(eq=False)
 class MovingCamera:
     """A camera's places up to the latest picture."""
@@ -99,20 +111,18 @@ class MovingCamera:
     camera: Camera
     _follower: PointFollower = field(init=False)
     _map: ViewMap = field(init=False)
+    _homes: Homes = field(init=False)
     _Ts: list[Array] = field(default_factory=list, init=False)
     _agree: list[int] = field(default_factory=list, init=False)
     _waiting: list[_Frame] = field(default_factory=list, init=False)
+    _widest: _Pair | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         plain = {"projection": "perspective", "telephoto_distance_m": None}
         self.camera = self.camera.model_copy(update=plain)
         self._follower = PointFollower(self.camera.width, self.camera.height)
         self._map = ViewMap(NOISE_PX / self._follower.scale / self.camera.fx)
-
-    @property
-    def _px(self) -> float:
-        """A pixel, at the size looked at, in standard deviations."""
-        return 1 / NOISE_PX
+        self._homes = Homes(self._map, self._follower, self.camera)
 
     def take(self, picture: Grey, usable: Mask | None) -> None:
         """Find where the camera was as it took the next picture."""
@@ -139,10 +149,11 @@ class MovingCamera:
         self._waiting.append(_Frame(frame, ids, xy))
         # until depths are known, what no turn explains is as likely near as an outlier
         kept = agree if self._map.known else np.ones(len(ids), bool)
-        moves = not self._map.known and frame % EVERY == 0 and self._moves(ids, xy)
         few = kept.sum() < LEAST_SHARE * len(found)
-        if moves or few or frame - self._map.views[-1].frame >= LONGEST:
+        if few or frame - self._map.views[-1].frame >= LONGEST:
             self._add_view(usable, ids[kept], uv[kept])
+        if not self._map.known and frame % EVERY == 0 and len(ids) >= FEWEST:
+            self._watch(View(frame, T, ids, xy))
 
     def finished(self) -> MovedPath:
         """The path of all frames."""
@@ -150,8 +161,6 @@ class MovingCamera:
             self._start(LEAST_START_PX)
         Ts = np.stack(self._Ts)
         if self._map.known:
-            self._settle(len(self._map.views) - 1)
-            self._settle_frames(self._waiting)
             Ts = self._in_whole()
         agree = np.array(self._agree)
         agree[0] = agree[1:].max(initial=0)
@@ -162,9 +171,14 @@ class MovingCamera:
 
     def _in_whole(self) -> Array:
         """All frames' (N, 4, 4), after all views are adjusted together."""
-        before, frames = np.stack(self._Ts), [view.frame for view in self._map.views]
+        frames = [view.frame for view in self._map.views]
+        for frame, view in zip(frames, self._map.views, strict=True):
+            self._Ts[frame] = view.T
+        before = np.stack(self._Ts)
         self._map.adjust_all()
-        return pulled(before, frames, np.stack([view.T for view in self._map.views]))
+        self._Ts = list(pulled(before, frames, np.stack([view.T for view in self._map.views])))
+        self._settle_frames(self._waiting)
+        return np.stack(self._Ts)
 
     def _flat(self, uv: Array) -> Array:
         return self.camera.back_project(uv, 1.0)[..., :2]
@@ -185,23 +199,44 @@ class MovingCamera:
 
     def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
         """Make the latest picture a view, and adjust the last ones."""
+        if len(ids):
+            uv = self._homes.sharpened(self._Ts[-1], ids, uv)
+        known = len(self._map.home)
         ids, uv = self._follower.pick(usable, ids, uv)
-        self._map.add(View(len(self._Ts) - 1, self._Ts[-1], ids, self._flat(uv)))
+        back, uv_back = self._returned(ids, usable)
+        seen = np.concatenate([ids, back])
+        at = np.concatenate([uv, uv_back])
+        order = np.argsort(seen)
+        self._map.add(View(len(self._Ts) - 1, self._Ts[-1], seen[order], self._flat(at[order])))
+        self._homes.keep(ids[ids >= known], uv[ids >= known])
         if self._map.known:
             self._map.adjust_last()
             self._Ts[-1] = self._map.views[-1].T
             self._settle(len(self._map.views) - FREE)
         else:
-            patient = len(self._map.views) % PATIENCE == 0
-            self._start(LEAST_START_PX if patient else START_PX)
-            if not self._map.known:
-                self._settle(len(self._map.views) - WAITING)
+            self._settle(len(self._map.views) - WAITING)
 
-    def _moves(self, ids: Indices, xy: Array) -> bool:
-        """Whether the latest picture shows that the camera is elsewhere than at an earlier view."""
-        return any(
-            self._parallax(view, ids, xy) >= START_PX * self._px for view in self._recent()[:1]
-        )
+    def _returned(self, ids: Indices, usable: Mask | None) -> tuple[Indices, Array]:
+        """Points of old that are in view again, beside those of the latest picture."""
+        none = np.zeros(0, np.int64), np.zeros((0, 2))
+        if not self._map.known:
+            return none
+        back, uv = self._homes.returned(self._Ts[-1], ids, usable)
+        if len(back) < FEWEST:
+            return none
+        _, agree = self._placed(self._Ts[-1], back, self._flat(uv))
+        return (back[agree], uv[agree]) if agree.sum() >= FEWEST else none
+
+    def _watch(self, now: View) -> None:
+        """See whether the camera moved since an earlier view, and start as soon as it is plain."""
+        for view in self._recent()[:2]:
+            _, one, other = np.intersect1d(view.ids, now.ids, return_indices=True)
+            if view.frame < now.frame and len(one) >= SHARED * len(now.ids):
+                px = parallax(view.xy[one], now.xy[other], self._map.noise) * NOISE_PX
+                if self._widest is None or px > self._widest.px:
+                    self._widest = _Pair(px, view, now)
+        patient = now.frame % PATIENCE < EVERY
+        self._start(LEAST_START_PX if patient else START_PX)
 
     def _recent(self) -> list[View]:
         """Views of which the latest still sees enough, the earliest first."""
@@ -209,34 +244,29 @@ class MovingCamera:
         least = SHARED * len(last.ids)
         return [view for view in views if np.isin(view.ids, last.ids).sum() >= least]
 
-    def _parallax(self, view: View, ids: Indices, xy: Array) -> float:
-        """Standard deviations."""
-        _, one, other = np.intersect1d(view.ids, ids, return_indices=True)
-        if len(one) < FEWEST:
-            return 0.0
-        return parallax(view.xy[one], xy[other], self._map.noise)
-
     def _start(self, least_px: float) -> None:
-        """See whether two views tell how the camera moved, and how far all points are."""
-        last = self._map.views[-1]
-        earlier = [view for view in self._recent() if view is not last]
-        if not earlier:
+        """See whether the two pictures with the widest parallax tell how the camera moved, and how
+        far all points are.
+        """
+        pair = self._widest
+        if pair is None or pair.px < least_px:
             return
-        shifts = [self._parallax(view, last.ids, last.xy) for view in earlier]
-        best = int(np.argmax(shifts))
-        if shifts[best] < least_px * self._px:
-            return
-        one = earlier[best]
-        ids, i, j = np.intersect1d(one.ids, last.ids, return_indices=True)
-        found = two_views(one.xy[i], last.xy[j], self._map.noise)
+        self._widest = None
+        one, other = pair.view, pair.other
+        ids, i, j = np.intersect1d(one.ids, other.ids, return_indices=True)
+        found = two_views(one.xy[i], other.xy[j], self._map.noise)
         if found is None:
             return
-        self._map.begin(one, last, ids, found)
+        if all(view.frame != other.frame for view in self._map.views):
+            self._map.insert(other)
+        other = next(view for view in self._map.views if view.frame == other.frame)
+        self._map.begin(one, other, ids, found)
         for view in self._map.views[-WAITING:]:
-            if view is not one and view is not last and len(view.ids) >= FEWEST:
+            if view is not one and view is not other and len(view.ids) >= FEWEST:
                 view.T = self._placed(view.T, view.ids, view.xy)[0]
         self._map.adjust_all()
-        self._Ts[-1] = last.T
+        last = self._waiting[-1]
+        self._Ts[-1] = self._placed(self._map.views[-1].T, last.ids, last.xy)[0]
 
     def _settle(self, count: int) -> None:
         """Find once more where the frames before the view of this number were."""
@@ -250,9 +280,10 @@ class MovingCamera:
     def _settle_frames(self, frames: list[_Frame]) -> None:
         views = {view.frame: view.T for view in self._map.views}
         for one in frames:
+            start, scales = self._Ts[one.frame], SETTLING
             if one.frame in views:
-                self._Ts[one.frame] = views[one.frame]
-            elif self._map.known and len(one.ids) >= FEWEST:
-                start = self._Ts[one.frame]
-                T, agree = self._placed(start, one.ids, one.xy, (2.5, 1.0, 1.0))
-                self._Ts[one.frame], self._agree[one.frame] = T, int(agree.sum())
+                start, scales = views[one.frame], STAYING
+            if self._map.known and len(one.ids) >= FEWEST:
+                start, agree = self._placed(start, one.ids, one.xy, scales)
+                self._agree[one.frame] = int(agree.sum())
+            self._Ts[one.frame] = start

@@ -69,6 +69,12 @@ class ViewMap:
         self.sound = np.concatenate([self.sound, np.ones(count, bool)])
         self.views.append(view)
 
+    def insert(self, view: View) -> None:
+        """Put a view of points that are known where its frame belongs."""
+        at = sum(one.frame < view.frame for one in self.views)
+        self.home[self.home >= at] += 1
+        self.views.insert(at, view)
+
     def usual_depth(self, view: View) -> float:
         """The median inverse depth of what a view sees."""
         ids = view.ids[view.ids < len(self.home)]
@@ -82,16 +88,19 @@ class ViewMap:
 
     def in_world(self, ids: Indices) -> tuple[Array, Array]:
         """Points (K, 3) times their inverse depths, and these (K,)."""
-        Ts, depths = self._homes(ids), self.depths[ids]
+        Ts, depths = self.homes(ids), self.depths[ids]
         b = np.concatenate([self.rays[ids], np.ones((len(ids), 1))], axis=1)
         return np.einsum("kba,kb->ka", Ts[:, :3, :3], b - depths[:, None] * Ts[:, :3, 3]), depths
 
     def seen(self, ids: Indices, xy: Array) -> SeenPoints:
         """What is known of points that are seen at xy (K, 2)."""
         world, depths = self.in_world(ids)
-        Ts = self._homes(ids)
-        eyes = -np.einsum("kba,kb->ka", Ts[:, :3, :3], Ts[:, :3, 3])
-        return SeenPoints(world, depths, self.spread[ids], eyes, xy)
+        return SeenPoints(world, depths, self.spread[ids], self.eyes(ids), xy)
+
+    def eyes(self, ids: Indices) -> Array:
+        """Where in the world (K, 3) the cameras were that points were picked in."""
+        Ts = self.homes(ids)
+        return np.asarray(-np.einsum("kba,kb->ka", Ts[:, :3, :3], Ts[:, :3, 3]))
 
     def expected(self, T: Array, ids: Indices) -> Array:
         """Where points are seen from T, as x/z and y/z (K, 2); NaN behind."""
@@ -99,7 +108,8 @@ class ViewMap:
         Y = world @ T[:3, :3].T + depths[:, None] * T[:3, 3]
         return np.asarray(Y[:, :2] / np.where(Y[:, 2:] > 1e-3, Y[:, 2:], np.nan))
 
-    def _homes(self, ids: Indices) -> Array:
+    def homes(self, ids: Indices) -> Array:
+        """Camera from world (K, 4, 4) of the views in which points were picked."""
         return np.stack([view.T for view in self.views])[self.home[ids]]
 
     def begin(self, one: View, other: View, ids: Indices, found: TwoViews) -> None:
@@ -113,7 +123,7 @@ class ViewMap:
         eye = -one.T[:3, :3].T @ one.T[:3, 3]
         b = np.concatenate([one.xy[np.searchsorted(one.ids, ids)], np.ones((len(ids), 1))], axis=1)
         world = b / np.maximum(found.depths, 1e-3)[:, None] @ one.T[:3, :3] + eye
-        Ts = self._homes(ids)
+        Ts = self.homes(ids)
         z = np.einsum("ka,ka->k", Ts[:, 2, :3], world) + Ts[:, 2, 3]
         good = found.agree & (z > 0)
         self.depths[ids[good]] = 1 / z[good]
