@@ -1,8 +1,6 @@
-"""See points again as they looked in the view in which they were picked.
+"""See points again that were out of view, by the patches they were picked with.
 
-Followed from view to view, a point wanders off by the errors of every step. Laid onto the patch it
-was picked with, warped to how it should look, it is where it was; and so is one that was out of
-view for long.
+A patch is warped to how it should look from where the camera is.
 """
 
 from __future__ import annotations
@@ -18,15 +16,13 @@ from keypose.tracker.camera_motion.view_map import ViewMap
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 
-SHARPENED_PX = 2.0
-"""Farther from where it was followed to a point is not moved."""
 MOST_WARP, LEAST_WARP = 1.7, 0.6
 """Sizes, of the patch at home the unit, at which a point still looks alike."""
 MOST_TURNED = np.cos(np.radians(25.0))
 """Cosine of the angle between the lines of sight from which it still does."""
 KNOWN_SHARE = 0.2
 """Standard deviation of an inverse depth, as a share of it, below which a point is looked for."""
-MOST_TRIED = 200
+MOST_TRIED = 80
 
 
 @dataclass(eq=False)
@@ -43,19 +39,6 @@ class Homes:
         now = self.follower.now
         assert now is not None
         self.patches.keep(now, len(self.map.views) - 1, ids, uv, self.follower.to_look(uv))
-
-    def sharpened(self, T: Array, ids: Indices, uv: Array) -> Array:
-        """Return where points (K,) that were followed to uv (K, 2) are by their patches, the
-        camera at T (4, 4); unchanged where that cannot be told.
-        """
-        rows = self._rows(ids)
-        some = np.flatnonzero(rows >= 0)
-        there, found = self._registered(T, rows[some], ids[some], uv[some])
-        off = self.follower.to_look(there) - self.follower.to_look(uv[some])
-        found &= np.linalg.norm(off, axis=1) < SHARPENED_PX
-        sharp = uv.copy()
-        sharp[some[found]] = there[found]
-        return sharp
 
     def returned(self, T: Array, seen: Indices, usable: Mask | None) -> tuple[Indices, Array]:
         """Return points that are in view again from T (4, 4), beside those `seen`, and where."""
@@ -83,7 +66,7 @@ class Homes:
         home = world - depths[:, None] * self.map.eyes(ids)
         lengths = np.linalg.norm(here, axis=1) * np.linalg.norm(home, axis=1)
         alike = (here * home).sum(axis=1) > MOST_TURNED * lengths
-        return ids[alike & (self._ahead(T, ids)[:, 2] > 0)]
+        return np.asarray(ids[alike & (self._ahead(T, ids)[:, 2] > 0)], np.int64)
 
     def _ahead(self, T: Array, ids: Indices) -> Array:
         """Points (K, 3) in the camera's frame, their depth at home the unit."""

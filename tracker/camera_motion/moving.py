@@ -39,8 +39,11 @@ SHARED = 0.4
 """Share of the points that two views must both see to tell how the camera moved."""
 WAITING = 24
 """Views before the camera moves whose place is found once it does."""
-SETTLING: tuple[float, ...] = (2.5, 1.0, 1.0)
+ROUGHLY, FINELY = (12.0, 4.0), (3.0, 1.0, 1.0)
+SETTLING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
 STAYING: tuple[float, ...] = ()
+"""Scales of the steps by which a frame is placed: by points followed roughly, then by where they
+are, once more when depths are better known, and not at all."""
 EVERY = 3
 """Frames after which it is asked whether the camera moves."""
 
@@ -136,14 +139,14 @@ class MovingCamera:
         ids = follower.anchor.ids
         T = self._Ts[-1]
         if followed.sum() >= FEWEST:
-            T = self._placed(T, ids[followed], self._flat(rough[followed]), (12.0, 6.0, 3.0))[0]
+            T = self._placed(T, ids[followed], self._flat(rough[followed]), ROUGHLY)[0]
         lost = self._pixels(self._map.expected(T, ids))
         lost = np.where(np.isfinite(lost), lost, rough)
         uv, found = follower.refine(np.where(followed[:, None], rough, lost), usable)
         ids, uv = ids[found], uv[found]
         xy, agree = self._flat(uv), np.zeros(len(ids), bool)
         if len(ids) >= FEWEST:
-            T, agree = self._placed(T, ids, xy)
+            T, agree = self._placed(T, ids, xy, FINELY)
         self._Ts.append(T)
         self._agree.append(int(agree.sum()))
         self._waiting.append(_Frame(frame, ids, xy))
@@ -199,8 +202,6 @@ class MovingCamera:
 
     def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
         """Make the latest picture a view, and adjust the last ones."""
-        if len(ids):
-            uv = self._homes.sharpened(self._Ts[-1], ids, uv)
         known = len(self._map.home)
         ids, uv = self._follower.pick(usable, ids, uv)
         back, uv_back = self._returned(ids, usable)

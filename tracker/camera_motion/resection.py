@@ -12,20 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.bundle import (
-    KERNEL,
-    LEAST_DEPTH,
-    cross_rows,
-    nudged,
-    projection_slopes,
-)
+from keypose.tracker.camera_motion.bundle import KERNEL, LEAST_DEPTH, nudged
 from keypose.tracker.geometry.rotations import Array
 
 SCALES = (6.0, 2.5, 1.0, 1.0, 1.0)
 """Of the noise from step to step: far off at first, what is right must not seem an outlier."""
 INLIER = 3.0
 """Standard deviations."""
-DONE = 1e-7
+DONE = 2e-5
+"""Radians, and usual depths, of a step after which the camera is where it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,35 +62,36 @@ def resected(
     T, held = start, np.diag([1 / step_sd**2] * 3 + [1e-6] * 3)
     for scale in scales:
         J, miss, squares = _whitened(T, seen, scale * noise)
-        weight = 1 / (1 + squares / KERNEL**2)
-        wJ = (J * weight[:, None, None]).reshape(-1, 6)
-        flat = J.reshape(-1, 6)
+        wJ = J / (1 + squares / KERNEL**2)
         gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]
-        g = wJ.T @ miss.ravel() + np.concatenate([gone / step_sd**2, np.zeros(3)])
-        step = -np.linalg.solve(wJ.T @ flat + held, g)
+        H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
+        g = wJ.reshape(6, -1) @ miss.ravel()
+        g[:3] += gone / step_sd**2
+        step = -np.asarray(np.linalg.solve(H, g), float)
         T = nudged(T, step)
         if scale == 1.0 and np.abs(step).max() < DONE:
             break
-    squares = _whitened(T, seen, noise)[2]
-    return Resected(T, squares < INLIER**2)
+    return Resected(T, _whitened(T, seen, noise)[2] < INLIER**2)
 
 
 def _whitened(T: Array, seen: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
-    """Slopes (K, 2, 6), residuals (K, 2) and their squares (K,), in standard deviations."""
-    R, t, depth = T[:3, :3], T[:3, 3], seen.depths[:, None]
-    Y = seen.world @ R.T + depth * t
-    ahead = Y[:, 2] > LEAST_DEPTH
-    P = projection_slopes(Y)
-    z = np.where(ahead, Y[:, 2], 1.0)[:, None]
-    miss = Y[:, :2] / z - seen.xy
-    J = np.concatenate([P * depth[..., None], cross_rows(P, Y)], axis=2)
-    along = np.einsum("kab,kb->ka", P, seen.eyes @ R.T + t)
-    length = np.sqrt((along**2).sum(axis=1))
-    unit = along / np.maximum(length, 1e-12)[:, None]
+    """Slopes (6, 2, K), residuals (2, K) and their squares (K,), in standard deviations."""
+    R, t, depth = T[:3, :3], T[:3, 3:], seen.depths
+    Y = R @ seen.world.T + depth * t
+    ahead = Y[2] > LEAST_DEPTH
+    near = 1 / np.where(ahead, Y[2], 1.0)
+    u, v = xy = Y[:2] * near
+    miss = xy - seen.xy.T
+    shift = R @ seen.eyes.T + t
+    along = near * (shift[:2] - xy * shift[2])
+    length = np.sqrt((along**2).sum(axis=0))
+    # what an uncertain depth does along its line weighs less: the square root of the inverse of
+    # the covariance is I − kept · unit unitᵀ, over the noise
     kept = 1 - noise / np.sqrt(noise**2 + (seen.spread * length) ** 2)
-    # symmetric square root of the covariance's inverse: I − kept · unit unitᵀ, over the noise
-    W = (np.eye(2) - kept[:, None, None] * unit[:, :, None] * unit[:, None, :]) / noise
-    W = W * ahead[:, None, None]
-    miss = (W @ miss[..., None])[..., 0]
-    squares = np.where(ahead, (miss**2).sum(axis=1), np.inf)
-    return W @ J, miss, squares
+    unit = along / np.maximum(length, 1e-12)
+    a, zero, uv = depth * near, np.zeros_like(u), u * v
+    J = np.stack([a, zero, zero, a, -a * u, -a * v, -uv, -1 - v * v, 1 + u * u, uv, -v, u])
+    J = J.reshape(6, 2, -1)
+    J = (J - (J * unit).sum(axis=1, keepdims=True) * (kept * unit)) * (ahead / noise)
+    miss = (miss - (miss * unit).sum(axis=0) * (kept * unit)) * (ahead / noise)
+    return J, miss, np.where(ahead, (miss**2).sum(axis=0), np.inf)

@@ -18,6 +18,8 @@ LEAST_AGREE = 0.6
 INLIER = 3.0
 """Standard deviations."""
 TURN_STEPS = 6
+THRESHOLDS = (1.5, 4.0)
+"""Of the essential matrix, standard deviations; the one that explains more points counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,21 +55,39 @@ def two_views(one: Array, other: Array, noise: float) -> TwoViews | None:
     """
     if len(one) < FEWEST:
         return None
+    found = [_by_essential(one, other, noise, wide) for wide in THRESHOLDS]
+    return max(
+        (motion for motion in found if motion is not None),
+        key=lambda motion: motion.agree.mean(),
+        default=None,
+    )
+
+
+def _by_essential(one: Array, other: Array, noise: float, wide: float) -> TwoViews | None:
     cv2.setRNGSeed(0)  # the same pictures give the same motion
     E, inside = cv2.findEssentialMat(
-        one, other, np.eye(3), method=cv2.RANSAC, prob=0.9999, threshold=1.5 * noise
+        one, other, np.eye(3), method=cv2.RANSAC, prob=0.9999, threshold=wide * noise
     )
     if np.shape(E) != (3, 3):
         return None
-    _, R, t, _ = cv2.recoverPose(E, one, other, np.eye(3), mask=inside)
-    T = transform(np.asarray(R, float), np.asarray(t[:, 0], float))
-    depths = along_rays(T, one, other)
-    good = (inside[:, 0] > 0) & (depths > 0)
+    *turns, t = (np.asarray(one, float) for one in cv2.decomposeEssentialMat(E))
+    motions = [transform(R, sign * t[:, 0]) for R in turns for sign in (1.0, -1.0)]
+    ahead = [_ahead(T, one, other) & (inside[:, 0] > 0) for T in motions]
+    best = int(np.argmax([flags.sum() for flags in ahead]))
+    T, good = motions[best], ahead[best]
     if good.sum() < FEWEST:
         return None
+    depths = along_rays(T, one, other)
     unit = float(np.median(depths[good]))
     T[:3, 3] *= unit
     return _adjusted(T, np.where(good, depths / unit, 1.0), one, other, noise)
+
+
+def _ahead(T: Array, one: Array, other: Array) -> NDArray[np.bool_]:
+    """Which points (K,) lie before both cameras."""
+    depths = along_rays(T, one, other)
+    z = one @ T[2, :2] + T[2, 2] + depths * T[2, 3]
+    return np.asarray((depths > 0) & (z > 0))
 
 
 def along_rays(T: Array, one: Array, other: Array) -> Array:
