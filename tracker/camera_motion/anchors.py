@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
@@ -21,7 +22,8 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
 STEPS = 6
 SETTLED = 1e-9
 FAR_SIGMAS = 4.0
-"""An edge to an older anchor that is so many standard deviations off has a quarter of its weight."""
+"""An edge to an older anchor that is so many standard deviations off has a quarter of its
+weight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,14 @@ def agreed(turns: Sequence[Turn], edges: Sequence[Edge]) -> list[Turn]:
     return [Turn(r, float(z)) for r, z in zip(R, np.exp(zoom), strict=True)]
 
 
-def _step(a: Array, b: Array, between: Array, miss: Array, information: Array, count: int) -> Array:
+def _step(
+    a: NDArray[np.int64],
+    b: NDArray[np.int64],
+    between: Array,
+    miss: Array,
+    information: Array,
+    count: int,
+) -> Array:
     """The step (count, 4) of one Gauss–Newton iteration, nothing for the first anchor."""
     to_one = np.zeros((len(a), 4, 4))
     to_one[:, :3, :3], to_one[:, 3, 3] = -between, -1.0

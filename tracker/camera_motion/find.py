@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.anchors import agreed
-from keypose.tracker.camera_motion.findings import Finding, gaps
+from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
+from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.odometer import Measured, Odometer
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
@@ -29,6 +29,8 @@ NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
 ZOOM_UNSURE = 0.02
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""
+STILL_ASIDE_SHARE = 0.6
+"""The same where all others stand still: something large then moves before a static camera."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +58,8 @@ class CameraMotion:
     kind: "static", "turns" (and zooms), or "moves": then `path` is the turning that explains most.
     path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
     bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
-    where unknown.  doubt (N,): standard deviation of the turn against the anchor, radians.
+    where unknown.  focal: the focal length that its turning tells, None where it does not.
+    doubt (N,): standard deviation of the turn against the anchor, radians.
     """
 
     kind: CameraKind
@@ -66,6 +69,7 @@ class CameraMotion:
     doubt: Array
     points: Points
     findings: tuple[Finding, ...]
+    focal: FocalScale | None = None
 
 
 def find_camera_motion(
@@ -92,24 +96,31 @@ def find_camera_motion(
         none = np.zeros(0)
         return CameraMotion("static", None, none > 0, none, none, _points([]), ())
     given = [c for c in corrections if 0 <= c.frame < len(measured)]
-    turns = bridged(_turns(measured, odometer))
-    turns = _without_zoom(turns) if fixed != "static" else turns
-    kind = fixed or _kind(turns, camera, odometer, given)
+    known, cuts = scenes(
+        np.array([m.anchor for m in measured]),
+        np.array([m.known for m in measured]),
+        odometer.loose,
+        odometer.cuts,
+    )
+    turns = _without_zoom(bridged(_turns(measured, known, odometer)))
+    focal = focal_scale(odometer.lens, odometer.scale, odometer.pairs)
+    kind = fixed or _kind(turns, camera, odometer, focal, given)
     path = None if kind == "static" else corrected(turns, given).path()
     return CameraMotion(
         kind,
         path,
         turns.known,
-        np.array([m.error_px for m in measured]),
+        np.where(turns.known, [m.error_px for m in measured], np.nan),
         turns.doubt,
         _points(measured),
-        tuple(_findings(measured, odometer, turns)),
+        tuple(_findings(measured, cuts, turns)),
+        focal,
     )
 
 
-def _turns(measured: Sequence[Measured], odometer: Odometer) -> Turns:
+def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
     """The turns of all frames, from the anchors in agreement."""
-    anchors = agreed(odometer.turns, odometer.edges)
+    anchors = odometer.territory.agreed()
     variance = np.array([np.diag(m.covariance) for m in measured])
     return joined(
         np.array([m.anchor for m in measured]),
@@ -117,10 +128,10 @@ def _turns(measured: Sequence[Measured], odometer: Odometer) -> Turns:
         np.log([m.turn.zoom for m in measured]),
         np.sqrt(variance[:, :3].mean(axis=1)),
         np.sqrt(variance[:, 3]),
-        np.array([m.known for m in measured]),
+        known,
         np.stack([turn.R for turn in anchors]),
         np.log([turn.zoom for turn in anchors]),
-        odometer.frames,
+        odometer.territory.frames,
     )
 
 
@@ -133,13 +144,20 @@ def _without_zoom(turns: Turns) -> Turns:
 
 
 def _kind(
-    turns: Turns, camera: Camera, odometer: Odometer, corrections: Sequence[Correction]
+    turns: Turns,
+    camera: Camera,
+    odometer: Odometer,
+    focal: FocalScale | None,
+    corrections: Sequence[Correction],
 ) -> CameraKind:
-    if _aside(odometer.summaries) > ASIDE_SHARE:
-        return "moves"
+    # a wrong focal length leaves points aside as well
+    aside = min(_aside(odometer.summaries), 1.0 if focal is None else focal.aside)
     way = _ways(turns, camera) * odometer.scale
+    still = way[turns.known].max(initial=0.0) < STILL_PX and aside < STILL_ASIDE_SHARE
     asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)
-    return "turns" if asked or way[turns.known].max(initial=0.0) > STILL_PX else "static"
+    if still and not asked:
+        return "static"
+    return "moves" if aside > ASIDE_SHARE else "turns"
 
 
 def _aside(summaries: Sequence[Summary]) -> float:
@@ -163,10 +181,15 @@ def _ways(turns: Turns, camera: Camera) -> Array:
     return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
 
 
-def _findings(measured: Sequence[Measured], odometer: Odometer, turns: Turns) -> list[Finding]:
-    found = gaps([m.cause for m in measured])
-    found += [Finding("cut", frame, frame, 1.0) for frame in odometer.cuts]
-    doubtful = np.flatnonzero(turns.known & (turns.zoom_doubt > ZOOM_UNSURE))
+def _findings(measured: Sequence[Measured], cuts: Sequence[int], turns: Turns) -> list[Finding]:
+    causes = [
+        "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
+    ]
+    found = gaps(causes)
+    found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
+    doubtful = np.flatnonzero(
+        turns.known & (turns.zoom_doubt > ZOOM_UNSURE) & (turns.zoom_doubt < 1)
+    )
     if turns.log_zoom.any() and len(doubtful):
         most = float(turns.zoom_doubt[doubtful].max())
         found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))

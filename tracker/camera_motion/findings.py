@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 Kind: TypeAlias = Literal[
     "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "zoom_unsure"
@@ -32,12 +36,32 @@ class Finding:
 
 SHORTEST = 3
 """Frames; shorter gaps are bridged and not reported."""
+FEWEST_SCENE = 5
+"""Frames that points must be followed for, where nothing ties them to what was before."""
+
+
+def scenes(
+    anchor: NDArray[np.int64], known: NDArray[np.bool_], loose: Sequence[int], cuts: Sequence[int]
+) -> tuple[NDArray[np.bool_], list[int]]:
+    """Return which frames (N,) are known, and the cuts, without scenes of too few frames.
+
+    anchor (N,): of each frame, of which the loose ones are tied to nothing before them.
+    """
+    known, begins = known.copy(), np.array([0, *loose, anchor.max(initial=0) + 1])
+    for first, beyond in pairwise(begins.tolist()):
+        frames = (anchor >= first) & (anchor < beyond) & known
+        if first and frames.sum() < FEWEST_SCENE:
+            known[frames] = False
+    ends = [0, *sorted(cuts), len(known)]
+    lasting = [known[one:other].sum() >= FEWEST_SCENE for one, other in pairwise(ends)]
+    kept = [cut for k, cut in enumerate(sorted(cuts)) if lasting[k] and lasting[k + 1]]
+    return known, kept
 
 
 def gaps(causes: Sequence[str]) -> list[Finding]:
     """Findings of the runs of frames at which nothing is known, by their most frequent cause."""
-    found, first = [], None
-    shortest = min(SHORTEST, len(causes))
+    found: list[Finding] = []
+    first, shortest = None, min(SHORTEST, len(causes))
     for frame, cause in enumerate([*causes, ""]):
         if cause and first is None:
             first = frame

@@ -78,7 +78,7 @@ class Landmarks:
             return np.zeros((0, 2)), np.zeros(0, bool)
         wanted = _warped(self.patches[chosen], self.inside[chosen], warps)
         shown, first = tiles(picture, at)
-        there, found = _registered(wanted, shown, at - first)
+        there, found = _registered(wanted, _as_bright(shown, wanted), at - first)
         near = np.linalg.norm(there - (at - first), axis=1) < MOST_OFF_PX
         found &= near & (np.abs(there - REACH) < REACH - _CORE).all(axis=1)
         there = np.where(found[:, None], there, REACH)
@@ -89,7 +89,7 @@ def tiles(picture: Grey, at: Array) -> tuple[Grey, Array]:
     """Return the squares (K, side, side) of a picture about places (K, 2), and the places (K, 2)
     of their first pixels.
     """
-    padded = cv2.copyMakeBorder(picture, *[REACH + 1] * 4, cv2.BORDER_REPLICATE)
+    padded = np.pad(picture, REACH + 1, mode="edge")
     height, width = padded.shape
     corner = np.rint(at).astype(int) + 1
     column = np.clip(corner[:, 0], 0, width - PATCH_PX)
@@ -119,6 +119,17 @@ def _sampled(patches: Grey, at: Array) -> Grey:
     return np.asarray(shown, np.uint8).reshape(at.shape[:-1])
 
 
+def _as_bright(tiles_: Grey, others: Grey) -> Grey:
+    """Tiles (K, side, side) with the mean and spread of others."""
+    one, other = tiles_.astype(np.float32), others.astype(np.float32)
+    axes = (1, 2)
+    spread = other.std(axis=axes) / np.maximum(one.std(axis=axes), 1.0)
+    gain = np.clip(spread, 0.5, 2.0)[:, None, None]
+    mean = one.mean(axis=axes, keepdims=True), other.mean(axis=axes, keepdims=True)
+    levels = np.clip(np.rint((one - mean[0]) * gain + mean[1]), 0, 255)
+    return np.asarray(levels, dtype=np.uint8)
+
+
 def _registered(wanted: Grey, shown: Grey, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Where in tiles (K, side, side) the middles of others are seen (K, 2), and which are."""
     down = np.stack([np.zeros(len(wanted)), PATCH_PX * np.arange(len(wanted))], axis=1)
@@ -127,11 +138,12 @@ def _registered(wanted: Grey, shown: Grey, guess: Array) -> tuple[Array, NDArray
     there = (down + guess).astype(np.float32)[:, None]
     found = np.ones(len(wanted), bool)
     for window, halvings in _STAGES:
-        there, status, _ = cv2.calcOpticalFlowPyrLK(
+        moved, status, _ = cv2.calcOpticalFlowPyrLK(
             one, other, start, there.copy(), winSize=window, maxLevel=halvings,
             criteria=_ENOUGH, flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        )  # type: ignore[call-overload]  # fmt: skip
-        found &= status[:, 0] > 0
+        )  # fmt: skip
+        there = np.asarray(moved, np.float32)
+        found &= np.asarray(status)[:, 0] > 0
     return np.asarray(there[:, 0] - down, float), found
 
 

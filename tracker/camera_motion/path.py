@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,7 @@ def bridged(turns: Turns) -> Turns:
     if not len(known) or len(known) == len(turns.known):
         return turns
     R, frames = turns.R.copy(), np.arange(len(turns.R))
-    for one, other in zip(known[:-1], known[1:], strict=True):
+    for one, other in pairwise(known.tolist()):
         if other > one + 1:
             shares = np.arange(1, other - one) / (other - one)
             R[one + 1 : other] = rotation_between(R[one], R[other], shares)
@@ -121,11 +122,11 @@ def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
 
 
 def _between(miss: dict[int, Array], at_start: Array, steps: Array, count: int) -> Array:
-    """What is missed at every frame (count, ...), of what is at some, spread by the steps' doubts."""
+    """What is missed at every frame (count, ...), of what is missed at some, by steps' doubts."""
     miss = {0: at_start} | miss
     drift = np.empty((count, *at_start.shape))
     frames = sorted(miss)
-    for one, other in zip(frames[:-1], frames[1:], strict=True):
+    for one, other in pairwise(frames):
         share = np.concatenate([[0.0], shares_of(steps[one + 1 : other + 1])])[:, None]
         drift[one : other + 1] = miss[one] + share * (miss[other] - miss[one])
     drift[frames[-1] :] = miss[frames[-1]]
@@ -152,10 +153,11 @@ def joined(
     log_zoom = rel_zoom + anchor_zoom[anchor]
     steps = _step_doubts(doubt, known)
     for number, frame in enumerate(anchor_frames):
-        before = int(anchor[frame])
-        if before == number:  # tied to nothing
+        if anchor[frame] == number:  # tied to nothing
             continue
-        span = slice(anchor_frames[before] + 1, frame + 1)
+        others = np.flatnonzero(anchor[:frame] != anchor[frame])
+        first = max(others[-1] if len(others) else 0, anchor_frames[anchor[frame]])
+        span = slice(first + 1, frame + 1)
         share = shares_of(steps[span])
         R[span] = spread(R[span], log_rotation(anchor_R[number] @ transpose(R[frame])), share)
         log_zoom[span] += share * (anchor_zoom[number] - log_zoom[frame])

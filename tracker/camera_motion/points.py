@@ -33,11 +33,15 @@ CELLS = 240
 """Into which the picture is divided; each holds a point at most."""
 BORDER_PX = 6
 """Nearer to the picture's edge no point is picked."""
-LEAST_CORNER = 3e-4
-"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is noise."""
+LEAST_CORNER, SURE_CORNER = 1e-5, 3e-4
+"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is nothing, more is
+a corner; between them the noise decides."""
+ABOVE_NOISE, QUIET_CELLS = 5.0, 10
+"""A point stands out where it has so many times the median of the cells at this percentile."""
 WINDOW_PX = (21, 21)
 ROUGH_WINDOW_PX = (15, 15)
-ROUGH_HALVINGS, FINE_HALVINGS = 4, 1
+ROUGH_HALVINGS = 3
+"""Of the first look, which is at half the size already."""
 RETURN_PX = 0.5
 """A point counts where it is followed back to within this of where it began."""
 ASIDE_PX = np.float32(1.5)
@@ -45,19 +49,26 @@ ASIDE_PX = np.float32(1.5)
 AROUND_PX = 10
 """Room at the edge of the background in which a point's window would hold what is before it."""
 FEWEST_FOLLOWED = 0.3
-"""Share of the points from the picture before; with fewer the whole picture is asked for a shift."""
-COARSE = 8
+"""Share of the points from the picture before; with less the whole picture is asked for a shift."""
+COARSE = 4
 """By which a picture is made smaller to be asked for the shift of its whole."""
 
+FEWEST_EXPOSED = 12
+LEAST_GAIN, LEAST_OFFSET = 0.015, 1.5
+"""A smaller change of brightness is left."""
+GAIN_POWER = 2000.0
+
+_SAME = (1.0, 0.0)
 _ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
 _ROUGHLY = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 0.05)
 
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """A picture in which points were picked, and where (K, 2), film's pixels."""
+    """A picture in which points were picked, its half, and where (K, 2), film's pixels."""
 
     grey: Grey
+    half: Grey
     ids: NDArray[np.int64]
     uv: Array
 
@@ -76,35 +87,76 @@ class PointFollower:
     anchor: Anchor | None = None
     scale: float = field(init=False)
     visible: int = field(default=0, init=False)
-    _before: Grey | None = field(default=None, init=False)
+    _raw: Grey | None = field(default=None, init=False)
     _now: Grey | None = field(default=None, init=False)
+    _exposure: tuple[float, float] = field(default=(1.0, 0.0), init=False)
+    _half: Grey | None = field(default=None, init=False)
+    _half_before: Grey | None = field(default=None, init=False)
     _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
+    _found: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), init=False)
     _next_id: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self.scale = min(1.0, LOOK_PX / max(self.width, self.height))
 
-    def look(self, picture: Grey) -> tuple[Array, NDArray[np.bool_]]:
+    def look(self, picture: Grey, most: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
         """Take the next picture and return roughly where the anchor's points went (K, 2), and
         which of them (K,) were followed from the picture before.
+
+        most: how many are asked, of those found in the picture before if there are enough.
         """
-        self._before, self._now = self._now, self._small(picture)
-        if self.anchor is None or self._before is None:
-            return np.zeros((0, 2)), np.zeros(0, bool)
-        start = self.to_look(self._last)
-        there, found = _followed(self._before, self._now, start, start, *_ROUGH)
-        if found.mean() < FEWEST_FOLLOWED:
-            shift = _whole_shift(self._before, self._now)
-            again, found_again = _followed(self._before, self._now, start, start + shift, *_ROUGH)
+        self._raw = self._small(picture)
+        self._now = _exposed(self._raw, self._exposure)
+        self._half_before, self._half = self._half, _halved(self._now)
+        if self.anchor is None or self._half_before is None:
+            return self._last, np.zeros(len(self._last), bool)
+        asked = self._asked(most)
+        start = self.to_look(self._last[asked]) / 2
+        there, found = _followed(self._half_before, self._half, start, start, *_ROUGH)
+        if len(asked) and found.mean() < FEWEST_FOLLOWED:
+            guess = start + _whole_shift(self._half_before, self._half)
+            again, found_again = _followed(self._half_before, self._half, start, guess, *_ROUGH)
             if found_again.sum() > found.sum():
                 there, found = again, found_again
-        return self.to_film(there), found
+        rough, followed = self._last.copy(), np.zeros(len(self._last), bool)
+        rough[asked], followed[asked] = self.to_film(2 * there), found
+        self._expose(asked[found], there[found])
+        return rough, followed
 
-    def refine(self, expected: Array, usable: Mask | None) -> tuple[Array, NDArray[np.bool_]]:
+    def _expose(self, followed: NDArray[np.int64], there: Array) -> None:
+        """Make the latest picture as bright as the anchor's, by points (K,) that were followed to
+        (K, 2) of its half: Lucas and Kanade take every other difference for motion.
+        """
+        assert self.anchor is not None
+        assert self._raw is not None
+        assert self._half is not None
+        if len(followed) < FEWEST_EXPOSED:
+            return
+        was = _brightness(self.anchor.half, self.to_look(self.anchor.uv[followed]) / 2)
+        change = _line(_brightness(self._half, there), was)
+        if abs(change[0] - 1) < LEAST_GAIN and abs(change[1]) < LEAST_OFFSET:
+            return
+        gain, offset = self._exposure
+        self._exposure = (gain * change[0], offset * change[0] + change[1])
+        self._now = _exposed(self._raw, self._exposure)
+        self._half = _halved(self._now)
+
+    def _asked(self, most: int | None) -> NDArray[np.int64]:
+        every = np.arange(len(self._last))
+        if most is None or len(every) <= most:
+            return every
+        seen = np.flatnonzero(self._found)
+        from_ = seen if len(seen) >= most else every
+        return np.asarray(from_[np.linspace(0, len(from_) - 1, most).astype(int)])
+
+    def refine(
+        self, expected: Array, usable: Mask | None, halvings: int = 1
+    ) -> tuple[Array, NDArray[np.bool_]]:
         """Return where the anchor's points are (K, 2), and which (K,) were found.
 
-        expected: (K, 2), to within a few pixels; also the places that are taken for points that
-        were not found.  usable: of the picture's pixels (H, W), those that may be background.
+        expected: (K, 2); also the places that are taken for points that were not found.
+        usable: of the picture's pixels (H, W), those that may be background.  halvings: 0 where
+        the places are expected to within a few pixels, one more for twice as far.
         """
         assert self.anchor is not None
         assert self._now is not None
@@ -113,37 +165,45 @@ class PointFollower:
         open_ = self._open(usable)
         self.visible = int((inside & self._on(open_, expected)).sum())
         guess = np.where(inside[:, None], guess, start)
-        there, found = _followed(self.anchor.grey, self._now, start, guess, *_FINE)
+        there, found = _followed(
+            self.anchor.grey, self._now, start, guess, WINDOW_PX, halvings, _ENOUGH
+        )
         found &= inside & self.inside(there, 1.0)
         uv = self.to_film(there)
         found &= self._on(open_, uv)
         uv = np.where(found[:, None], uv, expected)
-        self._last = uv
+        self._last, self._found = uv, found
         return uv, found
 
-    def pick(
-        self, usable: Mask | None, ids: NDArray[np.int64], uv: Array
-    ) -> tuple[NDArray[np.int64], Array]:
+    def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> Anchor:
         """Make the latest picture the anchor: with points that are known in it (K,), (K, 2), and
-        new ones in the cells that hold none. Return the anchor's points.
+        new ones in the cells that hold none.
         """
-        assert self._now is not None
+        assert self._raw is not None
         picked = self.to_film(self._corners(self._open(usable), self.to_look(uv)))
         fresh = self._next_id + np.arange(len(picked))
         self._next_id += len(picked)
         ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
-        self.anchor, self._last = Anchor(self._now, ids, uv), uv
-        return ids, uv
+        anchor = Anchor(self._raw, _halved(self._raw), ids, uv)
+        self.use(anchor, uv)
+        return anchor
 
-    @property
-    def ids(self) -> NDArray[np.int64]:
-        """The anchor's points (K,)."""
-        return np.zeros(0, np.int64) if self.anchor is None else self.anchor.ids
+    def could_pick(self, usable: Mask | None, fewest: int) -> bool:
+        """Return whether an anchor in the latest picture would have so many points."""
+        return len(self._corners(self._open(usable), np.zeros((0, 2)))) >= fewest
 
-    @property
-    def anchor_uv(self) -> Array:
-        """Their places in the anchor (K, 2)."""
-        return np.zeros((0, 2)) if self.anchor is None else self.anchor.uv
+    def use(self, anchor: Anchor, expected: Array) -> None:
+        """Go on with an anchor whose points were or would be at (K, 2) in the latest picture."""
+        assert self._raw is not None
+        self.anchor, self._last = anchor, expected
+        self._found = np.ones(len(anchor.ids), bool)
+        self._exposure = _SAME
+        self._now, self._half = self._raw, _halved(self._raw)
+
+    def shift_from(self, anchor: Anchor) -> Array:
+        """The shift (2,) of the whole picture since an anchor, pixels of the film."""
+        assert self._half is not None
+        return 2 * _whole_shift(anchor.half, self._half) / self.scale
 
     @property
     def now(self) -> Grey | None:
@@ -163,6 +223,25 @@ class PointFollower:
     def to_film(self, uv: Array) -> Array:
         """Pixels of the film from those of the picture looked at."""
         return (uv + 0.5) / self.scale - 0.5
+
+    def in_empty_cells(self, uv: Array, taken: Array) -> NDArray[np.bool_]:
+        """Return which places (K, 2), one a cell, lie where none of the taken ones (M, 2) does."""
+        cells, held = self._cells(self.to_look(uv)), self._cells(self.to_look(taken))
+        first = np.zeros(len(uv), bool)
+        first[np.unique(cells, return_index=True)[1]] = True
+        return np.asarray(first & ~np.isin(cells, held))
+
+    def _side(self) -> int:
+        assert self._now is not None
+        return max(8, round(float(np.sqrt(self._now.size / CELLS))))
+
+    def _cells(self, at: Array) -> NDArray[np.int64]:
+        """The number (K,) of the cell of each place (K, 2) of the picture looked at."""
+        assert self._now is not None
+        side = self._side()
+        rows, columns = (-(-length // side) for length in self._now.shape)
+        column, row = np.clip(np.rint(at) // side, 0, (columns - 1, rows - 1)).astype(int).T
+        return np.asarray(row * columns + column)
 
     def usable_at(self, usable: Mask | None, at: Array) -> NDArray[np.bool_]:
         """Return which places (K, 2) of the picture looked at may show background."""
@@ -206,16 +285,17 @@ class PointFollower:
             strength = strength * large[:height, :width]
         strength[:BORDER_PX] = strength[-BORDER_PX:] = 0.0
         strength[:, :BORDER_PX] = strength[:, -BORDER_PX:] = 0.0
-        side = max(8, round(np.sqrt(width * height / CELLS)))
+        side = self._side()
         rows, columns = -(-height // side), -(-width // side)
         padded = np.zeros((rows * side, columns * side), np.float32)
         padded[:height, :width] = strength
         squares = padded.reshape(rows, side, columns, side).swapaxes(1, 2)
         cells = squares.reshape(rows * columns, side * side)
-        column, row = np.clip(np.rint(taken) // side, 0, (columns - 1, rows - 1)).astype(int).T
-        cells[row * columns + column] = 0.0
+        quiet = _quiet(cells)
+        least = np.clip(ABOVE_NOISE * quiet, LEAST_CORNER, SURE_CORNER)
+        cells[self._cells(taken)] = 0.0
         best = cells.argmax(axis=1)
-        good = cells[np.arange(len(cells)), best] > LEAST_CORNER
+        good = cells[np.arange(len(cells)), best] > least
         cell = np.flatnonzero(good)
         v = (cell // columns) * side + best[cell] // side
         u = (cell % columns) * side + best[cell] % side
@@ -223,7 +303,6 @@ class PointFollower:
 
 
 _ROUGH = (ROUGH_WINDOW_PX, ROUGH_HALVINGS, _ROUGHLY)
-_FINE = (WINDOW_PX, FINE_HALVINGS, _ENOUGH)
 
 
 def _followed(
@@ -248,6 +327,51 @@ def _followed(
     returned = np.linalg.norm((again - p)[:, 0], axis=1) < RETURN_PX
     found = (forth[:, 0] > 0) & (back[:, 0] > 0) & returned
     return np.asarray(there[:, 0], float), found
+
+
+def _quiet(cells: NDArray[np.float32]) -> float:
+    """The strength of corners that noise has, of strengths (cells, pixels); 0 is not looked at."""
+    some = cells[:, ::7]
+    full = some[(some > 0).mean(axis=1) > 0.7]
+    return float(np.percentile(np.median(full, axis=1), QUIET_CELLS)) if len(full) else 0.0
+
+
+def _halved(grey: Grey) -> Grey:
+    return np.asarray(cv2.pyrDown(grey), np.uint8)
+
+
+def _exposed(grey: Grey, exposure: tuple[float, float]) -> Grey:
+    """gain · grey + offset."""
+    if exposure == _SAME:
+        return grey
+    level = np.arange(256) * exposure[0] + exposure[1]
+    return np.asarray(cv2.LUT(grey, np.clip(np.rint(level), 0, 255).astype(np.uint8)), np.uint8)
+
+
+def _brightness(half: Grey, at: Array) -> Array:
+    """The mean grey levels (K,) about places (K, 2)."""
+    blurred = cv2.blur(half, (7, 7))
+    height, width = half.shape
+    column, row = np.rint(at).astype(int).T
+    levels = blurred[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]
+    return np.asarray(levels, dtype=float)
+
+
+def _line(x: Array, y: Array) -> tuple[float, float]:
+    """The gain and offset that lead from values (K,) to others, by those that agree."""
+    gain, offset = 1.0, float(np.median(y - x))
+    for _ in range(4):
+        away = y - gain * x - offset
+        spread = max(1.5, 1.5 * float(np.median(np.abs(away))))
+        w = 1 / (1 + (away / spread) ** 2) ** 2
+        mean_x, mean_y = (w @ x) / w.sum(), (w @ y) / w.sum()
+        power = w @ (x - mean_x) ** 2
+        if power < 1e-9:
+            break
+        # a spread of a few levels says nothing of the gain
+        gain = float((w @ ((x - mean_x) * (y - mean_y)) + GAIN_POWER) / (power + GAIN_POWER))
+        offset = float(mean_y - gain * mean_x)
+    return float(np.clip(gain, 0.4, 2.5)), offset
 
 
 def _whole_shift(one: Grey, other: Grey) -> Array:
@@ -294,15 +418,16 @@ def follow(
     frames; points that are found keep their ids.
     """
     follower, anchor, ids = PointFollower(width, height), 0, np.zeros(0, np.int64)
+    uv = np.zeros((0, 2))
     for frame, picture in enumerate(pictures):
         usable = background(frame)
-        last = follower._last
+        last = uv
         rough, found = follower.look(picture)
-        uv = np.zeros((0, 2))
         if len(rough):
             shift = np.median((rough - last)[found], axis=0) if found.any() else np.zeros(2)
             uv, found = follower.refine(np.where(found[:, None], rough, last + shift), usable)
         if not len(rough) or found.mean() < least_share or frame - anchor >= longest:
-            ids, uv = follower.pick(usable, ids[found], uv[found])
+            picked = follower.pick(usable, ids[found], uv[found])
+            ids, uv = picked.ids, picked.uv
             anchor, found = frame, np.ones(len(ids), bool)
         yield Followed(frame, anchor, ids, uv, found)

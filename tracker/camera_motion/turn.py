@@ -22,12 +22,14 @@ FEWEST = 6
 SCALES_PX = (6.0, 3.0, 1.5)
 """Of the weights, on the way; then as the residuals' own spread is, within these."""
 LEAST_SCALE_PX, MOST_SCALE_PX = 0.35, 1.0
-STEPS_AT_END = 4
+STEPS_AT_END = 3
 INLIER_PX = 1.0
 """A point agrees where its residual is below this, or below so many times the inliers' spread."""
 INLIER_SPREADS = 3.0
-START_PX, START_SHARE = 4.0, 0.55
+START_PX, START_SHARE = 4.0, 0.5
 """A start is good where this share of points lies within so many pixels, or pairs are asked."""
+GOOD_SHARE = 0.8
+"""And so good here that no other is tried."""
 PAIRS = 60
 LEAST_NOISE_PX = 0.05
 """Below which no residual is believed."""
@@ -54,8 +56,12 @@ class Turn:
         return Turn(self.R.T, 1.0 / self.zoom)
 
     def moved(self, step: Array) -> Turn:
-        """Turned on by step[:3] radians and zoomed by exp(step[3])."""
-        return Turn(exp_rotation(step[:3]) @ self.R, float(self.zoom * np.exp(step[3])))
+        """Turned on by step[:3] radians and zoomed by exp(step[3]), made orthogonal to rounding:
+        its error would double with every frame that is predicted from the two before.
+        """
+        R = exp_rotation(step[:3]) @ self.R
+        R = R @ (1.5 * np.eye(3) - 0.5 * R.T @ R)
+        return Turn(R, float(self.zoom * np.exp(step[3])))
 
     def rotated(self, directions: Array) -> Array:
         """Directions (K, 3) of the frame of reference in the camera's own."""
@@ -95,18 +101,19 @@ def solve_turn(
     trust: Array,
     starts: Sequence[Turn],
     zooms: bool = True,
+    scales_px: Sequence[float] = SCALES_PX,
 ) -> Solved | None:
     """Find the turn that shows directions (K, 3) where they are seen (K, 2), focal lengths from
     the centre. None with too few points, or where they do not tell it.
 
-    trust: (K,) from 0 to 1.  zooms: whether the zoom is unknown too.
+    trust: (K,) from 0 to 1.  zooms: whether the zoom is unknown too.  scales_px: of the weights on
+    the way.
     """
     if len(seen) < FEWEST:
         return None
     turn = _start(directions, seen, focal_px, trust, starts, zooms)
-    scales = [*SCALES_PX, *[0.0] * STEPS_AT_END]
-    for scale in scales:
-        residual, J = _linearised(turn, directions, seen, focal_px)
+    for scale in (*scales_px, *[0.0] * STEPS_AT_END):
+        residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
         weight = trust * _weights(error, scale or _spread(error, trust))
         step = _step(residual, J, weight, zooms)
@@ -117,14 +124,15 @@ def solve_turn(
 
 
 def _solved(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> Solved:
-    residual, J = _linearised(turn, directions, seen, focal_px)
+    residual, J = linearised(turn, directions, seen, focal_px)
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
     agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
     weight = trust * _weights(error, spread) * agrees
     squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
     noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
-    information = np.einsum("k,kia,kib->ab", weight, J, J) / noise**2
+    flat = J.reshape(-1, 4)
+    information = (flat * np.repeat(weight, 2)[:, None]).T @ flat / noise**2
     return Solved(turn, residual, agrees, information, noise)
 
 
@@ -136,8 +144,13 @@ def _start(
     starts: Sequence[Turn],
     zooms: bool,
 ) -> Turn:
-    scored = [(_score(start, directions, seen, focal_px, trust), start) for start in starts]
-    score, best = max(scored, key=lambda pair: pair[0])
+    score, best = -1.0, starts[0]
+    for start in [*starts, _shifted(starts[0], directions, seen, trust)]:
+        found = _score(start, directions, seen, focal_px, trust)
+        if found > score:
+            score, best = found, start
+        if score >= GOOD_SHARE:
+            break
     if score >= START_SHARE:
         return best
     for pair in _from_pairs(directions, seen, focal_px, best, zooms):
@@ -145,6 +158,16 @@ def _start(
         if found > score + 1e-9:
             score, best = found, pair
     return best
+
+
+def _shifted(turn: Turn, directions: Array, seen: Array, trust: Array) -> Turn:
+    """The same, turned as the middle one of the points asks."""
+    asked = (seen - turn.flat(directions))[trust >= np.median(trust)]
+    asked = asked[np.isfinite(asked).all(axis=1)]
+    if not len(asked):
+        return turn
+    right, down = np.median(asked, axis=0) / turn.zoom
+    return turn.moved(np.array([-down, right, 0.0, 0.0]))
 
 
 def _score(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> float:
@@ -158,23 +181,24 @@ def _from_pairs(
     directions: Array, seen: Array, focal_px: float, start: Turn, zooms: bool
 ) -> list[Turn]:
     """Turns that show two points each where they are seen; the same ones every time."""
-    count = len(seen)
-    order = np.random.default_rng(0).integers(0, count, (PAIRS, 2))
+    order = np.random.default_rng(0).integers(0, len(seen), (PAIRS, 2))
     apart = np.linalg.norm(seen[order[:, 0]] - seen[order[:, 1]], axis=1)
-    found = []
-    for pair in order[apart > 0.3 * np.median(apart)]:
-        turn, d, s = start, directions[pair], seen[pair]
-        for _ in range(3):
-            residual, J = _linearised(turn, d, s, focal_px)
-            step = _step(residual, J, np.ones(2), zooms)
-            if step is None:
-                break
-            turn = turn.moved(step)
-        found.append(turn)
-    return found
+    order = order[apart > 0.3 * np.median(apart)]
+    if not len(order):
+        return []
+    residual, J = linearised(start, directions, seen, focal_px)
+    used = 4 if zooms else 3
+    Jp = J[order].reshape(len(order), 4, 4)[..., :used]
+    A = np.swapaxes(Jp, 1, 2) @ Jp
+    A[:, np.arange(used), np.arange(used)] += 1e-6 * np.trace(A, axis1=1, axis2=2)[:, None] + 1e-9
+    b = np.einsum("pij,pi->pj", Jp, residual[order].reshape(len(order), 4))
+    steps = np.linalg.solve(A, b[..., None])[..., 0]
+    steps = np.pad(steps, ((0, 0), (0, 4 - used)))
+    sound = steps[(np.abs(steps) < MOST_STEP).all(axis=1)]
+    return [start.moved(step) for step in sound]
 
 
-def _linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
+def linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
     """Return what is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
     points behind the camera have neither.
     """
