@@ -30,15 +30,20 @@ NOISE_PX = 0.25
 FEWEST = 15
 """Points that a place is believed from."""
 LEAST_SHARE, LONGEST = 0.7, 25
-"""A new view is due where fewer points are left, or after so many frames."""
+"""New points are picked where fewer are left, or after so many frames."""
+BETWEEN = 13
+"""Frames from a view to the next, with new points or not."""
 STEP = 0.1
 """Standard deviation of a frame's step, in usual depths."""
 START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 60
 """Parallax with which the camera is seen to move; after so many frames the least will do."""
 SHARED = 0.4
 """Share of the points that two views must both see to tell how the camera moved."""
-WAITING = 24
+WAITING = 60
 """Views before the camera moves whose place is found once it does."""
+ASKED = 80
+"""Points that are followed from the picture before once depths are known: then these tell where
+the others are to be expected."""
 ROUGHLY, FINELY = (12.0, 4.0), (3.0, 1.0, 1.0)
 SETTLING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
 STAYING: tuple[float, ...] = ()
@@ -119,30 +124,32 @@ class MovingCamera:
     _agree: list[int] = field(default_factory=list, init=False)
     _waiting: list[_Frame] = field(default_factory=list, init=False)
     _widest: _Pair | None = field(default=None, init=False)
+    _picked: int = field(default=0, init=False)
+    _last: tuple[Array, NDArray[np.bool_]] = field(init=False)
 
     def __post_init__(self) -> None:
         plain = {"projection": "perspective", "telephoto_distance_m": None}
         self.camera = self.camera.model_copy(update=plain)
         self._follower = PointFollower(self.camera.width, self.camera.height)
         self._map = ViewMap(NOISE_PX / self._follower.scale / self.camera.fx)
+        self._last = np.zeros((0, 2)), np.zeros(0, bool)
         self._homes = Homes(self._map, self._follower, self.camera)
 
     def take(self, picture: Grey, usable: Mask | None) -> None:
         """Find where the camera was as it took the next picture."""
         frame, follower = len(self._Ts), self._follower
-        rough, followed = follower.look(picture)
+        rough, followed = follower.look(picture, ASKED if self._map.known else None)
         if follower.anchor is None:
             self._Ts.append(np.eye(4))
             self._agree.append(0)
             self._add_view(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
             return
-        ids = follower.anchor.ids
-        T = self._Ts[-1]
+        ids, T = follower.anchor.ids, self._Ts[-1]
         if followed.sum() >= FEWEST:
             T = self._placed(T, ids[followed], self._flat(rough[followed]), ROUGHLY)[0]
-        lost = self._pixels(self._map.expected(T, ids))
-        lost = np.where(np.isfinite(lost), lost, rough)
-        uv, found = follower.refine(np.where(followed[:, None], rough, lost), usable)
+        expected = self._expected(T, ids, rough, followed)
+        uv, found = follower.refine(expected, usable, halvings=0 if self._map.known else 1)
+        self._last = (uv, found)
         ids, uv = ids[found], uv[found]
         xy, agree = self._flat(uv), np.zeros(len(ids), bool)
         if len(ids) >= FEWEST:
@@ -153,10 +160,25 @@ class MovingCamera:
         # until depths are known, what no turn explains is as likely near as an outlier
         kept = agree if self._map.known else np.ones(len(ids), bool)
         few = kept.sum() < LEAST_SHARE * len(found)
-        if few or frame - self._map.views[-1].frame >= LONGEST:
+        if few or frame - self._picked >= LONGEST:
             self._add_view(usable, ids[kept], uv[kept])
+        elif frame - self._map.views[-1].frame >= BETWEEN:
+            self._map.add(View(frame, T, ids[kept], xy[kept]))
         if not self._map.known and frame % EVERY == 0 and len(ids) >= FEWEST:
             self._watch(View(frame, T, ids, xy))
+
+    def _expected(self, T: Array, ids: Indices, rough: Array, followed: NDArray[np.bool_]) -> Array:
+        """Where points are (K, 2), the camera at about T (4, 4): once depths are known, from where
+        they were in the frame before, as far on as the camera went.
+        """
+        shown = self._pixels(self._map.expected(T, ids))
+        if self._map.known and len(self._last[0]) == len(ids):
+            before = self._pixels(self._map.expected(self._Ts[-1], ids))
+            on = self._last[0] + shown - before
+            shown = np.where(self._last[1][:, None], on, shown)
+        elif not self._map.known:
+            shown = np.where(followed[:, None], rough, shown)
+        return np.where(np.isfinite(shown), shown, rough)
 
     def finished(self) -> MovedPath:
         """The path of all frames."""
@@ -202,8 +224,10 @@ class MovingCamera:
 
     def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
         """Make the latest picture a view, and adjust the last ones."""
-        known = len(self._map.home)
-        ids, uv = self._follower.pick(usable, ids, uv)
+        known, self._picked = len(self._map.home), len(self._Ts) - 1
+        anchor = self._follower.pick(usable, ids, uv)
+        ids, uv = anchor.ids, anchor.uv
+        self._last = (uv, np.ones(len(ids), bool))
         back, uv_back = self._returned(ids, usable)
         seen = np.concatenate([ids, back])
         at = np.concatenate([uv, uv_back])
