@@ -22,7 +22,7 @@ from bench.camera_films import FILMS, CameraFilm, camera_film
 from bench.children import peak_bytes
 from bench.keeping import ROOT, Absent
 from bench.table import Expected, Report
-from keypose.tracker.camera_motion.moving import moved_path
+from keypose.tracker.camera_motion.moved import find_moved_path
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
@@ -58,7 +58,7 @@ def _moving(pictures: Iterator[Grey], camera: Camera, masks: camera_opencv.Masks
         hidden = masks(frame)
         return None if hidden is None else ~hidden
 
-    return moved_path(pictures, camera, background).path
+    return find_moved_path(pictures, camera, 0, background).path
 
 
 METHODS: dict[str, Method] = {

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Kind: TypeAlias = Literal[
-    "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "zoom_unsure"
-]
+    "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "zoom_unsure",
+    "no_parallax",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,8 @@ class Finding:
     do not move as one, such as water or a crowd.  no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
     frames that it takes from the first row to the last.  zoom_unsure: the zoom is not told;
-    amount: its standard deviation, as a share.
+    amount: its standard deviation, as a share.  no_parallax: nothing shows that the camera was
+    elsewhere than at the first frame, so its way is not known; amount 1.
     """
 
     kind: Kind

@@ -1,34 +1,37 @@
-"""Find where a camera went that moves through a place, from points of the background.
+"""Follow a camera that moves through a place, one picture after the other.
 
-The scale is not told by pictures: the unit of length is the usual depth of points where the camera
-began to move. Until it moves it is turned only, and where it never does its place is not known.
-The focal length stays what it is.
+Until it is seen to move it is turned only. Then the two pictures with the widest parallax tell how
+it moved and how far points are; frames before are found anew. Every frame is placed by the points
+known so far, at times together with others (a view), and once more when these are known better.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.trajectory import runs
 from keypose.tracker.camera_motion.bundle import Indices
 from keypose.tracker.camera_motion.homes import Homes
 from keypose.tracker.camera_motion.path_drift import pulled
-from keypose.tracker.camera_motion.points import Background, Grey, Mask, PointFollower
-from keypose.tracker.camera_motion.resection import resected
+from keypose.tracker.camera_motion.points import Grey, Mask, PointFollower
+from keypose.tracker.camera_motion.resection import SCALES, Resected, resected
 from keypose.tracker.camera_motion.two_views import parallax, two_views
 from keypose.tracker.camera_motion.view_map import FREE, View, ViewMap
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 
 NOISE_PX = 0.25
 """Standard deviation of a place, at the size looked at."""
 FEWEST = 15
 """Points that a place is believed from."""
+LOST_FRAMES = 4
+"""After so many frames without a place points are picked anew, tied to those of old that are seen
+again, or to nothing."""
+OPEN_SHARE = 0.3
+"""Of the picture; with less background what is before it is why the camera is lost."""
 LEAST_SHARE, LONGEST = 0.7, 25
 """New points are picked where fewer are left, or after so many frames."""
 BETWEEN = 13
@@ -49,49 +52,10 @@ SETTLING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
 STAYING: tuple[float, ...] = ()
 """Scales of the steps by which a frame is placed: by points followed roughly, then by where they
 are, once more when depths are better known, and not at all."""
+Cause: TypeAlias = Literal["", "no_texture", "body_fills", "no_picture"]
+
 EVERY = 3
 """Frames after which it is asked whether the camera moves."""
-
-
-@dataclass(frozen=True)
-class FewPoints:
-    """Frames first to last show too few points to say where the camera was."""
-
-    first: int
-    last: int
-
-
-@dataclass(frozen=True)
-class NoParallax:
-    """The film does not show that the camera was anywhere else than at its first frame."""
-
-
-@dataclass(frozen=True, eq=False)
-class MovedPath:
-    """A path in the unit of length that the film gives, and what is to be said of it.
-
-    agree: (N,) how many points each frame's place is found from.
-    """
-
-    path: CameraPath
-    agree: NDArray[np.int64]
-    findings: tuple[FewPoints | NoParallax, ...]
-
-    def scaled(self, metres: float) -> CameraPath:
-        """The path in metres, where the unit is so many."""
-        Ts = self.path.Ts_camera_world.copy()
-        Ts[:, :3, 3] *= metres
-        return CameraPath(Ts, self.path.zoom)
-
-
-def moved_path(
-    pictures: Iterable[Grey], camera: Camera, background: Background = lambda frame: None
-) -> MovedPath:
-    """Follow the camera through all pictures (H, W), one after the other; none is kept."""
-    moving = MovingCamera(camera)
-    for frame, picture in enumerate(pictures):
-        moving.take(picture, background(frame))
-    return moving.finished()
 
 
 @dataclass(eq=False)
@@ -114,18 +78,26 @@ class _Pair:
 
 @dataclass(eq=False)
 class MovingCamera:
-    """A camera's places up to the latest picture."""
+    """A camera's places up to the latest picture.
+
+    known: whether depths are; until then the camera is turned only.  causes: why a frame has no
+    place of its own, nothing where it has.  errors_px: median residual of the points that agree,
+    pixels of the film, NaN without.  loose: frames from which on nothing ties the path to before.
+    """
 
     camera: Camera
+    causes: list[Cause] = field(default_factory=list, init=False)
+    errors_px: list[float] = field(default_factory=list, init=False)
+    loose: list[int] = field(default_factory=list, init=False)
     _follower: PointFollower = field(init=False)
     _map: ViewMap = field(init=False)
     _homes: Homes = field(init=False)
     _Ts: list[Array] = field(default_factory=list, init=False)
-    _agree: list[int] = field(default_factory=list, init=False)
     _waiting: list[_Frame] = field(default_factory=list, init=False)
     _widest: _Pair | None = field(default=None, init=False)
     _picked: int = field(default=0, init=False)
     _last: tuple[Array, NDArray[np.bool_]] = field(init=False)
+    _lost: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         plain = {"projection": "perspective", "telephoto_distance_m": None}
@@ -135,64 +107,97 @@ class MovingCamera:
         self._last = np.zeros((0, 2)), np.zeros(0, bool)
         self._homes = Homes(self._map, self._follower, self.camera)
 
-    def take(self, picture: Grey, usable: Mask | None) -> None:
-        """Find where the camera was as it took the next picture."""
-        frame, follower = len(self._Ts), self._follower
-        rough, followed = follower.look(picture, ASKED if self._map.known else None)
-        if follower.anchor is None:
-            self._Ts.append(np.eye(4))
-            self._agree.append(0)
-            self._add_view(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
+    @property
+    def known(self) -> bool:
+        return self._map.known
+
+    def take(self, picture: Grey | None, usable: Mask | None) -> None:
+        """Find where the camera was as it took the next picture; None is one that cannot be read.
+
+        usable: of its pixels (H, W), those that may be background.
+        """
+        T = self._Ts[-1] if self._Ts else np.eye(4)
+        if picture is None:
+            self._note(T, "no_picture", np.nan)
             return
-        ids, T = follower.anchor.ids, self._Ts[-1]
+        rough, followed = self._follower.look(picture, ASKED if self.known else None)
+        if self._follower.anchor is None:
+            self._note(T, "", 0.0)
+            self._add_view(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
+            if not len(self._map.home):
+                self.causes[-1] = _cause(usable)
+            return
+        self._place(rough, followed, usable)
+
+    def _place(self, rough: Array, followed: NDArray[np.bool_], usable: Mask | None) -> None:
+        """Place the latest picture by the points of the anchor."""
+        assert self._follower.anchor is not None
+        frame, ids, T = len(self._Ts), self._follower.anchor.ids, self._Ts[-1]
         if followed.sum() >= FEWEST:
-            T = self._placed(T, ids[followed], self._flat(rough[followed]), ROUGHLY)[0]
+            T = self._placed(T, ids[followed], self._flat(rough[followed]), ROUGHLY).T
         expected = self._expected(T, ids, rough, followed)
-        uv, found = follower.refine(expected, usable, halvings=0 if self._map.known else 1)
+        uv, found = self._follower.refine(expected, usable, halvings=0 if self.known else 1)
         self._last = (uv, found)
-        ids, uv = ids[found], uv[found]
-        xy, agree = self._flat(uv), np.zeros(len(ids), bool)
-        if len(ids) >= FEWEST:
-            T, agree = self._placed(T, ids, xy, FINELY)
-        self._Ts.append(T)
-        self._agree.append(int(agree.sum()))
-        self._waiting.append(_Frame(frame, ids, xy))
+        asked, ids, uv = len(found), ids[found], uv[found]
+        xy = self._flat(uv)
+        if len(ids) < FEWEST:
+            self._lose(usable)
+            return
+        placed = self._placed(T, ids, xy, FINELY)
         # until depths are known, what no turn explains is as likely near as an outlier
-        kept = agree if self._map.known else np.ones(len(ids), bool)
-        few = kept.sum() < LEAST_SHARE * len(found)
-        if few or frame - self._picked >= LONGEST:
+        kept = placed.agree if self.known else np.ones(len(ids), bool)
+        if kept.sum() < FEWEST:
+            self._lose(usable)
+            return
+        self._lost = 0
+        self._note(placed.T, "", self._px(placed.error))
+        self._waiting.append(_Frame(frame, ids, xy))
+        if kept.sum() < LEAST_SHARE * asked or frame - self._picked >= LONGEST:
             self._add_view(usable, ids[kept], uv[kept])
         elif frame - self._map.views[-1].frame >= BETWEEN:
-            self._map.add(View(frame, T, ids[kept], xy[kept]))
-        if not self._map.known and frame % EVERY == 0 and len(ids) >= FEWEST:
-            self._watch(View(frame, T, ids, xy))
+            self._map.add(View(frame, placed.T, ids[kept], xy[kept]))
+        if not self.known and frame % EVERY == 0:
+            self._watch(View(frame, placed.T, ids, xy))
+
+    def _note(self, T: Array, cause: Cause, error_px: float) -> None:
+        self._Ts.append(T)
+        self.causes.append(cause)
+        self.errors_px.append(error_px)
+
+    def _px(self, deviations: float) -> float:
+        """Pixels of the film of so many standard deviations."""
+        return deviations * self._map.noise * self.camera.fx
+
+    def _lose(self, usable: Mask | None) -> None:
+        """Let the latest picture have no place; pick anew where that lasts."""
+        self._note(self._Ts[-1], _cause(usable), np.nan)
+        self._lost += 1
+        if self._lost > LOST_FRAMES and self._follower.could_pick(usable, FEWEST):
+            none = np.zeros(0, np.int64), np.zeros((0, 2))
+            if not self._add_view(usable, *none):
+                self.loose.append(len(self._Ts) - 1)
+            self._lost = 0
 
     def _expected(self, T: Array, ids: Indices, rough: Array, followed: NDArray[np.bool_]) -> Array:
         """Where points are (K, 2), the camera at about T (4, 4): once depths are known, from where
         they were in the frame before, as far on as the camera went.
         """
         shown = self._pixels(self._map.expected(T, ids))
-        if self._map.known and len(self._last[0]) == len(ids):
+        if self.known and len(self._last[0]) == len(ids):
             before = self._pixels(self._map.expected(self._Ts[-1], ids))
             on = self._last[0] + shown - before
             shown = np.where(self._last[1][:, None], on, shown)
-        elif not self._map.known:
+        elif not self.known:
             shown = np.where(followed[:, None], rough, shown)
         return np.where(np.isfinite(shown), shown, rough)
 
-    def finished(self) -> MovedPath:
-        """The path of all frames."""
-        if not self._map.known:
+    def finished(self) -> Array:
+        """Ts_camera_world (N, 4, 4) of all frames, in units of the usual depth where the camera
+        began to move; no frame's place is other than the first's unless `known`.
+        """
+        if not self.known:
             self._start(LEAST_START_PX)
-        Ts = np.stack(self._Ts)
-        if self._map.known:
-            Ts = self._in_whole()
-        agree = np.array(self._agree)
-        agree[0] = agree[1:].max(initial=0)
-        findings: list[FewPoints | NoParallax] = [FewPoints(*run) for run in runs(agree < FEWEST)]
-        if not self._map.known:
-            findings.append(NoParallax())
-        return MovedPath(CameraPath(Ts, np.ones(len(Ts))), agree, tuple(findings))
+        return self._in_whole() if self.known else np.stack(self._Ts)
 
     def _in_whole(self) -> Array:
         """All frames' (N, 4, 4), after all views are adjusted together."""
@@ -212,44 +217,48 @@ class MovingCamera:
         return self.camera.project(np.concatenate([xy, np.ones((len(xy), 1))], axis=1))
 
     def _placed(
-        self, start: Array, ids: Indices, xy: Array, scales: tuple[float, ...] | None = None
-    ) -> tuple[Array, NDArray[np.bool_]]:
+        self, start: Array, ids: Indices, xy: Array, scales: tuple[float, ...] = SCALES
+    ) -> Resected:
+        """Of points (K,) seen at xy (K, 2) the camera's place, and which agree with it (K,)."""
         sound = self._map.sound[ids]
         seen = self._map.seen(ids[sound], xy[sound])
-        given = {} if scales is None else {"scales": scales}
-        found = resected(start, seen, self._map.noise, STEP, **given)
+        found = resected(start, seen, self._map.noise, STEP, scales)
         agree = np.zeros(len(ids), bool)
         agree[sound] = found.agree
-        return found.T, agree
+        return Resected(found.T, agree, found.error)
 
-    def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
-        """Make the latest picture a view, and adjust the last ones."""
+    def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> bool:
+        """Make the latest picture a view with new points, and adjust the last ones. Return whether
+        points of old tie it to others.
+        """
         known, self._picked = len(self._map.home), len(self._Ts) - 1
         anchor = self._follower.pick(usable, ids, uv)
         ids, uv = anchor.ids, anchor.uv
         self._last = (uv, np.ones(len(ids), bool))
         back, uv_back = self._returned(ids, usable)
+        tied = len(back) > 0 or bool((ids < known).any())
         seen = np.concatenate([ids, back])
         at = np.concatenate([uv, uv_back])
         order = np.argsort(seen)
         self._map.add(View(len(self._Ts) - 1, self._Ts[-1], seen[order], self._flat(at[order])))
         self._homes.keep(ids[ids >= known], uv[ids >= known])
-        if self._map.known:
+        if self.known:
             self._map.adjust_last()
             self._Ts[-1] = self._map.views[-1].T
             self._settle(len(self._map.views) - FREE)
         else:
             self._settle(len(self._map.views) - WAITING)
+        return tied
 
     def _returned(self, ids: Indices, usable: Mask | None) -> tuple[Indices, Array]:
         """Points of old that are in view again, beside those of the latest picture."""
         none = np.zeros(0, np.int64), np.zeros((0, 2))
-        if not self._map.known:
+        if not self.known:
             return none
         back, uv = self._homes.returned(self._Ts[-1], ids, usable)
         if len(back) < FEWEST:
             return none
-        _, agree = self._placed(self._Ts[-1], back, self._flat(uv))
+        agree = self._placed(self._Ts[-1], back, self._flat(uv)).agree
         return (back[agree], uv[agree]) if agree.sum() >= FEWEST else none
 
     def _watch(self, now: View) -> None:
@@ -288,10 +297,10 @@ class MovingCamera:
         self._map.begin(one, other, ids, found)
         for view in self._map.views[-WAITING:]:
             if view is not one and view is not other and len(view.ids) >= FEWEST:
-                view.T = self._placed(view.T, view.ids, view.xy)[0]
+                view.T = self._placed(view.T, view.ids, view.xy).T
         self._map.adjust_all()
         last = self._waiting[-1]
-        self._Ts[-1] = self._placed(self._map.views[-1].T, last.ids, last.xy)[0]
+        self._Ts[-1] = self._placed(self._map.views[-1].T, last.ids, last.xy).T
 
     def _settle(self, count: int) -> None:
         """Find once more where the frames before the view of this number were."""
@@ -308,7 +317,11 @@ class MovingCamera:
             start, scales = self._Ts[one.frame], SETTLING
             if one.frame in views:
                 start, scales = views[one.frame], STAYING
-            if self._map.known and len(one.ids) >= FEWEST:
-                start, agree = self._placed(start, one.ids, one.xy, scales)
-                self._agree[one.frame] = int(agree.sum())
+            if self.known:
+                placed = self._placed(start, one.ids, one.xy, scales)
+                start, self.errors_px[one.frame] = placed.T, self._px(placed.error)
             self._Ts[one.frame] = start
+
+
+def _cause(usable: Mask | None) -> Cause:
+    return "body_fills" if usable is not None and usable.mean() < OPEN_SHARE else "no_texture"

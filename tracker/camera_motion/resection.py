@@ -41,10 +41,13 @@ class SeenPoints:
 
 @dataclass(frozen=True, eq=False)
 class Resected:
-    """T (4, 4) camera from world, and which points (K,) agree."""
+    """T (4, 4) camera from world, which points (K,) agree, and the median distance of these from
+    where they should be, standard deviations; NaN of none.
+    """
 
     T: Array
     agree: NDArray[np.bool_]
+    error: float
 
 
 def resected(
@@ -71,7 +74,9 @@ def resected(
         T = nudged(T, step)
         if scale == 1.0 and np.abs(step).max() < DONE:
             break
-    return Resected(T, _whitened(T, seen, noise)[2] < INLIER**2)
+    squares = _whitened(T, seen, noise)[2]
+    agree = squares < INLIER**2
+    return Resected(T, agree, float(np.sqrt(np.median(squares[agree]))) if agree.any() else np.nan)
 
 
 def _whitened(T: Array, seen: SeenPoints, noise: float) -> tuple[Array, Array, Array]:

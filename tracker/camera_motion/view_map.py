@@ -110,7 +110,11 @@ class ViewMap:
 
     def homes(self, ids: Indices) -> Array:
         """Camera from world (K, 4, 4) of the views in which points were picked."""
-        return np.stack([view.T for view in self.views])[self.home[ids]]
+        home = self.home[ids]
+        if not len(home):
+            return np.zeros((0, 4, 4))
+        first, last = int(home.min()), int(home.max())
+        return np.stack([view.T for view in self.views[first : last + 1]])[home - first]
 
     def begin(self, one: View, other: View, ids: Indices, found: TwoViews) -> None:
         """Take what two views tell: where the other was, and how far points (K,) are. All views
