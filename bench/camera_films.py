@@ -60,7 +60,6 @@ class CameraFilm:
     hidden:       (N, H, W/8) packed bits of the pixels that do not show the background.
     motion:       of the person, in the camera's frame at each frame; motion_world: in the world.
     stances:      part, first and last frame of feet that stand still in the world, all of it exact.
-    metric:       whether the world has a size: a camera that only turns shows none.
     """
 
     name: str
@@ -76,13 +75,9 @@ class CameraFilm:
     def __len__(self) -> int:
         return len(self.path)
 
-    @property
-    def metric(self) -> bool:
-        return self.path.moves
-
     def grey(self) -> Iterator[NDArray[np.uint8]]:
         """Grey pictures (H, W), decoded one after the other."""
-        with Video.open(self.video) as video:
+        with Video.open(self.video, cache_bytes=0) as video:
             for _, picture in video.frames(0, len(self)):
                 assert picture is not None
                 yield np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
@@ -372,8 +367,8 @@ WARPED: dict[str, Callable[[], CameraFilm]] = {"warped walk": _warped_walk}
 FILMS = (*WARPED, *PLANS)
 
 
-def sole_points(film: CameraFilm) -> Array:
-    """(N, feet, 3) of the feet's joints in the camera's frame, metres, as tracking finds them."""
+def feet(film: CameraFilm) -> Array:
+    """(N, 2, 3) of the feet's joints in the camera's frame, metres, as tracking would find them."""
     assert film.motion is not None
     assert film.skeleton is not None
     Ts = film.motion.transforms(film.skeleton)
@@ -382,6 +377,7 @@ def sole_points(film: CameraFilm) -> Array:
 
 def feet_stray_mm(film: CameraFilm, path: CameraPath) -> float:
     """How far the standing feet stray from their mean in the world by a path, at most."""
-    p = sole_points(film)
-    world = np.stack([apply_transform(T, x) for T, x in zip(path.Ts_world_camera, p, strict=True)])
+    world = np.stack(
+        [apply_transform(T, p) for T, p in zip(path.Ts_world_camera, feet(film), strict=True)]
+    )
     return 1000 * float(np.linalg.norm(world - world.mean(axis=0), axis=-1).max())

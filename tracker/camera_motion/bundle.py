@@ -28,6 +28,8 @@ LEAST_DEPTH = 1e-3
 """Of a point before the camera, in depths of its home."""
 DENSE = 24
 """With more pictures that may move, the equations are kept sparse."""
+MOST_AT_ONCE = 20_000
+"""Places whose slopes are held at a time."""
 LEAST_GAIN = 1e-4
 """Of the cost, below which a solve ends."""
 
@@ -53,6 +55,10 @@ class Bundle:
     point: Indices
     xy: Array
     noise: float
+
+    def only(self, rows: Indices) -> Bundle:
+        """The same with some of the places."""
+        return replace(self, view=self.view[rows], point=self.point[rows], xy=self.xy[rows])
 
 
 def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
@@ -109,22 +115,29 @@ def _cost(bundle: Bundle, squares: Array) -> float:
     return float(seen.sum() + prior.sum())
 
 
+@dataclass(frozen=True, eq=False)
+class _Some:
+    """Some of the places, few enough to have their slopes in memory at a time.
+
+    rows: sorted by the slots of picture and home.  pairs (R, 2): slots that occur together, and
+    starts (R,): where in the rows each pair begins.
+    """
+
+    rows: Indices
+    pairs: Indices
+    starts: Indices
+
+
 @dataclass(eq=False)
 class _Equations:
-    """Normal equations of a bundle: M pictures may move, and one more slot is for all others.
-
-    pairs: (R, 2) slots of picture and home that occur together; order, starts: the places sorted
-        by them, and where each pair begins.
-    """
+    """Normal equations of a bundle: M pictures may move, and one more slot is for all others."""
 
     slot: Indices
     count: int
-    pairs: Indices
-    order: Indices
-    starts: Indices
+    some: list[_Some]
     H_depth: Array
     g_depth: Array
-    H: Array
+    H: Array | sparse.csr_array
     g: Array
     E: Array | sparse.csr_array
 
@@ -134,66 +147,80 @@ class _Equations:
         slot = np.where(bundle.free, np.cumsum(bundle.free) - 1, count).astype(np.int64)
         key = slot[bundle.view] * (count + 1) + slot[bundle.home[bundle.point]]
         order = np.argsort(key, kind="stable")
-        found, starts = np.unique(key[order], return_index=True)
-        pairs = np.stack(np.divmod(found, count + 1), axis=1)
+        some = []
+        for first in range(0, len(order), MOST_AT_ONCE):
+            rows = order[first : first + MOST_AT_ONCE]
+            found, starts = np.unique(key[rows], return_index=True)
+            some.append(_Some(rows, np.stack(np.divmod(found, count + 1), axis=1), starts))
         none = np.zeros(0)
-        return cls(slot, count, pairs, order, starts, none, none, none, none, none)
+        return cls(slot, count, some, none, none, none, none, none)
 
     def build(self, bundle: Bundle) -> None:
         """Take the equations at where the bundle is."""
-        J, depth, miss, weight = _slopes(bundle)
-        point = bundle.point
-        wJ = weight[:, None, None] * J
-        count = len(bundle.home)
-        seen = np.bincount(point, weight * (depth**2).sum(axis=1), count)
-        self.H_depth = seen + 1 / bundle.spread**2
-        slope = np.bincount(point, weight * (depth * miss).sum(axis=1), count)
-        self.g_depth = slope + (bundle.depths - bundle.mean) / bundle.spread**2
-        blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
-        sums = np.add.reduceat(blocks[self.order], self.starts, axis=0)
-        self._gather(sums)
-        self._cross(bundle, np.einsum("nka,nk->na", wJ, depth))
+        self.H_depth = 1 / bundle.spread**2
+        self.g_depth = (bundle.depths - bundle.mean) / bundle.spread**2
+        sums, cross = [], []
+        for some in self.some:
+            part = bundle.only(some.rows)
+            J, depth, miss, weight = _slopes(part)
+            wJ, count = weight[:, None, None] * J, len(bundle.home)
+            self.H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
+            self.g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
+            blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
+            sums.append(np.add.reduceat(blocks, some.starts, axis=0))
+            cross.append(self._cross(part, np.einsum("nka,nk->na", wJ, depth)))
+        pairs = np.concatenate([some.pairs for some in self.some])
+        self._gather(pairs, np.concatenate(sums))
+        rows, columns, values = (np.concatenate(one) for one in zip(*cross, strict=True))
+        self.E = self._matrix(rows, columns, values, len(bundle.home))
 
-    def _gather(self, sums: Array) -> None:
+    def _gather(self, pairs: Indices, sums: Array) -> None:
         """Sum the blocks (R, 12, 13) of all pairs into H (6M, 6M) and g (6M,)."""
-        n, (view, home) = self.count + 1, self.pairs.T
-        H, g = np.zeros((n, n, 6, 6)), np.zeros((n, 6))
-        np.add.at(H, (view, view), sums[:, :6, :6])
-        np.add.at(H, (home, home), sums[:, 6:, 6:12])
-        np.add.at(H, (view, home), sums[:, :6, 6:12])
-        np.add.at(H, (home, view), sums[:, 6:, :6])
+        m, (view, home) = self.count, pairs.T
+        g = np.zeros((m + 1, 6))
         np.add.at(g, view, sums[:, :6, 12])
         np.add.at(g, home, sums[:, 6:, 12])
-        m = self.count
-        self.H = H[:m, :m].swapaxes(1, 2).reshape(6 * m, 6 * m)
         self.g = g[:m].ravel()
+        one, other = np.concatenate([view, home, view, home]), [view, home, home, view]
+        second = np.concatenate(other)
+        blocks = np.concatenate(
+            [sums[:, :6, :6], sums[:, 6:, 6:12], sums[:, :6, 6:12], sums[:, 6:, :6]]
+        )
+        kept = (one < m) & (second < m)
+        steps = np.arange(6)
+        rows = np.broadcast_to(6 * one[kept, None, None] + steps[:, None], (kept.sum(), 6, 6))
+        columns = np.broadcast_to(6 * second[kept, None, None] + steps, (kept.sum(), 6, 6))
+        self.H = self._matrix(rows.ravel(), columns.ravel(), blocks[kept].ravel(), 6 * m)
 
-    def _cross(self, bundle: Bundle, both: Array) -> None:
-        """Sum (N, 12), of the picture and of the home, into E (P, 6M)."""
-        m, P = self.count, len(bundle.home)
-        slots = np.concatenate([self.slot[bundle.view], self.slot[bundle.home[bundle.point]]])
-        points = np.concatenate([bundle.point, bundle.point])
-        kept = slots < m
+    def _cross(self, part: Bundle, both: Array) -> tuple[Indices, Indices, Array]:
+        """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the home."""
+        slots = np.concatenate([self.slot[part.view], self.slot[part.home[part.point]]])
+        points = np.concatenate([part.point, part.point])
+        kept = slots < self.count
         columns = (6 * slots[kept, None] + np.arange(6)).ravel()
-        rows = np.repeat(points[kept], 6)
         values = np.concatenate([both[:, :6], both[:, 6:]])[kept].ravel()
-        if m > DENSE:
-            self.E = sparse.csr_array((values, (rows, columns)), shape=(P, 6 * m))
-        else:
-            flat = np.bincount(rows * (6 * m) + columns, values, P * 6 * m)
-            self.E = np.asarray(flat, float).reshape(P, 6 * m)
+        return np.repeat(points[kept], 6), columns, values
+
+    def _matrix(
+        self, rows: Indices, columns: Indices, values: Array, height: int
+    ) -> Array | sparse.csr_array:
+        """(height, 6M), what has one place summed."""
+        width = 6 * self.count
+        if self.count > DENSE:
+            return sparse.csr_array((values, (rows, columns)), shape=(height, width))
+        flat = np.bincount(rows * width + columns, values, height * width)
+        return np.asarray(flat, float).reshape(height, width)
 
     def stepped(self, bundle: Bundle, damping: float) -> Bundle:
         """The bundle, one step on."""
-        H_depth = self.H_depth * (1 + damping)
-        inverse = 1 / H_depth
-        H = self.H + np.diag(damping * np.diag(self.H) + 1e-9)
+        inverse = 1 / (self.H_depth * (1 + damping))
         g = self.g - self.E.T @ (inverse * self.g_depth)
+        more = damping * self.H.diagonal() + 1e-9
         if isinstance(self.E, np.ndarray):
-            S = H - self.E.T @ (inverse[:, None] * self.E)
+            S = self.H + np.diag(more) - self.E.T @ (inverse[:, None] * self.E)
             step = -cho_solve(cho_factor(S, check_finite=False), g) if len(g) else -g
         else:
-            S = sparse.csc_array(H) - self.E.T @ (self.E.multiply(inverse[:, None]))
+            S = self.H + sparse.diags_array(more) - self.E.T @ self.E.multiply(inverse[:, None])
             step = -splu(sparse.csc_matrix(S)).solve(g)
         depths = bundle.depths - inverse * (self.g_depth + self.E @ step)
         Ts = bundle.Ts.copy()

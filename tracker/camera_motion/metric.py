@@ -19,7 +19,9 @@ from keypose.tracker.geometry.rotations import Array
 ACROSS_M, ALONG_M = 0.01, 0.05
 """Standard deviations of a foot's place as tracked, across the line of sight and along it: only
 their ratio matters to the scale."""
-ROUNDS, KERNEL = 10, 2.0
+ROUNDS, KERNEL = 20, 3.0
+MEDIAN_OF_THREE = 1.538
+"""The median length of three standard normal numbers."""
 LEAST_SURE = 0.2
 """Standard deviation of the scale, as a share of it, above which it is not known."""
 
@@ -59,7 +61,8 @@ def scale_from_stances(path: CameraPath, standing: Sequence[StandingPoint]) -> P
         s = -slope / power
         away = [stance.away(s, w) for stance, w in zip(stances, weights, strict=True)]
         spread = max(float(np.median(np.concatenate(away))), 1e-12)
-        weights = [1 / (1 + (a / (KERNEL * spread)) ** 2) for a in away]
+        # Geman and McClure's: what is far from what most say ends without weight
+        weights = [1 / (1 + (a / (KERNEL * spread)) ** 2) ** 2 for a in away]
     sd = _sd(stances, weights, s, power)
     if not s > 0.0 or sd > LEAST_SURE * s:
         return None
@@ -107,12 +110,12 @@ def _normal(stance: _Stance, weights: Array) -> tuple[float, float]:
 
 def _sd(stances: Sequence[_Stance], weights: Sequence[Array], s: float, power: float) -> float:
     """Of s: errors of a motion last for frames, so that these count as fewer."""
-    square, weight, near, own = 0.0, 0.0, 0.0, 0.0
+    near, own, away = 0.0, 0.0, []
     for stance, w in zip(stances, weights, strict=True):
         r = stance.about(stance.q + s * stance.c, w) * np.sqrt(w)[:, None]
-        square += float(np.einsum("na,nab,nb->", r, stance.W, r))
-        weight += 3 * float(w.sum())
         near += float((r[1:] * r[:-1]).sum())
         own += float((r * r).sum())
+        away.append(stance.away(s, w))
     alike = np.clip(near / max(own, 1e-300), 0.0, 0.98)
-    return float(np.sqrt(square / max(weight, 1.0) / power * (1 + alike) / (1 - alike)))
+    spread = float(np.median(np.concatenate(away))) / MEDIAN_OF_THREE
+    return float(spread / np.sqrt(power) * np.sqrt((1 + alike) / (1 - alike)))

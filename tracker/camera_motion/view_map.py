@@ -20,7 +20,7 @@ FREE, HELD = 12, 6
 """Views adjusted together as they come, and views before them that are held."""
 SPREAD = 1.0
 """Standard deviation of an inverse depth of which nothing is known, over the usual one."""
-WITH_PLACES = 1.5
+WITH_PLACES = 2.0
 """By how much a depth is less certain than it would be, were all views known."""
 OUTLIER = 4.0
 """A point whose median distance from where it should be is more standard deviations is none."""
