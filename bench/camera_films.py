@@ -309,6 +309,16 @@ def _turn_then_walk(frames: int = 300) -> Plan:
     return Plan(path, standing_person(frames, (0.8, FLOOR_M, 3.6)), 720.0, Room.of)
 
 
+def _there_and_back(frames: int = 600) -> Plan:
+    """2.5 m on an arc and back, looking well to either side: all that was seen comes back."""
+    centre, radius, share = np.array([0.0, 0.0, 2.9]), 2.9, np.linspace(0, 1, frames)
+    angle = 2.5 / radius * np.sin(np.pi * share) ** 2
+    p = centre + radius * np.stack([np.sin(angle), np.zeros(frames), -np.cos(angle)], -1)
+    aside = np.radians(25) * np.sin(4 * np.pi * share)
+    path = hand_held(p, -angle + aside, np.full(frames, np.radians(-8.0)), 61)
+    return Plan(path, standing_person(frames, (0.0, FLOOR_M, 2.9)), 720.0, Room.of)
+
+
 def _eased(frames: int) -> Array:
     """(N,) from 0 to 1 at even speed but for the ends."""
     x = np.linspace(0, 1, frames)
@@ -323,6 +333,7 @@ PLANS: dict[str, Callable[[], Plan]] = {
     "dolly": _dolly,
     "still hand": _still_hand,
     "turn, then walk": _turn_then_walk,
+    "there and back": _there_and_back,
 }
 
 
