@@ -48,10 +48,11 @@ ASKED = 80
 """Points that are followed from the picture before once depths are known: then these tell where
 the others are to be expected."""
 ROUGHLY, FINELY = (12.0, 4.0), (3.0, 1.0, 1.0)
-SETTLING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
+SETTLING: tuple[float, ...] = (1.0, 1.0, 1.0)
+STARTING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
 STAYING: tuple[float, ...] = ()
 """Scales of the steps by which a frame is placed: by points followed roughly, then by where they
-are, once more when depths are better known, and not at all."""
+are; once more when depths are better known, or for the first time; and not at all."""
 Cause: TypeAlias = Literal["", "no_texture", "body_fills", "no_picture"]
 
 EVERY = 3
@@ -60,11 +61,15 @@ EVERY = 3
 
 @dataclass(eq=False)
 class _Frame:
-    """A frame that waits for its last place: points found (K,), (K, 2)."""
+    """A frame that waits for its last place: points found (K,), (K, 2).
+
+    turned: whether it has been turned only, no depth known.
+    """
 
     frame: int
     ids: Indices
     xy: Array
+    turned: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +156,7 @@ class MovingCamera:
             return
         self._lost = 0
         self._note(placed.T, "", self._px(placed.error))
-        self._waiting.append(_Frame(frame, ids, xy))
+        self._waiting.append(_Frame(frame, ids, xy, not self.known))
         if kept.sum() < LEAST_SHARE * asked or frame - self._picked >= LONGEST:
             self._add_view(usable, ids[kept], uv[kept])
         elif frame - self._map.views[-1].frame >= BETWEEN:
@@ -232,6 +237,8 @@ class MovingCamera:
         points of old tie it to others.
         """
         known, self._picked = len(self._map.home), len(self._Ts) - 1
+        first = self._follower.in_empty_cells(uv, np.zeros((0, 2)))
+        ids, uv = ids[first], uv[first]
         anchor = self._follower.pick(usable, ids, uv)
         ids, uv = anchor.ids, anchor.uv
         self._last = (uv, np.ones(len(ids), bool))
@@ -314,7 +321,7 @@ class MovingCamera:
     def _settle_frames(self, frames: list[_Frame]) -> None:
         views = {view.frame: view.T for view in self._map.views}
         for one in frames:
-            start, scales = self._Ts[one.frame], SETTLING
+            start, scales = self._Ts[one.frame], STARTING if one.turned else SETTLING
             if one.frame in views:
                 start, scales = views[one.frame], STAYING
             if self.known:
