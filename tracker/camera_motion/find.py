@@ -15,6 +15,7 @@ from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.odometer import Measured, Odometer
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
 from keypose.tracker.camera_motion.points import Background, Grey
+from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Summary
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -29,12 +30,14 @@ NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
 ZOOM_UNSURE = 0.02
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""
+AGREEING_SHARE = 0.5
+"""Share of the points in view that must agree, in the middle frame, or that is reported."""
 STILL_ASIDE_SHARE = 0.6
 """The same where all others stand still: something large then moves before a static camera."""
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class FollowedPoints:
     """Points followed in N frames: those of frame i are [starts[i], starts[i + 1]).
 
     uv (P, 2) float32, pixels of the film.  good (P,): whether they move as the background does.
@@ -67,7 +70,7 @@ class CameraMotion:
     known: NDArray[np.bool_]
     error_px: Array
     doubt: Array
-    points: Points
+    points: FollowedPoints
     findings: tuple[Finding, ...]
     focal: FocalScale | None = None
 
@@ -113,7 +116,7 @@ def find_camera_motion(
         np.where(turns.known, [m.error_px for m in measured], np.nan),
         turns.doubt,
         _points(measured),
-        tuple(_findings(measured, cuts, turns)),
+        tuple(_findings(measured, cuts, turns, kind, odometer.shutter)),
         focal,
     )
 
@@ -181,24 +184,43 @@ def _ways(turns: Turns, camera: Camera) -> Array:
     return np.asarray(np.linalg.norm(way, axis=-1).max(axis=1))
 
 
-def _findings(measured: Sequence[Measured], cuts: Sequence[int], turns: Turns) -> list[Finding]:
+def _findings(
+    measured: Sequence[Measured],
+    cuts: Sequence[int],
+    turns: Turns,
+    kind: CameraKind,
+    shutter: Shutter,
+) -> list[Finding]:
     causes = [
         "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
     ]
     found = gaps(causes)
     found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
-    doubtful = np.flatnonzero(
-        turns.known & (turns.zoom_doubt > ZOOM_UNSURE) & (turns.zoom_doubt < 1)
-    )
-    if turns.log_zoom.any() and len(doubtful):
-        most = float(turns.zoom_doubt[doubtful].max())
-        found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
+    last = len(measured) - 1
+    shares = np.array([m.share for m in measured])[turns.known]
+    if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
+        found.append(Finding("not_rigid", 0, last, 1 - share))
+    if kind == "turns":
+        found += _of_turning(turns, shutter, last)
     return sorted(found, key=lambda finding: finding.first_frame)
 
 
-def _points(measured: Sequence[Measured]) -> Points:
+def _of_turning(turns: Turns, shutter: Shutter, last: int) -> list[Finding]:
+    found: list[Finding] = []
+    unsure = (turns.zoom_doubt > ZOOM_UNSURE) & (turns.zoom_doubt < 1)
+    doubtful = np.flatnonzero(turns.known & unsure)
+    if turns.log_zoom.any() and len(doubtful):
+        most = float(turns.zoom_doubt[doubtful].max())
+        found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
+    readout = shutter.found()
+    if readout is not None:
+        found.append(Finding("rolling_shutter", 0, last, readout))
+    return found
+
+
+def _points(measured: Sequence[Measured]) -> FollowedPoints:
     none = [np.zeros((0, 2), np.float32)], [np.zeros(0, bool)]
     uv = np.concatenate([*none[0], *(m.uv for m in measured)])
     good = np.concatenate([*none[1], *(m.good for m in measured)])
     starts = np.cumsum([0, *(len(m.uv) for m in measured)])
-    return Points(uv, good, np.asarray(starts, np.int64))
+    return FollowedPoints(uv, good, np.asarray(starts, np.int64))

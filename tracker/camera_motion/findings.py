@@ -23,7 +23,8 @@ class Finding:
     no_texture: too few points to follow; amount: the share of frames.  body_fills: what is not
     background leaves too little of the picture.  cut: the picture changes wholly, and the path
     before does not hang together with that from `first_frame`; amount 1.  not_rigid: the points
-    do not move as one, such as water or a crowd.  no_picture: the frames cannot be read.
+    do not move as one, such as water, a crowd or a person nearer than the background; amount: the
+    share of frames, or over the whole film that of points.  no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
     frames that it takes from the first row to the last.  zoom_unsure: the zoom is not told;
     amount: its standard deviation, as a share.  no_parallax: nothing shows that the camera was

@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.focal import LEAST_AWAY, MOST_PAIRS, Pair
-from keypose.tracker.camera_motion.lens import Lens
+from keypose.tracker.camera_motion.lens import Lens, unit
 from keypose.tracker.camera_motion.points import Anchor, Grey, Mask, PointFollower
+from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
 from keypose.tracker.camera_motion.territory import SYSTEMATIC_PX, Territory, covariance
-from keypose.tracker.camera_motion.turn import SCALES_PX, Solved, Turn, solve_turn
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.camera_motion.turn import SCALES_PX, Shear, Solved, Turn, solve_turn
+from keypose.tracker.geometry.rotations import Array, log_rotation
 
 Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "no_picture"]
 """Why the camera is unknown at a frame; nothing where it is known."""
@@ -50,6 +51,8 @@ ROLL, ZOOM = np.radians(8.0), 0.14
 SOONEST = 4
 """Frames from an anchor to the next, where points merely become few."""
 TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
+LEAST_CHANGE_PX = 1.5
+"""Of the speed since the anchor, a frame: with less nothing is said of the shutter."""
 FARTHER = 1.2
 """By which the picture must have gone on for another pair to be kept."""
 SCENES = 3
@@ -64,6 +67,7 @@ class Measured:
 
     turn: from the anchor's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points found.
+    share: of the points that could be seen, those that agree.
     """
 
     anchor: int
@@ -74,12 +78,15 @@ class Measured:
     error_px: float
     uv: NDArray[np.float32]
     good: NDArray[np.bool_]
+    share: float = 1.0
 
 
 @dataclass(eq=False)
 class _Scene:
     """An anchor to measure from: its number, points, their directions (K, 3) in its camera's
-    frame and their trust (K,); and how many points at most were found since.
+    frame and their trust (K,); how fast the camera turned then (3,), radians a frame, None where
+    that is still to be seen, and what a readout shifted the points by (K, 2, 2); and how many
+    points at most were found since.
     """
 
     number: int
@@ -87,6 +94,8 @@ class _Scene:
     directions: Array
     trust: Array
     steady: Steadiness
+    rate: Array | None
+    shifts: Array
     most_found: int = 0
 
 
@@ -101,11 +110,13 @@ class Odometer:
     def __init__(self, lens: Lens) -> None:
         self.lens = lens
         self._points = PointFollower(lens.camera.width, lens.camera.height)
-        self.territory = Territory(lens, self._points)
         self.summaries: list[Summary] = []
         self.cuts: list[int] = []
         self.loose: list[int] = []
         self.pairs: list[Pair] = []
+        self.shutter = Shutter((lens.camera.width, lens.camera.height))
+        self.territory = Territory(lens, self._points, self.shutter)
+        self._rate = np.zeros(3)
         self._scene: _Scene | None = None
         self._pair: Pair | None = None
         self._left: list[_Scene] = []
@@ -156,21 +167,28 @@ class Odometer:
         self, rough: Array, followed: NDArray[np.bool_], usable: Mask | None
     ) -> tuple[NDArray[np.bool_], Solved | None]:
         starts = [self._turn.then(self._step), self._turn]
-        first = self._solve(rough, followed, starts, SCALES_PX)
+        first = self._solve(rough, followed, starts, SCALES_PX, None)
         sure = first is not None and first.agreeing >= max(FEWEST_AGREE, 0.5 * followed.sum())
         turn = starts[1] if first is None or first.agreeing < FEWEST_AGREE else first.turn
         self._uv, found = self._points.refine(self._expected(turn), usable, 0 if sure else 1)
         scales = SCALES_PX[-1:] if sure else SCALES_PX
-        return found, self._solve(self._uv, found, [turn, *starts], scales)
+        shear = self._shear(turn, found)
+        return found, self._solve(self._uv, found, [turn, *starts], scales, shear)
 
     def _expected(self, turn: Turn) -> Array:
         """Where the anchor's points are seen (K, 2) when it is turned so; far off when behind."""
-        rays = turn.rotated(self._current.directions)
-        uv = self.lens.pixels(rays, self._zoom * turn.zoom)
+        shear = self._shear(turn, np.ones(len(self._current.directions), bool))
+        flat = turn.flat(self._current.directions) + shear.shifts @ shear.share
+        uv = self.lens.pixels(unit(flat / turn.zoom), self._zoom * turn.zoom)
         return np.where(np.isfinite(uv), uv, -1e4)
 
     def _solve(
-        self, uv: Array, found: NDArray[np.bool_], starts: list[Turn], scales: Sequence[float]
+        self,
+        uv: Array,
+        found: NDArray[np.bool_],
+        starts: list[Turn],
+        scales: Sequence[float],
+        shear: Shear | None,
     ) -> Solved | None:
         scene, zoom = self._current, self._zoom
         seen = self.lens.flat(uv[found], zoom * starts[0].zoom) / zoom
@@ -181,6 +199,7 @@ class Odometer:
             scene.trust[found],
             starts,
             scales_px=scales,
+            shear=shear,
         )
 
     def _holds(self, solved: Solved, found: NDArray[np.bool_]) -> bool:
@@ -195,12 +214,16 @@ class Odometer:
         self, frame: int, usable: Mask | None, found: NDArray[np.bool_], solved: Solved
     ) -> Measured:
         scene = self._current
-        self._step = Turn.none() if self._lost else self._turn.inverse().then(solved.turn)
+        followed = not self._lost
+        self._rate = self._rate_at(solved.turn)
+        self._step = self._turn.inverse().then(solved.turn) if followed else Turn.none()
         self._turn, self._lost, self._cut = solved.turn, 0, -1
         agrees = np.zeros(len(found), bool)
         agrees[found] = solved.agrees
         scene.trust[found] += TRUST_RATE * (solved.agrees - scene.trust[found])
         scene.steady.add(found, solved)
+        if followed:
+            self._learn_shutter(scene, solved)
         error = np.median(np.linalg.norm(solved.residual_px[solved.agrees], axis=1))
         measured = Measured(
             anchor=scene.number,
@@ -211,6 +234,7 @@ class Odometer:
             error_px=float(error) / self.scale,
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
+            share=solved.agreeing / max(int(found.sum()), self._points.visible),
         )
         away = self._away(found)
         if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
@@ -225,6 +249,36 @@ class Odometer:
         return Measured(
             anchor, self._turn, False, cause, np.eye(4), np.nan, none, np.zeros(0, bool)
         )
+
+    def _learn_shutter(self, scene: _Scene, solved: Solved) -> None:
+        """Take what the frame says of the readout, or learn how fast the anchor was turned."""
+        if scene.rate is not None:
+            change_px = np.linalg.norm(self._rate - scene.rate) * self.territory.focal_px
+            if change_px * self._zoom > LEAST_CHANGE_PX:
+                self.shutter.learn(solved.pull, solved.pull_information)
+            return
+        scene.rate = log_rotation(self._step.R)
+        tangents = scene.directions[:, :2] / scene.directions[:, 2:]
+        scene.shifts = self.shutter.shifts(scene.anchor.uv, tangents, scene.rate)
+
+    def _rate_at(self, turn: Turn) -> Array:
+        """How fast the camera turns at this frame (3,), radians a frame: by half a step more than
+        since the frame before.
+        """
+        if self._lost:
+            return np.zeros(3)
+        since = log_rotation(turn.R @ self._turn.R.T)
+        return np.asarray(since + 0.5 * (since - log_rotation(self._step.R)))
+
+    def _shear(self, turn: Turn, found: NDArray[np.bool_]) -> Shear:
+        """How a readout shifts the points found, against where it shifts them in the anchor."""
+        scene, shutter = self._current, self.shutter
+        tangents = turn.flat(scene.directions[found]) / turn.zoom
+        seen = self.lens.pixels(unit(tangents), self._zoom * turn.zoom)
+        shifts = shutter.shifts(seen, tangents, self._rate_at(turn)) - scene.shifts[found]
+        if scene.rate is None:  # as in this frame
+            shifts = np.zeros_like(shifts)
+        return Shear(np.nan_to_num(shifts * turn.zoom), shutter.share)
 
     # --- where the camera is lost ---
 
@@ -260,11 +314,11 @@ class Odometer:
         self._points.use(scene.anchor, scene.anchor.uv + shift)
         starts = [Turn.none(), turn]
         self._uv, found = self._points.refine(scene.anchor.uv + shift, usable, 2)
-        solved = self._solve(self._uv, found, starts, SCALES_PX)
+        solved = self._solve(self._uv, found, starts, SCALES_PX, None)
         if solved is None or not self._holds(solved, found):
             return found, None
         self._uv, found = self._points.refine(self._expected(solved.turn), usable, 0)
-        return found, self._solve(self._uv, found, [solved.turn], SCALES_PX[-1:])
+        return found, self._solve(self._uv, found, [solved.turn], SCALES_PX[-1:], None)
 
     def _lose(self, frame: int, usable: Mask | None, like: float) -> Measured:
         filled = usable is not None and usable.mean() < OPEN_SHARE
@@ -306,7 +360,11 @@ class Odometer:
     def _take_pair(self, found: NDArray[np.bool_], solved: Solved, away: float) -> None:
         """Keep the anchor and this frame, so far the farthest from it, for the focal length."""
         zooms = self._zoom, self._zoom * solved.turn.zoom
-        self._pair = Pair(self._current.anchor.uv[found], self._uv[found], zooms, away)
+        scene, straight = self._current, self.shutter.straightened
+        rate = np.zeros(3) if scene.rate is None else scene.rate
+        one = straight(self.lens, scene.anchor.uv[found], zooms[0], rate)
+        other = straight(self.lens, self._uv[found], zooms[1], self._rate)
+        self._pair = Pair(one, other, zooms, away)
 
     def _end_anchor(self) -> None:
         """Take up what the points of the anchor measured from said."""
@@ -329,11 +387,12 @@ class Odometer:
     ) -> None:
         """Set an anchor where the camera is known, tied to the last and to what came back."""
         scene, territory = self._current, self.territory
-        territory.keep(scene.anchor, scene.number, scene.trust > TRUSTED)
+        rate = np.zeros(3) if scene.rate is None else scene.rate
+        territory.keep(scene.anchor, scene.number, rate, scene.trust > TRUSTED)
         turn = territory.turns[scene.number].then(measured.turn)
         territory.tie(scene.number, measured.turn, measured.covariance)
         ids, uv, trust = scene.anchor.ids[agrees], self._uv[agrees], scene.trust[agrees]
-        turn, back, back_uv = territory.returned(turn, usable)
+        turn, back, back_uv = territory.returned(turn, self._rate, usable)
         again = np.isin(back, ids)
         place = {number: k for k, number in enumerate(ids.tolist())}
         for number, there in zip(back[again].tolist(), back_uv[again], strict=True):
@@ -359,7 +418,11 @@ class Odometer:
         trust = np.concatenate([trust, np.full(len(anchor.ids) - len(trust), TRUST_NEW)])
         directions = self.lens.directions(anchor.uv, turn.zoom)
         number = len(self.territory.turns)
-        self._scene = _Scene(number, anchor, directions, trust, Steadiness(len(trust)))
+        rate = None if known is None else self._rate
+        tangents = directions[:, :2] / directions[:, 2:]
+        shifts = self.shutter.shifts(anchor.uv, tangents, np.zeros(3) if rate is None else rate)
+        steady = Steadiness(len(trust))
+        self._scene = _Scene(number, anchor, directions, trust, steady, rate, shifts)
         self.territory.add(frame, turn)
         self._turn, self._lost, self._cut = Turn.none(), 0, -1
         if known is None:

@@ -117,7 +117,7 @@ def corrected(turns: Turns, corrections: Sequence[Correction]) -> Turns:
 
 def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
     """The doubt (N,) of the step that leads to each frame."""
-    own = np.where(known, doubt, UNKNOWN_DOUBT)
+    own = np.where(known, np.minimum(doubt, UNKNOWN_DOUBT), UNKNOWN_DOUBT)
     return np.asarray(np.hypot(own, np.concatenate([own[:1], own[:-1]])))
 
 

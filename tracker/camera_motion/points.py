@@ -206,6 +206,11 @@ class PointFollower:
         return 2 * _whole_shift(anchor.half, self._half) / self.scale
 
     @property
+    def look_height(self) -> int:
+        """Rows of the pictures looked at."""
+        return round(self.height * self.scale)
+
+    @property
     def now(self) -> Grey | None:
         """The latest picture, at the size looked at."""
         return self._now

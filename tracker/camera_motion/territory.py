@@ -16,6 +16,7 @@ from keypose.tracker.camera_motion.anchors import Edge, agreed
 from keypose.tracker.camera_motion.landmarks import Landmarks
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.points import Anchor, Mask, PointFollower
+from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.turn import Solved, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
 
@@ -46,6 +47,7 @@ class Territory:
 
     lens: Lens
     points: PointFollower
+    shutter: Shutter
     turns: list[Turn] = field(default_factory=list)
     frames: list[int] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
@@ -73,50 +75,57 @@ class Territory:
         """The same where all that is known is that the one comes after the other."""
         self.edges.append(Edge(one, len(self.turns), turn, NO_TIE * np.eye(4)))
 
-    def keep(self, anchor: Anchor, number: int, proved: NDArray[np.bool_]) -> None:
-        """Keep the proved ones (K,) of an anchor's points that were picked in it."""
+    def keep(self, anchor: Anchor, number: int, rate: Array, proved: NDArray[np.bool_]) -> None:
+        """Keep the proved ones (K,) of an anchor's points that were picked in it. rate (3,): how
+        fast the camera turned then, radians a frame.
+        """
         kept = proved & ~np.isin(anchor.ids, self.landmarks.ids)
         uv = anchor.uv[kept]
-        self.landmarks.keep(anchor.grey, number, anchor.ids[kept], uv, self.points.to_look(uv))
+        at = self.points.to_look(uv)
+        uv = self.shutter.straightened(self.lens, uv, self.turns[number].zoom, rate)
+        self.landmarks.keep(anchor.grey, number, anchor.ids[kept], uv, at)
 
-    def returned(self, turn: Turn, usable: Mask | None) -> tuple[Turn, NDArray[np.int64], Array]:
-        """Look for landmarks in the latest picture, taken with `turn` or nearly so, and tie the
-        anchor that is about to be set in it to their homes.
+    def returned(
+        self, turn: Turn, rate: Array, usable: Mask | None
+    ) -> tuple[Turn, NDArray[np.int64], Array]:
+        """Look for landmarks in the latest picture, taken with `turn` or nearly so and at a rate
+        (3,), and tie the anchor that is about to be set in it to their homes.
 
         Return its turn, the ids of landmarks that are there, and their places (K, 2).
         """
         none = np.zeros(0, np.int64), np.zeros((0, 2))
         marks, now = self.landmarks, self.points.now
         assert now is not None
-        chosen, at, warps = self._candidates(turn, usable)
+        chosen, at, warps = self._candidates(turn, rate, usable)
         there, found = marks.register(chosen, now, at, warps)
         chosen, uv = chosen[found], self.points.to_film(there[found])
         world = self._world(chosen, marks.uv[chosen])
-        seen = self.lens.flat(uv, turn.zoom)
+        straight = self.shutter.straightened(self.lens, uv, turn.zoom, rate)
+        seen = self.lens.flat(straight, turn.zoom)
         solved = solve_turn(world, seen, self.focal_px, np.ones(len(uv)), [turn])
         if solved is None or solved.agreeing < max(FEWEST_RETURNED, RETURNED_SHARE * len(chosen)):
             return turn, *none
-        chosen, uv = chosen[solved.agrees], uv[solved.agrees]
+        chosen, uv, straight = chosen[solved.agrees], uv[solved.agrees], straight[solved.agrees]
         homes, counts = np.unique(marks.home[chosen], return_counts=True)
         for home in homes[np.argsort(-counts, kind="stable")][:MOST_TIES]:
-            self._tie_home(int(home), chosen, uv, solved.turn)
+            self._tie_home(int(home), chosen, straight, solved.turn)
         return solved.turn, marks.ids[chosen], uv
 
     def _candidates(
-        self, turn: Turn, usable: Mask | None
+        self, turn: Turn, rate: Array, usable: Mask | None
     ) -> tuple[NDArray[np.int64], Array, Array]:
         """Landmarks that should be in view: which, where (K, 2), and their warps (K, 2, 2)."""
         marks, points = self.landmarks, self.points
         older = np.flatnonzero(marks.home < len(self.turns) - 1)
         zooms = np.array([known.zoom for known in self.turns])[marks.home[older]]
         older = older[np.abs(np.log(zooms / turn.zoom)) < LIKE_HOME]
-        at = points.to_look(self._seen(older, marks.uv[older], turn))
+        at = points.to_look(self._seen(older, marks.uv[older], turn, rate))
         inside = points.inside(at, BORDER_PX) & points.usable_at(usable, at)
         older, at = older[inside][:MOST_TRIED], at[inside][:MOST_TRIED]
         warps = np.empty((len(older), 2, 2))
         for axis in range(2):
             aside = marks.uv[older] + ASIDE_PX / points.scale * np.eye(2)[axis]
-            beside = points.to_look(self._seen(older, aside, turn))
+            beside = points.to_look(self._seen(older, aside, turn, rate))
             warps[:, :, axis] = (beside - at) / ASIDE_PX
         area = np.linalg.det(np.nan_to_num(warps))
         sound = (area > LEAST_AREA) & (area < MOST_AREA)
@@ -131,8 +140,9 @@ class Territory:
             directions[of] = self.lens.directions(uv[of], turn.zoom) @ turn.R
         return directions
 
-    def _seen(self, chosen: NDArray[np.int64], uv: Array, turn: Turn) -> Array:
-        return self.lens.pixels(turn.rotated(self._world(chosen, uv)), turn.zoom)
+    def _seen(self, chosen: NDArray[np.int64], uv: Array, turn: Turn, rate: Array) -> Array:
+        there = self.lens.pixels(turn.rotated(self._world(chosen, uv)), turn.zoom)
+        return self.shutter.sheared(self.lens, there, turn.zoom, rate)
 
     def _tie_home(self, home: int, chosen: NDArray[np.int64], uv: Array, turn: Turn) -> None:
         """Tie to one older anchor, where enough of its landmarks were found."""

@@ -75,12 +75,23 @@ class Turn:
 
 
 @dataclass(frozen=True, eq=False)
+class Shear:
+    """What a picture is sheared by: shifts (K, 2, S) of points in focal lengths for each of S
+    numbers, and these (S,) as far as they are known.
+    """
+
+    shifts: Array
+    share: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Solved:
     """A turn, and how the points bear it out.
 
-    residual_px (K, 2), NaN for points behind.  agrees (K,).  information (4, 4), inverse
+    residual_px (K, 2), large for points behind.  agrees (K,).  information (4, 4), inverse
     covariance of a small turn (radians) and the logarithm of the zoom.  noise_px: one standard
-    deviation of the inliers.
+    deviation of the inliers.  pull (S,) and pull_information (S, S): what the points say of the
+    numbers of a shear, the turn being unknown: by how much these should change, times information.
     """
 
     turn: Turn
@@ -88,6 +99,8 @@ class Solved:
     agrees: NDArray[np.bool_]
     information: Array
     noise_px: float
+    pull: Array
+    pull_information: Array
 
     @property
     def agreeing(self) -> int:
@@ -100,40 +113,46 @@ def solve_turn(
     focal_px: float,
     trust: Array,
     starts: Sequence[Turn],
-    zooms: bool = True,
     scales_px: Sequence[float] = SCALES_PX,
+    shear: Shear | None = None,
 ) -> Solved | None:
     """Find the turn that shows directions (K, 3) where they are seen (K, 2), focal lengths from
     the centre. None with too few points, or where they do not tell it.
 
-    trust: (K,) from 0 to 1.  zooms: whether the zoom is unknown too.  scales_px: of the weights on
-    the way.
+    trust: (K,) from 0 to 1.  scales_px: of the weights on the way.
     """
     if len(seen) < FEWEST:
         return None
-    turn = _start(directions, seen, focal_px, trust, starts, zooms)
+    shifts = np.zeros((len(seen), 2, 0)) if shear is None else shear.shifts
+    if shear is not None:
+        seen = seen - shifts @ shear.share
+    turn = _start(directions, seen, focal_px, trust, starts)
     for scale in (*scales_px, *[0.0] * STEPS_AT_END):
         residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
         weight = trust * _weights(error, scale or _spread(error, trust))
-        step = _step(residual, J, weight, zooms)
+        step = _step(residual, J, weight)
         if step is None:
             return None
         turn = turn.moved(step)
-    return _solved(turn, directions, seen, focal_px, trust)
-
-
-def _solved(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> Solved:
     residual, J = linearised(turn, directions, seen, focal_px)
+    return _solved(turn, residual, J, trust, shifts * focal_px)
+
+
+def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array) -> Solved:
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
     agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
     weight = trust * _weights(error, spread) * agrees
     squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
     noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
-    flat = J.reshape(-1, 4)
-    information = (flat * np.repeat(weight, 2)[:, None]).T @ flat / noise**2
-    return Solved(turn, residual, agrees, information, noise)
+    every = np.concatenate([J, sheared], axis=2).reshape(2 * len(J), -1)
+    weighted = (every * np.repeat(weight, 2)[:, None]).T / noise**2
+    A, b = weighted @ every, weighted @ residual.reshape(-1)
+    own = A[:4, :4] + 1e-9 * np.trace(A[:4, :4]) * np.eye(4)
+    taken = np.linalg.solve(own, np.column_stack([A[:4, 4:], b[:4]]))  # what the turn takes up
+    alone, pull = A[4:, 4:] - A[4:, :4] @ taken[:, :-1], b[4:] - A[4:, :4] @ taken[:, -1]
+    return Solved(turn, residual, agrees, A[:4, :4], noise, pull, alone)
 
 
 def _start(
@@ -142,7 +161,6 @@ def _start(
     focal_px: float,
     trust: Array,
     starts: Sequence[Turn],
-    zooms: bool,
 ) -> Turn:
     score, best = -1.0, starts[0]
     for start in [*starts, _shifted(starts[0], directions, seen, trust)]:
@@ -153,7 +171,7 @@ def _start(
             break
     if score >= START_SHARE:
         return best
-    for pair in _from_pairs(directions, seen, focal_px, best, zooms):
+    for pair in _from_pairs(directions, seen, focal_px, best):
         found = _score(pair, directions, seen, focal_px, trust)
         if found > score + 1e-9:
             score, best = found, pair
@@ -177,9 +195,7 @@ def _score(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: A
     return float((trust * held).sum() / max(trust.sum(), 1e-9))
 
 
-def _from_pairs(
-    directions: Array, seen: Array, focal_px: float, start: Turn, zooms: bool
-) -> list[Turn]:
+def _from_pairs(directions: Array, seen: Array, focal_px: float, start: Turn) -> list[Turn]:
     """Turns that show two points each where they are seen; the same ones every time."""
     order = np.random.default_rng(0).integers(0, len(seen), (PAIRS, 2))
     apart = np.linalg.norm(seen[order[:, 0]] - seen[order[:, 1]], axis=1)
@@ -187,13 +203,11 @@ def _from_pairs(
     if not len(order):
         return []
     residual, J = linearised(start, directions, seen, focal_px)
-    used = 4 if zooms else 3
-    Jp = J[order].reshape(len(order), 4, 4)[..., :used]
+    Jp = J[order].reshape(len(order), 4, 4)
     A = np.swapaxes(Jp, 1, 2) @ Jp
-    A[:, np.arange(used), np.arange(used)] += 1e-6 * np.trace(A, axis1=1, axis2=2)[:, None] + 1e-9
+    A[:, np.arange(4), np.arange(4)] += 1e-6 * np.trace(A, axis1=1, axis2=2)[:, None] + 1e-9
     b = np.einsum("pij,pi->pj", Jp, residual[order].reshape(len(order), 4))
     steps = np.linalg.solve(A, b[..., None])[..., 0]
-    steps = np.pad(steps, ((0, 0), (0, 4 - used)))
     sound = steps[(np.abs(steps) < MOST_STEP).all(axis=1)]
     return [start.moved(step) for step in sound]
 
@@ -227,16 +241,15 @@ def _spread(error: Array, trust: Array) -> float:
     return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
 
 
-def _step(residual: Array, J: Array, weight: Array, zooms: bool) -> Array | None:
-    used = 4 if zooms else 3
-    Jw = (J[..., :used] * weight[:, None, None]).reshape(-1, used)
-    A = Jw.T @ J[..., :used].reshape(-1, used)
-    A[np.diag_indices(used)] += 1e-9 * np.trace(A) + 1e-12
+def _step(residual: Array, J: Array, weight: Array) -> Array | None:
+    """The step (4,) of turn and zoom; None where the points do not tell it."""
+    weighted = (J.reshape(-1, 4) * np.repeat(weight, 2)[:, None]).T
+    A = weighted @ J.reshape(-1, 4)
+    A[np.diag_indices(4)] += 1e-9 * np.trace(A) + 1e-12
     try:
-        step = np.linalg.solve(A, Jw.T @ residual.reshape(-1))
+        step = np.linalg.solve(A, weighted @ residual.reshape(-1))
     except np.linalg.LinAlgError:
         return None
     if not np.isfinite(step).all():
         return None
-    step = step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12))
-    return np.concatenate([step, np.zeros(4 - used)])
+    return np.asarray(step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12)))
