@@ -274,7 +274,7 @@ def _turning(frames: int, shutter: float = 0.0) -> Plan:
     return Plan(CameraPath(path.Ts_camera_world, zoom), person, 960.0, Panorama.of, shutter)
 
 
-def _walk_around(frames: int = 300) -> Plan:
+def _walk_around(frames: int = 300, shutter: float = 0.0, noise: float = 2.0) -> Plan:
     """3 m on an arc about the person, who stays in the picture's middle."""
     centre, radius = np.array([0.0, 0.0, 2.9]), 2.9
     angle = 3.0 / radius * _eased(frames)
@@ -283,7 +283,8 @@ def _walk_around(frames: int = 300) -> Plan:
     p[:, 1] += 0.012 * np.sin(2 * np.pi * 1.8 * np.arange(frames) / FPS)
     wander = np.radians(1.5) * np.sin(np.arange(frames) / 37)
     path = hand_held(p, -angle + wander, np.full(frames, np.radians(-8.0)), 21)
-    return Plan(path, standing_person(frames, (0.0, FLOOR_M, 2.9)), 720.0, Room.of)
+    person = standing_person(frames, (0.0, FLOOR_M, 2.9))
+    return Plan(path, person, 720.0, Room.of, shutter, noise)
 
 
 def _dolly(frames: int = 300) -> Plan:
@@ -330,6 +331,7 @@ PLANS: dict[str, Callable[[], Plan]] = {
     "pan and zoom": lambda: _turning(1000),
     "pan and zoom, blurred": lambda: _turning(300, shutter=0.5),
     "walk-around": _walk_around,
+    "walk-around, blurred, noisy": lambda: _walk_around(150, 0.5, 7.0),
     "dolly": _dolly,
     "still hand": _still_hand,
     "turn, then walk": _turn_then_walk,
