@@ -19,7 +19,7 @@ class PlaceCorrection:
     T_camera_world: Array
 
 
-def corrected(path: CameraPath, corrections: Sequence[PlaceCorrection]) -> CameraPath:
+def place_corrected(path: CameraPath, corrections: Sequence[PlaceCorrection]) -> CameraPath:
     """A path that meets all corrections exactly, and the world's frame at frame 0. After the last
     it goes on as it went from there.
     """

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.camera_motion.metric import StandingPoint, scale_from_stances
-from keypose.tracker.camera_motion.path_drift import PlaceCorrection, corrected
+from keypose.tracker.camera_motion.path_drift import PlaceCorrection, place_corrected
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, apply_transform, exp_rotation, transform
 
@@ -65,7 +65,7 @@ def test_corrections_are_met_exactly_and_the_path_goes_evenly_to_them_from_both_
     for frame, turn in ((30, 0.02), (70, -0.03)):
         T = transform(exp_rotation([0, turn, turn]), np.array([0.05, turn, 0.0]))
         wanted.append(PlaceCorrection(frame, T @ path.Ts_camera_world[frame]))
-    pulled = corrected(path, wanted)
+    pulled = place_corrected(path, wanted)
     for one in wanted:
         np.testing.assert_array_equal(pulled.Ts_camera_world[one.frame], one.T_camera_world)
     np.testing.assert_array_equal(pulled.Ts_camera_world[0], path.Ts_camera_world[0])
@@ -78,5 +78,5 @@ def test_corrections_are_met_exactly_and_the_path_goes_evenly_to_them_from_both_
 def test_a_path_without_corrections_stays_as_it_is():
     path = _path()
     np.testing.assert_allclose(
-        corrected(path, []).Ts_camera_world, path.Ts_camera_world, atol=1e-15
+        place_corrected(path, []).Ts_camera_world, path.Ts_camera_world, atol=1e-15
     )
