@@ -7,8 +7,9 @@ stays what it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +26,14 @@ from keypose.tracker.geometry.rotations import Array
 class MovedPath:
     """A path in a unit of its own.
 
+    pieces: first frames of what hangs together; after a cut the unit is another.
     moves: whether the film shows that the camera was elsewhere than at the first frame; else it
     is turned only.  known (N,): at which frames it is measured; elsewhere it stays where it was.
     error_px (N,): median residual of the points that agree, pixels of the film, NaN where unknown.
     """
 
     path: CameraPath
+    pieces: tuple[int, ...]
     moves: bool
     known: NDArray[np.bool_]
     error_px: Array
@@ -56,25 +59,40 @@ def find_moved_path(
     camera: its lens.  frame_count: how many pictures are expected.  progress(done, expected) after
     every frame; what it raises ends the work.
     """
-    moving = MovingCamera(camera)
+    pieces = [MovingCamera(camera)]
     for frame, picture in enumerate(pictures):
-        moving.take(picture, background(frame))
+        usable = background(frame)
+        pieces[-1].take(picture, usable)
+        if pieces[-1].ended:
+            pieces[-1].drop_last()
+            pieces.append(MovingCamera(camera))
+            pieces[-1].take(picture, usable)
         progress(frame + 1, max(frame_count, frame + 1))
-    count = len(moving.causes)
-    Ts = moving.finished() if count else np.zeros((0, 4, 4))
-    known = np.array([not cause for cause in moving.causes], bool)
+    return _joined(pieces)
+
+
+def _joined(pieces: Sequence[MovingCamera]) -> MovedPath:
+    """All pieces, each from where the one before ended."""
+    causes = [cause for piece in pieces for cause in piece.causes]
+    known = np.array([not cause for cause in causes], bool)
+    Ts = [np.zeros((0, 4, 4))]
+    for piece in pieces:
+        start = Ts[-1][-1] if len(Ts[-1]) else np.eye(4)
+        Ts.append(piece.finished() @ start if piece.causes else Ts[0])
+    starts = np.cumsum([0, *(len(piece.causes) for piece in pieces)]).tolist()
+    findings = gaps(causes)
+    findings += [Finding("cut", first, first, 1.0) for first in starts[1:-1]]
+    findings += [
+        Finding("no_parallax", first, beyond - 1, 1.0)
+        for piece, (first, beyond) in zip(pieces, pairwise(starts), strict=True)
+        if beyond > first and not piece.known
+    ]
+    errors = np.array([error for piece in pieces for error in piece.errors_px])
     return MovedPath(
-        CameraPath(Ts, np.ones(count)),
-        moving.known,
+        CameraPath(np.concatenate(Ts), np.ones(len(causes))),
+        tuple(starts[:-1]),
+        any(piece.known for piece in pieces),
         known,
-        np.where(known, moving.errors_px, np.nan),
-        tuple(sorted(_findings(moving), key=lambda finding: finding.first_frame)),
+        np.where(known, errors, np.nan),
+        tuple(sorted(findings, key=lambda finding: finding.first_frame)),
     )
-
-
-def _findings(moving: MovingCamera) -> list[Finding]:
-    found = gaps(moving.causes)
-    found += [Finding("cut", frame, frame, 1.0) for frame in moving.loose]
-    if moving.causes and not moving.known:
-        found.append(Finding("no_parallax", 0, len(moving.causes) - 1, 1.0))
-    return found

@@ -21,7 +21,7 @@ from keypose.tracker.camera_motion.resection import SCALES, Resected, resected
 from keypose.tracker.camera_motion.two_views import parallax, two_views
 from keypose.tracker.camera_motion.view_map import FREE, View, ViewMap
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, exp_rotation, transform
 
 NOISE_PX = 0.25
 """Standard deviation of a place, at the size looked at."""
@@ -40,6 +40,8 @@ STEP = 0.1
 """Standard deviation of a frame's step, in usual depths."""
 START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 60
 """Parallax with which the camera is seen to move; after so many frames the least will do."""
+SEARCH_HALVINGS = 3
+"""By which the picture is made smaller where points are looked for after the camera was lost."""
 SHARED = 0.4
 """Share of the points that two views must both see to tell how the camera moved."""
 WAITING = 60
@@ -73,6 +75,17 @@ class _Frame:
 
 
 @dataclass(frozen=True, eq=False)
+class _Sight:
+    """Points found in a picture: ids (K,), uv and xy (K, 2), which count (K,), and its place."""
+
+    placed: Resected
+    ids: Indices
+    uv: Array
+    xy: Array
+    kept: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
 class _Pair:
     """A view and a later picture, and how far apart they show the same points, turns aside."""
 
@@ -87,13 +100,14 @@ class MovingCamera:
 
     known: whether depths are; until then the camera is turned only.  causes: why a frame has no
     place of its own, nothing where it has.  errors_px: median residual of the points that agree,
-    pixels of the film, NaN without.  loose: frames from which on nothing ties the path to before.
+    pixels of the film, NaN without.  ended: whether the latest picture shows a place that nothing
+    ties to those before: take it with another.
     """
 
     camera: Camera
     causes: list[Cause] = field(default_factory=list, init=False)
     errors_px: list[float] = field(default_factory=list, init=False)
-    loose: list[int] = field(default_factory=list, init=False)
+    ended: bool = field(default=False, init=False)
     _follower: PointFollower = field(init=False)
     _map: ViewMap = field(init=False)
     _homes: Homes = field(init=False)
@@ -134,35 +148,68 @@ class MovingCamera:
             return
         self._place(rough, followed, usable)
 
+    def drop_last(self) -> None:
+        """Forget the latest picture."""
+        for kept in (self._Ts, self.causes, self.errors_px):
+            kept.pop()
+
     def _place(self, rough: Array, followed: NDArray[np.bool_], usable: Mask | None) -> None:
         """Place the latest picture by the points of the anchor."""
         assert self._follower.anchor is not None
-        frame, ids, T = len(self._Ts), self._follower.anchor.ids, self._Ts[-1]
+        ids, T = self._follower.anchor.ids, self._Ts[-1]
         if followed.sum() >= FEWEST:
             T = self._placed(T, ids[followed], self._flat(rough[followed]), ROUGHLY).T
         expected = self._expected(T, ids, rough, followed)
-        uv, found = self._follower.refine(expected, usable, halvings=0 if self.known else 1)
-        self._last = (uv, found)
-        asked, ids, uv = len(found), ids[found], uv[found]
-        xy = self._flat(uv)
-        if len(ids) < FEWEST:
+        sight = self._sight(T, expected, usable, halvings=0 if self.known else 1)
+        if sight is None and self._lost:
+            T, expected = self._by_whole_shift()
+            sight = self._sight(T, expected, usable, halvings=SEARCH_HALVINGS)
+        if sight is None:
             self._lose(usable)
-            return
-        placed = self._placed(T, ids, xy, FINELY)
+        else:
+            self._go_on(sight, usable)
+
+    def _sight(
+        self, T: Array, expected: Array, usable: Mask | None, halvings: int
+    ) -> _Sight | None:
+        """What the latest picture shows of the anchor's points, expected at (K, 2), the camera at
+        about T (4, 4); None where that is too little.
+        """
+        assert self._follower.anchor is not None
+        uv, found = self._follower.refine(expected, usable, halvings)
+        self._last = (uv, found)
+        ids, uv = self._follower.anchor.ids[found], uv[found]
+        if len(ids) < FEWEST:
+            return None
+        xy = self._flat(uv)
+        placed = self._placed(T, ids, xy, FINELY if halvings < SEARCH_HALVINGS else SCALES)
         # until depths are known, what no turn explains is as likely near as an outlier
         kept = placed.agree if self.known else np.ones(len(ids), bool)
-        if kept.sum() < FEWEST:
-            self._lose(usable)
-            return
+        return _Sight(placed, ids, uv, xy, kept) if kept.sum() >= FEWEST else None
+
+    def _by_whole_shift(self) -> tuple[Array, Array]:
+        """T (4, 4) and where the anchor's points are (K, 2), had the camera only turned since."""
+        anchor = self._follower.anchor
+        assert anchor is not None
+        shift = self._follower.shift_from(anchor)
+        view = next(view for view in reversed(self._map.views) if view.frame <= self._picked)
+        turn = exp_rotation([-shift[1] / self.camera.fy, shift[0] / self.camera.fx, 0.0])
+        return transform(turn @ view.T[:3, :3], turn @ view.T[:3, 3]), anchor.uv + shift
+
+    def _go_on(self, sight: _Sight, usable: Mask | None) -> None:
+        """Take the latest picture's place, and make it a view where one is due."""
+        assert self._follower.anchor is not None
+        frame, kept, placed = len(self._Ts), sight.kept, sight.placed
         self._lost = 0
         self._note(placed.T, "", self._px(placed.error))
-        self._waiting.append(_Frame(frame, ids, xy, not self.known))
-        if kept.sum() < LEAST_SHARE * asked or frame - self._picked >= LONGEST:
-            self._add_view(usable, ids[kept], uv[kept])
+        self._waiting.append(_Frame(frame, sight.ids, sight.xy, not self.known))
+        few = kept.sum() < LEAST_SHARE * len(self._follower.anchor.ids)
+        if few or frame - self._picked >= LONGEST:
+            self._add_view(usable, sight.ids[kept], sight.uv[kept])
         elif frame - self._map.views[-1].frame >= BETWEEN:
-            self._map.add(View(frame, placed.T, ids[kept], xy[kept]))
+            self._map.add(View(frame, placed.T, sight.ids[kept], sight.xy[kept]))
         if not self.known and frame % EVERY == 0:
-            self._watch(View(frame, placed.T, ids, xy))
+            self._watch(View(frame, placed.T, sight.ids, sight.xy))
 
     def _note(self, T: Array, cause: Cause, error_px: float) -> None:
         self._Ts.append(T)
@@ -174,14 +221,18 @@ class MovingCamera:
         return deviations * self._map.noise * self.camera.fx
 
     def _lose(self, usable: Mask | None) -> None:
-        """Let the latest picture have no place; pick anew where that lasts."""
+        """Let the latest picture have no place; pick anew where that lasts, if points of old that
+        are in view again tie the new ones to them.
+        """
         self._note(self._Ts[-1], _cause(usable), np.nan)
         self._lost += 1
         if self._lost > LOST_FRAMES and self._follower.could_pick(usable, FEWEST):
-            none = np.zeros(0, np.int64), np.zeros((0, 2))
-            if not self._add_view(usable, *none):
-                self.loose.append(len(self._Ts) - 1)
-            self._lost = 0
+            back, uv = self._returned(np.zeros(0, np.int64), usable)
+            self.ended = not len(back)
+            if len(back):
+                self._Ts[-1] = self._placed(self._Ts[-1], back, self._flat(uv)).T
+                self._add_view(usable, back, uv)
+                self._lost = 0
 
     def _expected(self, T: Array, ids: Indices, rough: Array, followed: NDArray[np.bool_]) -> Array:
         """Where points are (K, 2), the camera at about T (4, 4): once depths are known, from where
@@ -232,10 +283,8 @@ class MovingCamera:
         agree[sound] = found.agree
         return Resected(found.T, agree, found.error)
 
-    def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> bool:
-        """Make the latest picture a view with new points, and adjust the last ones. Return whether
-        points of old tie it to others.
-        """
+    def _add_view(self, usable: Mask | None, ids: Indices, uv: Array) -> None:
+        """Make the latest picture a view with new points, and adjust the last ones."""
         known, self._picked = len(self._map.home), len(self._Ts) - 1
         first = self._follower.in_empty_cells(uv, np.zeros((0, 2)))
         ids, uv = ids[first], uv[first]
@@ -243,7 +292,6 @@ class MovingCamera:
         ids, uv = anchor.ids, anchor.uv
         self._last = (uv, np.ones(len(ids), bool))
         back, uv_back = self._returned(ids, usable)
-        tied = len(back) > 0 or bool((ids < known).any())
         seen = np.concatenate([ids, back])
         at = np.concatenate([uv, uv_back])
         order = np.argsort(seen)
@@ -255,7 +303,6 @@ class MovingCamera:
             self._settle(len(self._map.views) - FREE)
         else:
             self._settle(len(self._map.views) - WAITING)
-        return tied
 
     def _returned(self, ids: Indices, usable: Mask | None) -> tuple[Indices, Array]:
         """Points of old that are in view again, beside those of the latest picture."""
