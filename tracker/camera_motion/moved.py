@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.findings import Finding, gaps
 from keypose.tracker.camera_motion.moving import MovingCamera
+from keypose.tracker.camera_motion.path_drift import bridged
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -28,7 +29,7 @@ class MovedPath:
 
     pieces: first frames of what hangs together; after a cut the unit is another.
     moves: whether the film shows that the camera was elsewhere than at the first frame; else it
-    is turned only.  known (N,): at which frames it is measured; elsewhere it stays where it was.
+    is turned only.  known (N,): at which frames it is measured; elsewhere it is bridged.
     error_px (N,): median residual of the points that agree, pixels of the film, NaN where unknown.
     """
 
@@ -78,7 +79,9 @@ def _joined(pieces: Sequence[MovingCamera]) -> MovedPath:
     Ts = [np.zeros((0, 4, 4))]
     for piece in pieces:
         start = Ts[-1][-1] if len(Ts[-1]) else np.eye(4)
-        Ts.append(piece.finished() @ start if piece.causes else Ts[0])
+        if piece.causes:
+            found = np.array([not cause for cause in piece.causes], bool)
+            Ts.append(bridged(piece.finished(), found) @ start)
     starts = np.cumsum([0, *(len(piece.causes) for piece in pieces)]).tolist()
     findings = gaps(causes)
     findings += [Finding("cut", first, first, 1.0) for first in starts[1:-1]]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, rotation_between, transform, transpose
@@ -50,6 +52,25 @@ def pulled(Ts: Array, frames: Sequence[int], wanted: Array) -> Array:
     p = ps + (1 - share)[:, None] * shift[before] + share[:, None] * shift[after]
     out = transform(R, -(R @ p[..., None])[..., 0])
     out[at] = wanted
+    return out
+
+
+def bridged(Ts: Array, known: NDArray[np.bool_]) -> Array:
+    """Poses (N, 4, 4), those that are not known on the straight way between their neighbours that
+    are, or as these at the ends.
+    """
+    at = np.flatnonzero(known)
+    if not len(at) or len(at) == len(Ts):
+        return Ts
+    out = Ts.copy()
+    out[: at[0]], out[at[-1] :] = Ts[at[0]], Ts[at[-1]]
+    for i, j in pairwise(at.tolist()):
+        if j > i + 1:
+            Rs, ps = _placed(Ts[[i, j]])
+            shares = np.arange(1, j - i) / (j - i)
+            R = rotation_between(Rs[0], Rs[1], shares)
+            p = ps[0] + shares[:, None] * (ps[1] - ps[0])
+            out[i + 1 : j] = transform(R, -(R @ p[..., None])[..., 0])
     return out
 
 

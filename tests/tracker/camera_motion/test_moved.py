@@ -13,7 +13,7 @@ from bench.camera_worlds import Room
 from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import exp_rotation, transform
+from keypose.tracker.geometry.rotations import Array, exp_rotation, transform
 
 CAMERA = Camera(width=320, height=180, fx=250, fy=250, cx=159.5, cy=89.5)
 FRAMES = 45
@@ -21,14 +21,14 @@ Grey = NDArray[np.uint8]
 
 
 @cache
-def _film(metres: float) -> tuple[list[Grey], CameraPath]:
+def _film(metres: float, room_seed: int = 0) -> tuple[list[Grey], CameraPath]:
     """A camera that turns by 8° and goes so far aside, with the shake of a hand."""
     share, n = np.linspace(0, 1, FRAMES), np.arange(FRAMES)
-    shake = 0.004 * np.stack([np.sin(1.3 * n), np.sin(0.9 * n) - 0.0, np.sin(1.7 * n)], axis=1)
+    shake = 0.004 * np.stack([np.sin(1.3 * n), np.sin(0.9 * n), np.sin(1.7 * n)], axis=1)
     R = exp_rotation(np.stack([0 * share, np.radians(-8) * share, 0 * share], axis=1) + shake)
     p = metres * np.stack([share, 0.05 * np.sin(6 * share), 0.2 * share], axis=1)
     path = CameraPath(np.linalg.inv(transform(R, p)), np.ones(FRAMES))
-    room, rng = Room.of(), np.random.default_rng(0)
+    room, rng = Room.of(seed=room_seed), np.random.default_rng(0)
     films = []
     for T in path.Ts_camera_world:
         light = room.seen(CAMERA, T) + rng.normal(0, 1.5, (180, 320, 1))
@@ -84,6 +84,26 @@ def test_frames_that_show_nothing_or_cannot_be_read_are_said_to_and_the_rest_is_
     turn, _, way = errors(found.path, true)
     assert turn[found.known].max() < 0.3
     assert way[found.known].max() < 4.0
+    assert way.max() < 8.0  # between them, bridged
+
+
+def test_after_a_cut_the_path_begins_anew_and_both_pieces_are_right():
+    (pictures, true), (others, other) = _film(0.9), _film(-0.9, 1)
+    found = _found([*pictures, *others[::-1]])
+    (cut,) = (finding for finding in found.findings if finding.kind == "cut")
+    assert found.pieces == (0, cut.first_frame)
+    assert FRAMES <= cut.first_frame < FRAMES + 8
+    before = CameraPath(found.path.Ts_camera_world[:FRAMES], np.ones(FRAMES))
+    assert errors(before, true)[2].max() < 3.0
+    rest = slice(cut.first_frame - FRAMES, None)
+    after = _from_first(found.path.Ts_camera_world[cut.first_frame :])
+    turn, _, way = errors(after, _from_first(other.Ts_camera_world[::-1][rest]))
+    assert turn.max() < 0.3
+    assert way.max() < 4.0
+
+
+def _from_first(Ts: Array) -> CameraPath:
+    return CameraPath(Ts @ np.linalg.inv(Ts[0]), np.ones(len(Ts)))
 
 
 def test_someone_who_fills_the_picture_is_said_to_hide_the_background():
