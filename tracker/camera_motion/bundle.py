@@ -90,6 +90,11 @@ def away(bundle: Bundle) -> Array:
     return np.sqrt(_misses(bundle)[1])
 
 
+def cost_of(bundle: Bundle) -> float:
+    """What is minimised."""
+    return _cost(bundle, _misses(bundle)[1])
+
+
 def relative(bundle: Bundle) -> Array:
     """Where points are in the pictures that see them (N, 3), their depth at home the unit."""
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]

@@ -8,13 +8,14 @@ stays what it is.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.findings import Finding, gaps
+from keypose.tracker.camera_motion.focal import FocalScale
 from keypose.tracker.camera_motion.moving import MovingCamera
 from keypose.tracker.camera_motion.path_drift import bridged
 from keypose.tracker.camera_motion.points import Background, Grey
@@ -31,6 +32,7 @@ class MovedPath:
     moves: whether the film shows that the camera was elsewhere than at the first frame; else it
     is turned only.  known (N,): at which frames it is measured; elsewhere it is bridged.
     error_px (N,): median residual of the points that agree, pixels of the film, NaN where unknown.
+    focal: the focal length that the first piece tells, where that was asked for.
     """
 
     path: CameraPath
@@ -39,6 +41,7 @@ class MovedPath:
     known: NDArray[np.bool_]
     error_px: Array
     findings: tuple[Finding, ...]
+    focal: FocalScale | None = None
 
     def in_metres(self, metres: float) -> CameraPath:
         """The path, where its unit is so many metres long."""
@@ -53,12 +56,14 @@ def find_moved_path(
     frame_count: int,
     background: Background = lambda frame: None,
     progress: Callable[[int, int], None] = lambda done, expected: None,
+    *,
+    with_focal: bool = False,
 ) -> MovedPath:
     """Follow the camera through the pictures (H, W) of a film, in order; None for one that cannot
     be read. No picture is kept.
 
     camera: its lens.  frame_count: how many pictures are expected.  progress(done, expected) after
-    every frame; what it raises ends the work.
+    every frame; what it raises ends the work.  with_focal: whether to learn the focal length.
     """
     pieces = [MovingCamera(camera)]
     for frame, picture in enumerate(pictures):
@@ -69,7 +74,8 @@ def find_moved_path(
             pieces.append(MovingCamera(camera))
             pieces[-1].take(picture, usable)
         progress(frame + 1, max(frame_count, frame + 1))
-    return _joined(pieces)
+    path = _joined(pieces)
+    return replace(path, focal=pieces[0].focal()) if with_focal else path
 
 
 def _joined(pieces: Sequence[MovingCamera]) -> MovedPath:

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.bundle import Indices
+from keypose.tracker.camera_motion.focal import FocalScale
 from keypose.tracker.camera_motion.homes import Homes
+from keypose.tracker.camera_motion.moved_focal import focal_of
 from keypose.tracker.camera_motion.path_drift import pulled
 from keypose.tracker.camera_motion.points import Grey, Mask, PointFollower
 from keypose.tracker.camera_motion.resection import SCALES, Resected, resected
@@ -147,6 +149,10 @@ class MovingCamera:
                 self.causes[-1] = _cause(usable)
             return
         self._place(rough, followed, usable)
+
+    def focal(self) -> FocalScale | None:
+        """The focal length that the places tell, after the path is finished."""
+        return focal_of(self._map)
 
     def drop_last(self) -> None:
         """Forget the latest picture."""

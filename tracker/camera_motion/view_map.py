@@ -144,7 +144,7 @@ class ViewMap:
         self._adjust(range(len(self.views)), 1, STEPS_AT_END)
 
     def _adjust(self, among: Sequence[int], first_free: int, steps: int) -> None:
-        found = self._bundle(among, first_free)
+        found = self.bundle(among, first_free)
         if found is None:
             return
         bundle, points, views = found
@@ -155,7 +155,7 @@ class ViewMap:
         self.sound[points] &= _middle(bundle) < OUTLIER
         self.sound[points] &= bundle.depths > -3 * self.spread[points]
 
-    def _bundle(
+    def bundle(
         self, among: Sequence[int], first_free: int
     ) -> tuple[Bundle, Indices, Indices] | None:
         """The bundle of these views; its points and its views, homes among them."""

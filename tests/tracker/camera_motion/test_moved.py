@@ -6,6 +6,7 @@ from functools import cache
 
 import cv2
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from bench.camera import errors
@@ -61,6 +62,18 @@ def test_a_camera_that_only_turns_is_not_said_to_move():
     assert not found.path.moves
     assert [finding.kind for finding in found.findings] == ["no_parallax"]
     assert errors(found.path, true)[0].max() < 0.1
+
+
+def test_the_focal_length_is_told_by_a_way_through_the_room():
+    pictures, _ = _film(0.9)
+    wrong = CAMERA.model_copy(update={"fx": 280.0, "fy": 280.0})
+    found = find_moved_path(pictures, wrong, FRAMES, with_focal=True)
+    assert found.focal is not None
+    assert found.focal.scale * 280 == pytest.approx(250, rel=0.06)
+    right = CAMERA.model_copy(update={"fx": 280 * found.focal.scale, "fy": 280 * found.focal.scale})
+    again = find_moved_path(pictures, right, FRAMES, with_focal=True)
+    assert again.focal is not None
+    assert again.focal.scale == pytest.approx(1.0, abs=0.03)
 
 
 def test_a_path_in_metres_is_the_path_with_its_way_scaled():
