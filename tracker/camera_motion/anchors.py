@@ -19,11 +19,11 @@ from scipy.sparse.linalg import spsolve
 from keypose.tracker.camera_motion.turn import Turn
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
-STEPS = 6
+STEPS = 8
 SETTLED = 1e-9
-FAR_SIGMAS = 4.0
-"""An edge to an older anchor that is so many standard deviations off has a quarter of its
-weight."""
+FAR_SIGMAS, USUAL_DRIFT = 4.0, np.radians(0.02)
+"""An edge to an older anchor has a quarter of its weight where it is off by so many standard
+deviations of its own, of the way along the anchors, and of this drift."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,18 +56,33 @@ def agreed(turns: Sequence[Turn], edges: Sequence[Edge]) -> list[Turn]:
     ratio = np.log([edge.turn.zoom for edge in edges])
     information = np.stack([edge.information for edge in edges])
     returns = np.array([edge.returns for edge in edges])
+    variance = _variance(edges, len(turns))
     for _ in range(STEPS):
         between = R[b] @ transpose(R[a])
         miss = np.empty((len(edges), 4))
         miss[:, :3] = log_rotation(between @ transpose(measured))
         miss[:, 3] = zoom[b] - zoom[a] - ratio
-        squares = np.einsum("ea,eab,eb->e", miss, information, miss)
-        weight = np.where(returns, 1 / (1 + squares / 4 / FAR_SIGMAS**2) ** 2, 1.0)
+        squares = (miss**2).mean(axis=1) / variance / FAR_SIGMAS**2
+        weight = np.where(returns, 1 / (1 + squares) ** 2, 1.0)
         step = _step(a, b, between, miss, information * weight[:, None, None], len(turns))
         R, zoom = exp_rotation(step[:, :3]) @ R, zoom + step[:, 3]
         if np.abs(step).max() < SETTLED:
             break
     return [Turn(r, float(z)) for r, z in zip(R, np.exp(zoom), strict=True)]
+
+
+def _variance(edges: Sequence[Edge], count: int) -> Array:
+    """By how much (E,) an edge may differ from the way along the anchors: its own variance and
+    that of all steps between.
+    """
+    own = np.array([np.trace(np.linalg.inv(edge.information)) / 4 for edge in edges])
+    steps = np.zeros(count)
+    for edge, variance in zip(edges, own, strict=True):
+        if not edge.returns:
+            steps[edge.other] = variance
+    along = np.cumsum(steps)
+    between = [abs(along[edge.other] - along[edge.one]) for edge in edges]
+    return np.asarray(own + between + USUAL_DRIFT**2)
 
 
 def _step(

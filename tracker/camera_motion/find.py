@@ -17,6 +17,7 @@ from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corre
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Summary
+from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
@@ -27,11 +28,10 @@ STILL_PX = 0.35
 """A camera is static where no part of the picture went farther, of the size looked at."""
 NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
 """A zoom that stays within this share of 1, or so many standard deviations, is none."""
-ZOOM_UNSURE = 0.02
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""
-AGREEING_SHARE = 0.5
-"""Share of the points in view that must agree, in the middle frame, or that is reported."""
+AGREEING_SHARE = 0.73
+"""Share of the points that must move alike, in the middle frame, or that is reported."""
 STILL_ASIDE_SHARE = 0.6
 """The same where all others stand still: something large then moves before a static camera."""
 
@@ -89,9 +89,11 @@ def find_camera_motion(
 
     camera: its lens at zoom 1.  frame_count: how many pictures are expected.  fixed: the kind,
     where it is known.  progress(done, expected) after every frame; what it raises ends the work.
+    CameraError where a picture has not the camera's size.
     """
     odometer, measured = Odometer(Lens.of(camera)), []
     for frame, picture in enumerate(pictures):
+        _require_size(picture, camera)
         measured.append(odometer.advance(frame, picture, background(frame)))
         progress(frame + 1, max(frame_count, frame + 1))
     odometer.finish()
@@ -121,14 +123,23 @@ def find_camera_motion(
     )
 
 
+def _require_size(picture: Grey | None, camera: Camera) -> None:
+    if picture is not None and picture.shape != (camera.height, camera.width):
+        raise CameraError(
+            f"The film's pictures are not of the camera's size, {camera.width}×{camera.height}: "
+            "choose the camera that took it."
+        )
+
+
 def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
     """The turns of all frames, from the anchors in agreement."""
     anchors = odometer.territory.agreed()
+    straight = [m.straightened(odometer.shutter.share) for m in measured]
     variance = np.array([np.diag(m.covariance) for m in measured])
     return joined(
         np.array([m.anchor for m in measured]),
-        np.stack([m.turn.R for m in measured]),
-        np.log([m.turn.zoom for m in measured]),
+        np.stack([turn.R for turn in straight]),
+        np.log([turn.zoom for turn in straight]),
         np.sqrt(variance[:, :3].mean(axis=1)),
         np.sqrt(variance[:, 3]),
         known,
@@ -200,22 +211,10 @@ def _findings(
     shares = np.array([m.share for m in measured])[turns.known]
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
         found.append(Finding("not_rigid", 0, last, 1 - share))
-    if kind == "turns":
-        found += _of_turning(turns, shutter, last)
-    return sorted(found, key=lambda finding: finding.first_frame)
-
-
-def _of_turning(turns: Turns, shutter: Shutter, last: int) -> list[Finding]:
-    found: list[Finding] = []
-    unsure = (turns.zoom_doubt > ZOOM_UNSURE) & (turns.zoom_doubt < 1)
-    doubtful = np.flatnonzero(turns.known & unsure)
-    if turns.log_zoom.any() and len(doubtful):
-        most = float(turns.zoom_doubt[doubtful].max())
-        found.append(Finding("zoom_unsure", int(doubtful[0]), int(doubtful[-1]), most))
     readout = shutter.found()
-    if readout is not None:
+    if kind == "turns" and readout is not None:
         found.append(Finding("rolling_shutter", 0, last, readout))
-    return found
+    return sorted(found, key=lambda finding: finding.first_frame)
 
 
 def _points(measured: Sequence[Measured]) -> FollowedPoints:

@@ -52,7 +52,7 @@ class Landmarks:
     def keep(self, picture: Grey, home: int, ids: NDArray[np.int64], uv: Array, at: Array) -> None:
         """Keep points of an anchor's picture, uv in pixels of the film, `at` of this picture.
 
-        Beyond the most, every second of the older half is given up.
+        Beyond the most, every second of the older half is given up, as often as need be.
         """
         patches, first = tiles(picture, at)
         self.ids = np.concatenate([self.ids, ids])
@@ -60,7 +60,7 @@ class Landmarks:
         self.uv = np.concatenate([self.uv, uv])
         self.inside = np.concatenate([self.inside, at - first])
         self.patches = np.concatenate([self.patches, patches])
-        if len(self) > MOST_KEPT:
+        while len(self) > MOST_KEPT:
             kept = np.ones(len(self), bool)
             kept[: len(self) // 2 : 2] = False
             self.ids, self.home, self.uv = self.ids[kept], self.home[kept], self.uv[kept]
@@ -105,16 +105,20 @@ _STEPS = np.stack(np.meshgrid(*[np.arange(PATCH_PX) - REACH] * 2), axis=-1).asty
 
 def _warped(patches: Grey, inside: Array, warps: Array) -> Grey:
     """Tiles (K, side, side) whose middles show the landmarks, as another picture shows them."""
-    at = np.einsum("kab,yxb->kyxa", np.linalg.inv(warps), _STEPS) + inside[:, None, None]
-    at = np.clip(at, 0, PATCH_PX - 1)
-    at[..., 1] += PATCH_PX * np.arange(len(patches))[:, None, None]
+    back = np.linalg.inv(warps).astype(np.float32)[:, None, None]
+    u, v = (_STEPS[None, ..., axis].astype(np.float32) for axis in range(2))
+    at = np.empty((len(patches), PATCH_PX, PATCH_PX, 2), np.float32)
+    for axis in range(2):
+        own = back[..., axis, 0] * u + back[..., axis, 1] * v + inside[:, None, None, axis]
+        np.clip(own, 0, PATCH_PX - 1, out=at[..., axis], casting="same_kind")
+    at[..., 1] += PATCH_PX * np.arange(len(patches), dtype=np.float32)[:, None, None]
     return _sampled(patches, at)
 
 
-def _sampled(patches: Grey, at: Array) -> Grey:
+def _sampled(patches: Grey, at: Array | NDArray[np.float32]) -> Grey:
     """Patches' grey levels at places (K, y, x, 2) of all patches, one below the other."""
     tall = patches.reshape(-1, PATCH_PX)
-    flat = at.reshape(len(patches), -1, 2).astype(np.float32)
+    flat = at.reshape(len(patches), -1, 2).astype(np.float32, copy=False)
     shown = cv2.remap(tall, flat, None, cv2.INTER_LINEAR)  # type: ignore[call-overload]
     return np.asarray(shown, np.uint8).reshape(at.shape[:-1])
 

@@ -118,7 +118,10 @@ def corrected(turns: Turns, corrections: Sequence[Correction]) -> Turns:
 def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
     """The doubt (N,) of the step that leads to each frame."""
     own = np.where(known, np.minimum(doubt, UNKNOWN_DOUBT), UNKNOWN_DOUBT)
-    return np.asarray(np.hypot(own, np.concatenate([own[:1], own[:-1]])))
+    # a frame that is tied to nothing before it is well tied to what comes after
+    begins = known & (doubt >= UNKNOWN_DOUBT)
+    before = np.where(begins, 0.0, own)
+    return np.asarray(np.hypot(own, np.concatenate([before[:1], before[:-1]])))
 
 
 def _between(miss: dict[int, Array], at_start: Array, steps: Array, count: int) -> Array:

@@ -22,19 +22,25 @@ IN_COMMON = 25.0
 LEAST_SIGMA = 0.01
 """What the frames have in common that their number does not better."""
 MOST = 1.5
-LEAST_SHARE, LEAST_SIGMAS = 0.1, 5.0
+LEAST_SHARE, LEAST_SIGMAS, USED_SIGMAS = 0.1, 5.0, 3.0
 """A readout that is smaller, or less sure, is not reported."""
 
 
 @dataclass(eq=False)
 class Shutter:
-    """The readouts (2,) along u and v, from the first column or row to the last, and their
-    information (2, 2), of the frames so far. size: of the film's pictures.
+    """The readouts (2,) along u and v, from the first column or row to the last, as the frames so
+    far told them, and their information (2, 2). size: of the film's pictures.
     """
 
     size: tuple[int, int]
-    share: Array = field(default_factory=lambda: np.zeros(2))
+    estimate: Array = field(default_factory=lambda: np.zeros(2))
     information: Array = field(default_factory=lambda: np.eye(2) / PRIOR_SIGMA**2)
+
+    @property
+    def share(self) -> Array:
+        """The readouts (2,) that pictures are straightened by: 0 for one that is not sure."""
+        sigma = np.sqrt(np.diag(np.linalg.inv(self.information)))
+        return np.where(np.abs(self.estimate) > USED_SIGMAS * sigma, self.estimate, 0.0)
 
     def shifts(self, uv: Array, flat: Array, rate: Array) -> Array:
         """Shifts (K, 2, 2) of points for a readout of 1 along u and along v, in the units of
@@ -65,17 +71,19 @@ class Shutter:
         return np.asarray(shifts * zoom * (lens.camera.fx, lens.camera.fy))
 
     def learn(self, pull: Array, information: Array) -> None:
-        """Take what a frame's points say: by how much the readout (2,) should change, times the
+        """Take what a frame's points say: by how much `share` (2,) should change, times the
         information (2, 2) they have of it.
         """
         total = self.information + information / IN_COMMON
-        found = self.share + np.linalg.solve(total, pull / IN_COMMON)
-        self.share = np.clip(found, -MOST, MOST)
+        asked = pull + information @ (self.share - self.estimate)
+        found = self.estimate + np.linalg.solve(total, asked / IN_COMMON)
+        self.estimate = np.clip(found, -MOST, MOST)
         most = np.linalg.eigvalsh(total)[-1] * LEAST_SIGMA**2
         self.information = total / max(1.0, most)
 
     def found(self) -> float | None:
         """Return the readout as a share of the time between frames, None where there is none."""
         sigma = np.sqrt(np.diag(np.linalg.inv(self.information)))
-        sure = (np.abs(self.share) > LEAST_SHARE) & (np.abs(self.share) > LEAST_SIGMAS * sigma)
-        return float(np.abs(self.share[sure]).max()) if sure.any() else None
+        size = np.abs(self.estimate)
+        sure = (size > LEAST_SHARE) & (size > LEAST_SIGMAS * sigma)
+        return float(size[sure].max()) if sure.any() else None

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.geometry.rotations import Array
 
 FEWEST = 6
 """Points that four unknowns are found from."""
@@ -35,6 +36,9 @@ LEAST_NOISE_PX = 0.05
 """Below which no residual is believed."""
 MOST_STEP = 0.3
 """Radians, and share of zoom."""
+
+
+_EYE = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +63,8 @@ class Turn:
         """Turned on by step[:3] radians and zoomed by exp(step[3]), made orthogonal to rounding:
         its error would double with every frame that is predicted from the two before.
         """
-        R = exp_rotation(step[:3]) @ self.R
-        R = R @ (1.5 * np.eye(3) - 0.5 * R.T @ R)
+        R = cv2.Rodrigues(step[:3])[0] @ self.R  # ten times as quick as ours for one
+        R = R @ (1.5 * _EYE - 0.5 * R.T @ R)
         return Turn(R, float(self.zoom * np.exp(step[3])))
 
     def rotated(self, directions: Array) -> Array:
@@ -92,6 +96,7 @@ class Solved:
     covariance of a small turn (radians) and the logarithm of the zoom.  noise_px: one standard
     deviation of the inliers.  pull (S,) and pull_information (S, S): what the points say of the
     numbers of a shear, the turn being unknown: by how much these should change, times information.
+    lever (4, S): how the turn and the zoom follow them.
     """
 
     turn: Turn
@@ -101,6 +106,7 @@ class Solved:
     noise_px: float
     pull: Array
     pull_information: Array
+    lever: Array
 
     @property
     def agreeing(self) -> int:
@@ -152,7 +158,7 @@ def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array)
     own = A[:4, :4] + 1e-9 * np.trace(A[:4, :4]) * np.eye(4)
     taken = np.linalg.solve(own, np.column_stack([A[:4, 4:], b[:4]]))  # what the turn takes up
     alone, pull = A[4:, 4:] - A[4:, :4] @ taken[:, :-1], b[4:] - A[4:, :4] @ taken[:, -1]
-    return Solved(turn, residual, agrees, A[:4, :4], noise, pull, alone)
+    return Solved(turn, residual, agrees, A[:4, :4], noise, pull, alone, -taken[:, :-1])
 
 
 def _start(

@@ -1,0 +1,199 @@
+"""What the finding of a camera's motion is made of: each part keeps its promise alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from keypose.tracker.camera_motion.anchors import Edge, agreed
+from keypose.tracker.camera_motion.landmarks import MOST_KEPT, Landmarks
+from keypose.tracker.camera_motion.lens import Lens
+from keypose.tracker.camera_motion.matches import rotation_from_matches
+from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected
+from keypose.tracker.camera_motion.points import PointFollower, follow
+from keypose.tracker.camera_motion.turn import Turn, linearised, solve_turn
+from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
+from tests.tracker.camera_cases import SMALL, film, off_deg, rendered, texture, turned
+
+LENS = Lens.of(SMALL)
+
+
+def directions(count: int, seed: int = 0) -> Array:
+    uv = np.random.default_rng(seed).uniform((0, 0), (319, 179), (count, 2))
+    return LENS.directions(uv, 1.0)
+
+
+def test_a_large_minority_that_moves_by_itself_is_refused() -> None:
+    rng = np.random.default_rng(1)
+    true, d = Turn(turned(4, -2, 3), 1.1), directions(100)
+    seen = true.flat(d) + rng.normal(0, 0.1 / SMALL.fx, (100, 2))
+    seen[:42] += np.array([30.0, 5.0]) / SMALL.fx
+    solved = solve_turn(d, seen, SMALL.fx, np.ones(100), [Turn.none()])
+    assert solved is not None
+    assert off_deg(solved.turn.R[None], [true.R]).max() < 0.02
+    assert abs(solved.turn.zoom / 1.1 - 1) < 1e-3
+    assert not solved.agrees[:42].any()
+    assert solved.agrees[42:].all()
+
+
+def test_trust_outweighs_number() -> None:
+    """Points that have proved themselves win over more that have not."""
+    d = directions(100)
+    seen = Turn(turned(1.0), 1.0).flat(d)
+    seen[:60] = Turn(turned(-2.0), 1.0).flat(d[:60])
+    trust = np.where(np.arange(100) < 60, 0.2, 1.0)
+    solved = solve_turn(d, seen, SMALL.fx, trust, [Turn.none()])
+    assert solved is not None
+    assert off_deg(solved.turn.R[None], [turned(1.0)]).max() < 0.02
+
+
+def test_the_covariance_is_that_of_the_errors() -> None:
+    rng, d, misses = np.random.default_rng(2), directions(60), []
+    for _ in range(60):
+        seen = Turn.none().flat(d) + rng.normal(0, 0.2 / SMALL.fx, (60, 2))
+        solved = solve_turn(d, seen, SMALL.fx, np.ones(60), [Turn.none()])
+        assert solved is not None
+        miss = np.append(log_rotation(solved.turn.R), np.log(solved.turn.zoom))
+        misses.append(miss @ solved.information @ miss)
+    assert 2.5 < np.mean(misses) < 8.0  # 4 for perfect weights
+
+
+def test_the_slope_is_the_derivative() -> None:
+    turn, d, seen = Turn(turned(3, 2, 1), 1.2), directions(5), np.zeros((5, 2))
+    before, J = linearised(turn, d, seen, SMALL.fx)
+    for axis in range(4):
+        step = 1e-6 * np.eye(4)[axis]
+        after, _ = linearised(turn.moved(step), d, seen, SMALL.fx)
+        assert np.allclose((before - after) / 1e-6, J[..., axis], rtol=1e-3, atol=1e-2)
+
+
+def chain(count: int, drift: Array) -> tuple[list[Turn], list[Edge]]:
+    """Anchors that turn by 5° each, with edges that are each off by a drift (3,)."""
+    turns, edges = [Turn.none()], []
+    for k in range(count - 1):
+        step = Turn(exp_rotation(drift) @ turned(5.0), 1.0)
+        edges.append(Edge(k, k + 1, step, np.eye(4) * 1e6))
+        turns.append(turns[-1].then(step))
+    return turns, edges
+
+
+def test_a_camera_that_comes_back_spreads_its_drift() -> None:
+    turns, edges = chain(7, np.radians([0.0, 0.1, 0.05]))
+    edges.append(Edge(0, 6, Turn(turned(30.0), 1.0), np.eye(4) * 1e10, returns=True))
+    off = off_deg(
+        np.stack([turn.R for turn in agreed(turns, edges)]), [turned(5.0 * k) for k in range(7)]
+    )
+    assert off.max() < 0.02
+    assert off_deg(np.stack([t.R for t in turns]), [turned(5.0 * k) for k in range(7)])[-1] > 0.6
+
+
+def test_a_false_return_loses_its_weight() -> None:
+    turns, edges = chain(7, np.zeros(3))
+    edges.append(Edge(0, 6, Turn(turned(10.0), 1.0), np.eye(4) * 1e6, returns=True))
+    off = off_deg(
+        np.stack([turn.R for turn in agreed(turns, edges)]), [turned(5.0 * k) for k in range(7)]
+    )
+    assert off.max() < 0.05
+
+
+def still_turns(count: int, known: list[int] | None = None) -> Turns:
+    mask = np.ones(count, bool)
+    if known is not None:
+        mask = np.isin(np.arange(count), known)
+    R = np.stack([turned(2.0 * k) for k in range(count)])
+    return Turns(R, np.zeros(count), mask, np.full(count, 1e-4), np.full(count, 1e-4))
+
+
+def test_corrections_are_met_and_errors_lie_where_nothing_is_known() -> None:
+    turns = still_turns(21, known=[*range(8), *range(12, 21)])
+    given = [Correction(16, turns.R[16] @ turned(8.0), 1.5)]
+    path = corrected(turns, given)
+    assert (path.R[16] == given[0].R_camera_world).all()
+    assert path.log_zoom[16] == np.log(1.5)
+    off = off_deg(path.R, list(turns.R))
+    assert off[7] < 0.1
+    assert np.allclose(off[[12, 20]], 8.0, atol=0.1)
+    assert (path.R[0] == turns.R[0]).all()
+
+
+def test_gaps_are_bridged_and_ends_held() -> None:
+    turns = still_turns(12, known=[3, 4, 9])
+    path = bridged(turns)
+    assert (path.R[:3] == turns.R[3]).all()
+    assert (path.R[10:] == turns.R[9]).all()
+    assert off_deg(path.R[4:10], list(turns.R[4:10])).max() < 1e-6
+
+
+DISTORTED = SMALL.model_copy(update={"distortion": (-0.2, 0.05, 0.001, -0.001, 0.0)})
+
+
+@pytest.mark.parametrize("camera", [SMALL, DISTORTED], ids=["ideal", "distorted"])
+@pytest.mark.parametrize("count", [2, 3, 12])
+def test_matched_points_tell_the_turn_and_the_zoom(camera: Camera, count: int) -> None:
+    lens, R = Lens.of(camera), turned(7, -3, 4)
+    one = np.random.default_rng(count).uniform((60, 40), (220, 140), (count, 2))
+    other = lens.pixels(lens.directions(one, 1.2) @ R.T, 1.4)
+    found = rotation_from_matches(one, other, camera, zoom=1.2)
+    assert np.allclose(found.R_other_one, R, atol=1e-7)
+    assert found.zoom == pytest.approx(1.4, abs=1e-6)
+    assert found.error_px.max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ([[10.0, 10.0]], [[20.0, 10.0]]),
+        ([[10.0, 10.0], [50.0, 60.0]], [[20.0, 10.0]]),
+        ([[10.0, 10.0], [11.0, 10.0]], [[20.0, 10.0], [21.0, 10.0]]),
+        ([], []),
+    ],
+)
+def test_too_few_matches_are_refused(one: list[list[float]], other: list[list[float]]) -> None:
+    with pytest.raises(CameraError):
+        rotation_from_matches(np.array(one), np.array(other), SMALL)
+
+
+def test_points_are_followed_without_a_motion_known() -> None:
+    rotations = [turned(0.2 * k) for k in range(12)]
+    masked = np.ones((180, 320), bool)
+    masked[:, :100] = False
+    pictures = film(SMALL, rotations)
+    frames = list(follow(pictures, 320, 180, lambda frame: masked))
+    first, last = frames[0], frames[-1]
+    assert len(np.unique(last.ids)) == len(last.ids) > 80
+    assert (last.uv[last.found][:, 0] > 99).all()
+    ids, at, then = np.intersect1d(first.ids, last.ids[last.found], return_indices=True)
+    assert len(ids) > 60
+    rays = LENS.directions(first.uv[at], 1.0)
+    expected = LENS.pixels(rays @ rotations[-1].T, 1.0)
+    assert np.median(np.linalg.norm(last.uv[last.found][then] - expected, axis=1)) < 0.15
+
+
+def test_landmarks_are_found_in_a_turned_and_zoomed_picture() -> None:
+    R, zoom = turned(3, 1, 12), 1.2
+    one, other = rendered(SMALL, np.eye(3)), rendered(SMALL, R, zoom)
+    follower = PointFollower(320, 180)
+    follower.look(one)
+    anchor = follower.pick(None, np.zeros(0, np.int64), np.zeros((0, 2)))
+    marks = Landmarks()
+    marks.keep(one, 0, anchor.ids, anchor.uv, anchor.uv)
+    rays = LENS.directions(anchor.uv, 1.0)
+    true = LENS.pixels(rays @ R.T, zoom)
+    inside = ((true > 24) & (true < (295, 155))).all(axis=1)
+    warps = np.broadcast_to(zoom * R[:2, :2], (inside.sum(), 2, 2))
+    there, found = marks.register(np.flatnonzero(inside), other, true[inside] + (2.0, -3.0), warps)
+    off = np.linalg.norm(there - true[inside], axis=1)
+    assert found.mean() > 0.8
+    assert np.median(off[found]) < 0.15
+
+
+def test_no_more_landmarks_are_kept_than_memory_has_room_for() -> None:
+    marks, picture = Landmarks(), texture(0, 100, 100)
+    for home in range(6):
+        ids = np.arange(home * 4000, (home + 1) * 4000)
+        uv = np.full((4000, 2), 50.0)
+        marks.keep(picture, home, ids, uv, uv)
+        assert len(marks) <= MOST_KEPT
+    assert set(marks.home.tolist()) == set(range(6))
