@@ -19,7 +19,8 @@ from bench.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "surface",
-    "space", "standing", "mask", "evidence", "drafts", "effort", "rigs", "install", "fuzz", "gains",
+    "space", "standing", "camera", "mask", "evidence", "drafts", "effort", "rigs", "install",
+    "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)
 """Measured only where it is asked for."""

@@ -97,10 +97,10 @@ def _track_looped(frames: int, memory_mb: int | None) -> None:
 
 def _main(frames: int, memory_mb: int | None) -> None:
     _track_looped(frames, memory_mb)
-    print(_peak_bytes() / 1e6)
+    print(peak_bytes() / 1e6)
 
 
-def _peak_bytes() -> int:
+def peak_bytes() -> int:
     """The most memory this process held; getrusage may count what its parent held before it."""
     status = Path("/proc/self/status")
     if status.is_file():

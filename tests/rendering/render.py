@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ def rendered(
 ) -> Iterator[NDArray[np.uint8]]:
     """The frames (H, W, 3) of `render` one after the other."""
     settings = settings or RenderSettings()
-    scene = _Scene.of(skeleton, camera, settings)
+    scene = Stage.of(skeleton, camera, settings)
     rng = np.random.default_rng([settings.seed, 1])
     gains = _gains(len(trajectory), settings)
     for j in range(len(trajectory)):
@@ -56,8 +56,8 @@ def rendered(
 
 
 @dataclass(frozen=True, eq=False)
-class _Scene:
-    """What stays the same from frame to frame."""
+class Stage:
+    """What stays the same from frame to frame. to_light: unit vector in the camera's frame."""
 
     skeleton: Skeleton
     settings: RenderSettings
@@ -68,9 +68,10 @@ class _Scene:
     volume: Floats
     offsets: NDArray[np.float64]
     wall: Floats
+    to_light: NDArray[np.float64] = field(default_factory=TO_LIGHT.copy)
 
     @classmethod
-    def of(cls, skeleton: Skeleton, camera: Camera, settings: RenderSettings) -> _Scene:
+    def of(cls, skeleton: Skeleton, camera: Camera, settings: RenderSettings) -> Stage:
         mesh = BodyMesh.of(skeleton)
         volume = noise_volume(settings.seed)
         rng = np.random.default_rng([settings.seed, 2])
@@ -103,11 +104,11 @@ def _moments(settings: RenderSettings) -> NDArray[np.float64]:
     return shares * settings.shutter
 
 
-def _exposed(scene: _Scene, trajectory: Trajectory, j: int, moment: float) -> Floats:
+def _exposed(scene: Stage, trajectory: Trajectory, j: int, moment: float) -> Floats:
     """The light (H, W, 3) at a moment near frame j."""
     settings, view = scene.settings, scene.view
     picture = _wall(scene.wall, settings.pan_px_per_frame * (j + moment), view.width)
-    _add_body(picture, scene, _transforms(scene.skeleton, trajectory, j, moment))
+    add_body(picture, scene, _transforms(scene.skeleton, trajectory, j, moment))
     if settings.occluder is not None:
         _add_bar(picture, settings.occluder)
     return picture
@@ -133,7 +134,7 @@ def _wall(wall: Floats, shift_px: float, width: int) -> Floats:
     return (1 - part) * stretch[:, :-1] + part * stretch[:, 1:]
 
 
-def _add_body(picture: Floats, scene: _Scene, Ts_eye_part: NDArray[np.float64]) -> None:
+def add_body(picture: Floats, scene: Stage, Ts_eye_part: NDArray[np.float64]) -> None:
     """Lay the body over the picture, in place."""
     left, top, right, bottom = _box(scene, Ts_eye_part)
     if right <= left or bottom <= top:
@@ -150,7 +151,7 @@ def _add_body(picture: Floats, scene: _Scene, Ts_eye_part: NDArray[np.float64]) 
 
 
 def _shade(
-    scene: _Scene,
+    scene: Stage,
     Ts_eye_part: NDArray[np.float64],
     fine: ViewCamera,
     face: NDArray[np.int32],
@@ -176,14 +177,14 @@ def _shade(
         scene.volume,
         scene.colours,
         settings.texture_contrast,
-        TO_LIGHT,
+        scene.to_light,
         settings.ambient,
         light,
         covered,
     )
 
 
-def _box(scene: _Scene, Ts_eye_part: NDArray[np.float64]) -> tuple[int, int, int, int]:
+def _box(scene: Stage, Ts_eye_part: NDArray[np.float64]) -> tuple[int, int, int, int]:
     """Left, top, right, bottom of the pixels the body can touch, right and bottom left out."""
     view = scene.view
     uv = view.project(scene.mesh.posed(Ts_eye_part))

@@ -1,12 +1,24 @@
-"""Find how a film's camera turned and zoomed, from its background.
+"""Find how a film's camera turned and zoomed, or where it went, from its background.
 
     found = find_camera_motion(pictures, camera, frame_count, background)
     found.kind      # "static", "turns" or "moves"
     found.path      # a CameraPath, or None for a static camera
 
+Where it moves (and does not zoom), its way is found in a second pass, in a unit of its own, and
+feet that stand tell how long that is:
+
+    moved = find_moved_path(pictures, camera, frame_count, background)
+    scale = scale_from_stances(moved.path, [StandingPoint(12, p_camera_foot), ...])
+    path = moved.in_metres(scale.metres)            # where scale is not None
+    path = place_corrected(path, [PlaceCorrection(40, T_camera_world)])
+
 `find` is the way in; `odometer` measures frame after frame from anchors, with the points that
 `points` follows and the turns that `turn` solves for; `territory` and `landmarks` know what was
 seen before; `anchors` and `path` put everything together.
+
+Of a camera that moves, `moving` places frame after frame (`resection`) by points whose depths are
+known (`view_map`), begins with two pictures (`two_views`), and adjusts views and depths together
+(`bundle`); `homes` finds points again that come back into view.
 """
 
 from __future__ import annotations
@@ -14,13 +26,16 @@ from __future__ import annotations
 from keypose.tracker.camera_motion.find import (
     CameraKind,
     CameraMotion,
-    FollowedPoints,
     find_camera_motion,
 )
 from keypose.tracker.camera_motion.findings import Finding
 from keypose.tracker.camera_motion.focal import FocalScale
 from keypose.tracker.camera_motion.matches import Matched, rotation_from_matches
+from keypose.tracker.camera_motion.measurements import FollowedPoints
+from keypose.tracker.camera_motion.metric import PathScale, StandingPoint, scale_from_stances
+from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
 from keypose.tracker.camera_motion.path import Correction
+from keypose.tracker.camera_motion.path_drift import PlaceCorrection, place_corrected
 
 __all__ = [
     "CameraKind",
@@ -30,6 +45,13 @@ __all__ = [
     "FocalScale",
     "FollowedPoints",
     "Matched",
+    "MovedPath",
+    "PathScale",
+    "PlaceCorrection",
+    "StandingPoint",
     "find_camera_motion",
+    "find_moved_path",
+    "place_corrected",
     "rotation_from_matches",
+    "scale_from_stances",
 ]

@@ -48,8 +48,9 @@ SEEN_SHARE, AWAY_SHARE = 0.6, 0.22
 this share of its width."""
 ROLL, ZOOM = np.radians(8.0), 0.14
 """Or rolled, or zoomed, so far that windows no longer look alike."""
-SOONEST = 4
-"""Frames from an anchor to the next, where points merely become few."""
+SOONEST, SCARCE = 4, 20
+"""Frames from an anchor to the next, where points merely become fewer; not where they are less
+than so many."""
 TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
 LEAST_CHANGE_PX = 1.5
 """Of the speed since the anchor, a frame: with less nothing is said of the shutter."""
@@ -67,7 +68,8 @@ class Measured:
 
     turn: from the anchor's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points found.
-    share: of the points that could be seen, those that agree.  lever (4, 2): how the turn and the
+    share: of the points followed from the frame before, or of those in view, those that moved
+    alike, whichever is more.  lever (4, 2): how the turn and the
     logarithm of the zoom follow the readout, of which `readout` (2,) was used.
     """
 
@@ -82,10 +84,6 @@ class Measured:
     share: float = 1.0
     lever: Array = field(default_factory=lambda: np.zeros((4, 2)))
     readout: Array = field(default_factory=lambda: np.zeros(2))
-
-    def straightened(self, readout: Array) -> Turn:
-        """The turn as it would have been measured with another readout (2,)."""
-        return self.turn.moved(self.lever @ (readout - self.readout))
 
 
 @dataclass(eq=False)
@@ -130,6 +128,7 @@ class Odometer:
         self._left: list[_Scene] = []
         self._turn, self._step = Turn.none(), Turn.none()
         self._uv = np.zeros((0, 2))
+        self._alike = 1.0
         self._lost, self._cut = 0, -1
         self._little: Array | None = None
 
@@ -181,6 +180,7 @@ class Odometer:
         starts = [self._turn.then(self._step), self._turn]
         first = self._solve(rough, followed, starts, SCALES_PX, None)
         sure = first is not None and first.agreeing >= max(FEWEST_AGREE, 0.5 * followed.sum())
+        self._alike = first.agreeing / followed.sum() if first is not None else 1.0
         turn = starts[1] if first is None or first.agreeing < FEWEST_AGREE else first.turn
         self._uv, found = self._points.refine(self._expected(turn), usable, 0 if sure else 1)
         scales = SCALES_PX[-1:] if sure else SCALES_PX
@@ -247,7 +247,7 @@ class Odometer:
             error_px=float(error) / self.scale,
             uv=self._uv[found].astype(np.float32),
             good=solved.agrees,
-            share=solved.agreeing / max(int(found.sum()), self._points.visible),
+            share=max(self._alike, solved.agreeing / max(self._points.visible, 1)),
             lever=solved.lever if solved.lever.size else np.zeros((4, 2)),
             readout=readout,
         )
@@ -395,7 +395,8 @@ class Odometer:
         scene = self._current
         scene.most_found = max(scene.most_found, int(found.sum()))
         few = found.sum() < SEEN_SHARE * scene.most_found
-        return bool(few and frame - self.territory.frames[-1] >= SOONEST)
+        late = frame - self.territory.frames[-1] >= SOONEST or found.sum() < SCARCE
+        return bool(few and late)
 
     def _advance_anchor(
         self, frame: int, usable: Mask | None, agrees: NDArray[np.bool_], measured: Measured

@@ -93,7 +93,6 @@ class PointFollower:
     _half: Grey | None = field(default=None, init=False)
     _half_before: Grey | None = field(default=None, init=False)
     _last: Array = field(default_factory=lambda: np.zeros((0, 2)), init=False)
-    _found: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool), init=False)
     _next_id: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
@@ -103,7 +102,8 @@ class PointFollower:
         """Take the next picture and return roughly where the anchor's points went (K, 2), and
         which of them (K,) were followed from the picture before.
 
-        most: how many are asked, of those found in the picture before if there are enough.
+        most: how many are asked, of those in the picture before, found in it or not: what moves
+        there tells how much of the picture moves alike.
         """
         self._raw = self._small(picture)
         self._now = _exposed(self._raw, self._exposure)
@@ -145,9 +145,10 @@ class PointFollower:
         every = np.arange(len(self._last))
         if most is None or len(every) <= most:
             return every
-        seen = np.flatnonzero(self._found)
-        from_ = seen if len(seen) >= most else every
-        return np.asarray(from_[np.linspace(0, len(from_) - 1, most).astype(int)])
+        inside = every[self.inside(self.to_look(self._last), 0.0)]
+        if len(inside) <= most:
+            return inside
+        return np.asarray(inside[np.linspace(0, len(inside) - 1, most).astype(int)])
 
     def refine(
         self, expected: Array, usable: Mask | None, halvings: int = 1
@@ -172,7 +173,7 @@ class PointFollower:
         uv = self.to_film(there)
         found &= self._on(open_, uv)
         uv = np.where(found[:, None], uv, expected)
-        self._last, self._found = uv, found
+        self._last = uv
         return uv, found
 
     def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> Anchor:
@@ -196,7 +197,6 @@ class PointFollower:
         """Go on with an anchor whose points were or would be at (K, 2) in the latest picture."""
         assert self._raw is not None
         self.anchor, self._last = anchor, expected
-        self._found = np.ones(len(anchor.ids), bool)
         self._exposure = _SAME
         self._now, self._half = self._raw, _halved(self._raw)
 

@@ -269,16 +269,25 @@ def test_work_can_be_cancelled_and_says_how_far_it_is(wandered: list[Grey]) -> N
     assert told == [(1, FRAMES), (2, FRAMES), (3, FRAMES)]
 
 
+@pytest.mark.parametrize(("width", "height"), [(2, 2), (17, 31), (64, 48), (900, 24)])
+def test_pictures_of_any_size_are_looked_at(width: int, height: int) -> None:
+    camera, around = Camera.guess(width, height), texture(3)
+    pictures = [around[90 : 90 + height, k : k + width].copy() for k in range(8)]
+    found = found_in(pictures, camera)
+    assert len(found.known) == 8
+    assert (found.kind == "turns") == (width > 17)
+
+
 def test_pictures_of_another_size_are_refused(wandered: list[Grey]) -> None:
     with pytest.raises(CameraError, match="320×180"):
         found_in([wandered[0][:100]])
 
 
-def test_something_large_that_no_mask_covers_is_reported() -> None:
-    still, wide = film(SMALL, [np.eye(3)] * 24), texture(7)[:170, :250]
-    pictures = [p.copy() for p in still]
+def test_something_large_that_no_mask_covers_is_reported(wandered: list[Grey]) -> None:
+    pictures = [picture.copy() for picture in wandered]
     for frame, picture in enumerate(pictures):
-        picture[10:, 2 * frame : 250 + 2 * frame] = wide
+        left = 20 + round(8 * np.sin(0.5 * frame))
+        picture[20:, left : left + 250] = texture(7)[:160, :250]
     assert "not_rigid" in kinds(found_in(pictures))
 
 

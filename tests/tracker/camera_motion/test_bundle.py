@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from keypose.tracker.camera_motion import bundle as bundles
+from keypose.tracker.camera_motion.bundle import adjusted, away, nudged, relative
+from tests.tracker.camera_motion.place_cases import Place, bundle_of, off_by
+
+
+def test_places_and_depths_are_found_from_noisy_places_in_pictures_with_outliers():
+    place = Place.of()
+    start, depths = bundle_of(place, outliers=0.08)
+    found, spread = adjusted(start, steps=30)
+    errors = [off_by(T, true) for T, true in zip(found.Ts, place.Ts, strict=True)]
+    assert max(turn for turn, _ in errors) < 0.03
+    assert max(shift for _, shift in errors) < 0.006
+    within = np.abs(found.depths - depths) / spread
+    assert 0.4 < np.median(within) < 2.0  # more than 0.67: the places are not as well known
+
+
+def test_the_slopes_are_those_of_finite_differences():
+    bundle, _ = bundle_of(Place.of(views=4, points=30))
+    J, by_depth, miss, _ = bundles._slopes(bundle)
+    for k in range(6):
+        step = np.zeros((4, 6))
+        step[2, k] = 1e-7
+        moved = bundles._misses(replace(bundle, Ts=nudged(bundle.Ts, step)))[0]
+        own = (bundle.view == 2)[:, None] * J[..., k]
+        homes = (bundle.home[bundle.point] == 2)[:, None] * J[..., 6 + k]
+        np.testing.assert_allclose((moved - miss) / 1e-7, own + homes, atol=1e-3)
+    moved = bundles._misses(replace(bundle, depths=bundle.depths + 1e-7))[0]
+    np.testing.assert_allclose((moved - miss) / 1e-7, by_depth, atol=2e-3)
+
+
+def test_sparse_equations_and_those_in_pieces_give_the_same_places(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    start, _ = bundle_of(Place.of())
+    dense = adjusted(start, steps=3)[0]
+    monkeypatch.setattr(bundles, "DENSE", 0)
+    monkeypatch.setattr(bundles, "MOST_AT_ONCE", 100)
+    sparse = adjusted(start, steps=3)[0]
+    np.testing.assert_allclose(sparse.Ts, dense.Ts, atol=1e-12)
+    np.testing.assert_allclose(sparse.depths, dense.depths, atol=1e-12)
+
+
+def test_a_point_at_infinity_is_seen_in_a_direction_wherever_the_camera_is():
+    bundle, _ = bundle_of(Place.of(), off=0.0)
+    far = replace(bundle, depths=np.zeros(len(bundle.depths)))
+    rays = np.concatenate([far.rays, np.ones((len(far.rays), 1))], axis=1)
+    R = far.Ts[:, :3, :3]
+    turn = R[far.view] @ np.swapaxes(R[far.home[far.point]], 1, 2)
+    np.testing.assert_allclose(relative(far), np.einsum("nab,nb->na", turn, rays[far.point]))
+
+
+def test_a_point_behind_a_camera_is_infinitely_far_from_where_it_is_seen():
+    bundle, _ = bundle_of(Place.of(), off=0.0)
+    Ts = bundle.Ts.copy()
+    Ts[-1, :3, :3] = np.diag([-1.0, 1.0, -1.0]) @ Ts[-1, :3, :3]
+    turned = replace(bundle, Ts=Ts)
+    assert np.isinf(away(turned)[turned.view == len(Ts) - 1]).all()
+    assert np.isfinite(adjusted(turned, steps=2)[0].Ts).all()

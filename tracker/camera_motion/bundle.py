@@ -1,0 +1,276 @@
+"""Adjust where a camera was in several pictures, and how far all points are, in one solve.
+
+A point lies along the ray by which it was first seen, its *home*, at an inverse depth: 0 is
+infinitely far, so that a point whose depth nothing tells yet is as good as any. What is minimised
+are the distances between where points are seen and where they should be, in standard deviations,
+weighed by Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
+
+Places in pictures are x/z and y/z. Lengths have one unit, whichever it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse.linalg import splu
+
+from keypose.tracker.geometry.rotations import Array, exp_rotation, transpose
+
+Indices = NDArray[np.int64]
+
+KERNEL = 2.0
+"""Standard deviations at which Cauchy's kernel bends."""
+LEAST_DEPTH = 1e-3
+"""Of a point before the camera, in depths of its home."""
+DENSE = 24
+"""With more pictures that may move, the equations are kept sparse."""
+MOST_AT_ONCE = 20_000
+"""Places whose slopes are held at a time."""
+LEAST_GAIN = 1e-4
+"""Of the cost, below which a solve ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bundle:
+    """V pictures, P points, N places at which points are seen, without those of their homes.
+
+    Ts: (V, 4, 4) camera from world.  free: (V,), the others stay as they are.
+    home: (P,) pictures.  rays: (P, 2) places there.  depths: (P,) inverse.
+    mean, spread: (P,) of the depths, before anything is seen.
+    view, point: (N,) indices.  xy: (N, 2).  noise: standard deviation of a place.
+    """
+
+    Ts: Array
+    free: NDArray[np.bool_]
+    home: Indices
+    rays: Array
+    depths: Array
+    mean: Array
+    spread: Array
+    view: Indices
+    point: Indices
+    xy: Array
+    noise: float
+
+    def only(self, rows: Indices) -> Bundle:
+        """The same with some of the places."""
+        return replace(self, view=self.view[rows], point=self.point[rows], xy=self.xy[rows])
+
+
+def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
+    """Return it after Levenberg and Marquardt's steps, and the depths' standard deviations (P,)
+    with the pictures taken as known.
+    """
+    damping, cost = 1e-4, _cost(bundle, _misses(bundle)[1])
+    equations = _Equations.of(bundle)
+    for _ in range(steps):
+        equations.build(bundle)
+        better = bundle
+        for _ in range(4):
+            better = equations.stepped(bundle, damping)
+            new = _cost(better, _misses(better)[1])
+            if new < cost:
+                break
+            damping *= 10
+        else:
+            break
+        gain, bundle, cost, damping = cost - new, better, new, damping / 5
+        if gain < LEAST_GAIN * cost:
+            break
+    equations.build(bundle)
+    return bundle, 1 / np.sqrt(equations.H_depth)
+
+
+def away(bundle: Bundle) -> Array:
+    """Distances (N,) of what is seen from where it should be, standard deviations; inf behind."""
+    return np.sqrt(_misses(bundle)[1])
+
+
+def cost_of(bundle: Bundle) -> float:
+    """What is minimised."""
+    return _cost(bundle, _misses(bundle)[1])
+
+
+def relative(bundle: Bundle) -> Array:
+    """Where points are in the pictures that see them (N, 3), their depth at home the unit."""
+    R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
+    home, depth = bundle.home, bundle.depths[:, None]
+    b = np.concatenate([bundle.rays, np.ones((len(home), 1))], axis=1)
+    in_world = np.einsum("pba,pb->pa", R[home], b - depth * t[home])
+    i, j = bundle.view, bundle.point
+    return np.asarray(np.einsum("nab,nb->na", R[i], in_world[j]) + depth[j] * t[i])
+
+
+def _misses(bundle: Bundle) -> tuple[Array, Array]:
+    """Residuals (N, 2) and their squares (N,), in standard deviations; inf behind."""
+    Y = relative(bundle)
+    ahead = Y[:, 2] > LEAST_DEPTH
+    z = np.where(ahead, Y[:, 2], 1.0)
+    miss = (Y[:, :2] / z[:, None] - bundle.xy) / bundle.noise
+    return miss, np.where(ahead, (miss**2).sum(axis=1), np.inf)
+
+
+def _cost(bundle: Bundle, squares: Array) -> float:
+    seen = KERNEL**2 * np.log1p(np.minimum(squares, 1e6) / KERNEL**2)
+    prior = ((bundle.depths - bundle.mean) / bundle.spread) ** 2
+    return float(seen.sum() + prior.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class _Some:
+    """Some of the places, few enough to have their slopes in memory at a time.
+
+    rows: sorted by the slots of picture and home.  pairs (R, 2): slots that occur together, and
+    starts (R,): where in the rows each pair begins.
+    """
+
+    rows: Indices
+    pairs: Indices
+    starts: Indices
+
+
+@dataclass(eq=False)
+class _Equations:
+    """Normal equations of a bundle: M pictures may move, and one more slot is for all others."""
+
+    slot: Indices
+    count: int
+    some: list[_Some]
+    H_depth: Array
+    g_depth: Array
+    H: Array | sparse.csr_array
+    g: Array
+    E: Array | sparse.csr_array
+
+    @classmethod
+    def of(cls, bundle: Bundle) -> _Equations:
+        count = int(bundle.free.sum())
+        slot = np.where(bundle.free, np.cumsum(bundle.free) - 1, count).astype(np.int64)
+        key = slot[bundle.view] * (count + 1) + slot[bundle.home[bundle.point]]
+        order = np.argsort(key, kind="stable")
+        some = []
+        for first in range(0, len(order), MOST_AT_ONCE):
+            rows = order[first : first + MOST_AT_ONCE]
+            found, starts = np.unique(key[rows], return_index=True)
+            some.append(_Some(rows, np.stack(np.divmod(found, count + 1), axis=1), starts))
+        none = np.zeros(0)
+        return cls(slot, count, some, none, none, none, none, none)
+
+    def build(self, bundle: Bundle) -> None:
+        """Take the equations at where the bundle is."""
+        self.H_depth = 1 / bundle.spread**2
+        self.g_depth = (bundle.depths - bundle.mean) / bundle.spread**2
+        sums, cross = [], []
+        for some in self.some:
+            part = bundle.only(some.rows)
+            J, depth, miss, weight = _slopes(part)
+            wJ, count = weight[:, None, None] * J, len(bundle.home)
+            self.H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
+            self.g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
+            blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
+            sums.append(np.add.reduceat(blocks, some.starts, axis=0))
+            cross.append(self._cross(part, np.einsum("nka,nk->na", wJ, depth)))
+        pairs = np.concatenate([some.pairs for some in self.some])
+        self._gather(pairs, np.concatenate(sums))
+        rows, columns, values = (np.concatenate(one) for one in zip(*cross, strict=True))
+        self.E = self._matrix(rows, columns, values, len(bundle.home))
+
+    def _gather(self, pairs: Indices, sums: Array) -> None:
+        """Sum the blocks (R, 12, 13) of all pairs into H (6M, 6M) and g (6M,)."""
+        m, (view, home) = self.count, pairs.T
+        g = np.zeros((m + 1, 6))
+        np.add.at(g, view, sums[:, :6, 12])
+        np.add.at(g, home, sums[:, 6:, 12])
+        self.g = g[:m].ravel()
+        one, other = np.concatenate([view, home, view, home]), [view, home, home, view]
+        second = np.concatenate(other)
+        blocks = np.concatenate(
+            [sums[:, :6, :6], sums[:, 6:, 6:12], sums[:, :6, 6:12], sums[:, 6:, :6]]
+        )
+        kept = (one < m) & (second < m)
+        steps = np.arange(6)
+        rows = np.broadcast_to(6 * one[kept, None, None] + steps[:, None], (kept.sum(), 6, 6))
+        columns = np.broadcast_to(6 * second[kept, None, None] + steps, (kept.sum(), 6, 6))
+        self.H = self._matrix(rows.ravel(), columns.ravel(), blocks[kept].ravel(), 6 * m)
+
+    def _cross(self, part: Bundle, both: Array) -> tuple[Indices, Indices, Array]:
+        """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the home."""
+        slots = np.concatenate([self.slot[part.view], self.slot[part.home[part.point]]])
+        points = np.concatenate([part.point, part.point])
+        kept = slots < self.count
+        columns = (6 * slots[kept, None] + np.arange(6)).ravel()
+        values = np.concatenate([both[:, :6], both[:, 6:]])[kept].ravel()
+        return np.repeat(points[kept], 6), columns, values
+
+    def _matrix(
+        self, rows: Indices, columns: Indices, values: Array, height: int
+    ) -> Array | sparse.csr_array:
+        """(height, 6M), what has one place summed."""
+        width = 6 * self.count
+        if self.count > DENSE:
+            return sparse.csr_array((values, (rows, columns)), shape=(height, width))
+        flat = np.bincount(rows * width + columns, values, height * width)
+        return np.asarray(flat, float).reshape(height, width)
+
+    def stepped(self, bundle: Bundle, damping: float) -> Bundle:
+        """The bundle, one step on."""
+        inverse = 1 / (self.H_depth * (1 + damping))
+        g = self.g - self.E.T @ (inverse * self.g_depth)
+        more = damping * self.H.diagonal() + 1e-9
+        if isinstance(self.E, np.ndarray):
+            S = self.H + np.diag(more) - self.E.T @ (inverse[:, None] * self.E)
+            step = -cho_solve(cho_factor(S, check_finite=False), g) if len(g) else -g
+        else:
+            S = self.H + sparse.diags_array(more) - self.E.T @ self.E.multiply(inverse[:, None])
+            step = -splu(sparse.csc_matrix(S)).solve(g)
+        depths = bundle.depths - inverse * (self.g_depth + self.E @ step)
+        Ts = bundle.Ts.copy()
+        Ts[bundle.free] = nudged(Ts[bundle.free], step.reshape(-1, 6))
+        return replace(bundle, Ts=Ts, depths=depths)
+
+
+def nudged(Ts: Array, steps: Array) -> Array:
+    """T (..., 4, 4) moved and then turned in their own frames by (..., 6): p + w × p + v."""
+    R = exp_rotation(steps[..., 3:])
+    moved = Ts.copy()
+    moved[..., :3, :3] = R @ Ts[..., :3, :3]
+    moved[..., :3, 3] = (R @ Ts[..., :3, 3:])[..., 0] + steps[..., :3]
+    return moved
+
+
+def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
+    """Slopes (N, 2, 12) of the residuals by picture and home, (N, 2) by depth, the residuals
+    (N, 2) and the weights (N,).
+    """
+    Y, (miss, squares) = relative(bundle), _misses(bundle)
+    i, j = bundle.view, bundle.point
+    R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
+    home, depth = bundle.home[j], bundle.depths[j]
+    weight = 1 / (1 + squares / KERNEL**2)
+    P = projection_slopes(Y) / bundle.noise
+    PR = P @ R[i] @ transpose(R[home])
+    # of the camera frame's motion v, w: δY = depth v + w × Y; of the home's: the same, turned back
+    b = np.concatenate([bundle.rays[j], np.ones((len(j), 1))], axis=1)
+    own = np.concatenate([P * depth[:, None, None], cross_rows(P, Y)], axis=2)
+    homes = -np.concatenate([PR * depth[:, None, None], cross_rows(PR, b)], axis=2)
+    shift = t[i] - np.einsum("nab,ncb,nc->na", R[i], R[home], t[home], optimize=True)
+    by_depth = np.einsum("nka,na->nk", P, shift)
+    return np.concatenate([own, homes], axis=2), by_depth, miss, weight
+
+
+def projection_slopes(Y: Array) -> Array:
+    """(N, 2, 3) of x/z and y/z by the place (N, 3); what is behind counts as just before."""
+    z = np.maximum(Y[:, 2], LEAST_DEPTH)
+    P = np.zeros((len(Y), 2, 3))
+    P[:, 0, 0] = P[:, 1, 1] = 1 / z
+    P[:, :, 2] = -Y[:, :2] / (z * z)[:, None]
+    return P
+
+
+def cross_rows(P: Array, Y: Array) -> Array:
+    """(N, 2, 3): P (w × Y) as a map of w."""
+    return np.cross(Y[:, None, :], P)

@@ -1,0 +1,102 @@
+"""Find where a camera is in one picture from points whose places are known more or less.
+
+A point whose depth is uncertain counts fully across the line along which depth would shift it in
+the picture, and along it by as much as is known. With points at infinity alone the camera is
+turned, and stays where it is expected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.camera_motion.bundle import KERNEL, LEAST_DEPTH, nudged
+from keypose.tracker.geometry.rotations import Array
+
+SCALES = (6.0, 2.5, 1.0, 1.0, 1.0)
+"""Of the noise from step to step: far off at first, what is right must not seem an outlier."""
+INLIER = 3.0
+"""Standard deviations."""
+DONE = 2e-5
+"""Radians, and usual depths, of a step after which the camera is where it is."""
+
+
+@dataclass(frozen=True, eq=False)
+class SeenPoints:
+    """K points and where they are seen.
+
+    world: (K, 3), times their inverse depths (K,); so a point at infinity is a direction.
+    spread: (K,) standard deviations of the inverse depths.  eyes: (K, 3), the places from which
+        these depths count.  xy: (K, 2).
+    """
+
+    world: Array
+    depths: Array
+    spread: Array
+    eyes: Array
+    xy: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Resected:
+    """T (4, 4) camera from world, which points (K,) agree, and the median distance of these from
+    where they should be, standard deviations; NaN of none.
+    """
+
+    T: Array
+    agree: NDArray[np.bool_]
+    error: float
+
+
+def resected(
+    start: Array,
+    seen: SeenPoints,
+    noise: float,
+    step_sd: float,
+    scales: tuple[float, ...] = SCALES,
+) -> Resected:
+    """Gauss–Newton on robustly weighed residuals.
+
+    start: (4, 4).  noise: standard deviation of a place.  step_sd: how far from the start's place
+    the camera may be, all else unknown.
+    """
+    T, held = start, np.diag([1 / step_sd**2] * 3 + [1e-6] * 3)
+    for scale in scales:
+        J, miss, squares = _whitened(T, seen, scale * noise)
+        wJ = J / (1 + squares / KERNEL**2)
+        gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]
+        H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
+        g = wJ.reshape(6, -1) @ miss.ravel()
+        g[:3] += gone / step_sd**2
+        step = -np.asarray(np.linalg.solve(H, g), float)
+        T = nudged(T, step)
+        if scale == 1.0 and np.abs(step).max() < DONE:
+            break
+    squares = _whitened(T, seen, noise)[2]
+    agree = squares < INLIER**2
+    return Resected(T, agree, float(np.sqrt(np.median(squares[agree]))) if agree.any() else np.nan)
+
+
+def _whitened(T: Array, seen: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
+    """Slopes (6, 2, K), residuals (2, K) and their squares (K,), in standard deviations."""
+    R, t, depth = T[:3, :3], T[:3, 3:], seen.depths
+    Y = R @ seen.world.T + depth * t
+    ahead = Y[2] > LEAST_DEPTH
+    near = 1 / np.where(ahead, Y[2], 1.0)
+    u, v = xy = Y[:2] * near
+    miss = xy - seen.xy.T
+    shift = R @ seen.eyes.T + t
+    along = near * (shift[:2] - xy * shift[2])
+    length = np.sqrt((along**2).sum(axis=0))
+    # what an uncertain depth does along its line weighs less: the square root of the inverse of
+    # the covariance is I − kept · unit unitᵀ, over the noise
+    kept = 1 - noise / np.sqrt(noise**2 + (seen.spread * length) ** 2)
+    unit = along / np.maximum(length, 1e-12)
+    a, zero, uv = depth * near, np.zeros_like(u), u * v
+    J = np.stack([a, zero, zero, a, -a * u, -a * v, -uv, -1 - v * v, 1 + u * u, uv, -v, u])
+    J = J.reshape(6, 2, -1)
+    J = (J - (J * unit).sum(axis=1, keepdims=True) * (kept * unit)) * (ahead / noise)
+    miss = (miss - (miss * unit).sum(axis=0) * (kept * unit)) * (ahead / noise)
+    return J, miss, np.where(ahead, (miss**2).sum(axis=0), np.inf)

@@ -1,0 +1,116 @@
+"""Find how a camera moved between two pictures, and how far points are, from nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.camera_motion.bundle import Bundle, adjusted, away
+from keypose.tracker.geometry.rotations import Array, nearest_rotation, transform
+
+FEWEST = 20
+"""Points that a motion is believed from."""
+LEAST_AGREE = 0.6
+"""Share of the points that a motion must explain, all of them before both cameras."""
+INLIER = 3.0
+"""Standard deviations."""
+TURN_STEPS = 6
+THRESHOLDS = (1.5, 4.0)
+"""Of the essential matrix, standard deviations; the one that explains more points counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwoViews:
+    """T: (4, 4) of the second camera in the first, the middle depth of points the unit of length.
+
+    depths, spread: (K,) inverse, along the first picture's rays.  agree: (K,).
+    """
+
+    T: Array
+    depths: Array
+    spread: Array
+    agree: NDArray[np.bool_]
+
+
+def parallax(one: Array, other: Array, noise: float) -> float:
+    """Return the median distance of places (K, 2) in two pictures that no turn of the camera
+    explains, in standard deviations.
+    """
+    a, b = (np.concatenate([xy, np.ones((len(xy), 1))], axis=1) for xy in (one, other))
+    a, b = (ray / np.linalg.norm(ray, axis=1, keepdims=True) for ray in (a, b))
+    R, weight = nearest_rotation(b.T @ a), np.ones(len(a))
+    for _ in range(TURN_STEPS):
+        left = np.linalg.norm(b - a @ R.T, axis=1) / noise
+        weight = 1 / (1 + (left / max(float(np.median(left)), 1.0)) ** 2)
+        R = nearest_rotation((b * weight[:, None]).T @ a)
+    return float(np.median(np.linalg.norm(b - a @ R.T, axis=1)) / noise)
+
+
+def two_views(one: Array, other: Array, noise: float) -> TwoViews | None:
+    """The motion that explains where points (K, 2) are seen in both, by the essential matrix and
+    then at the least cost; None where none does.
+    """
+    if len(one) < FEWEST:
+        return None
+    found = [_by_essential(one, other, noise, wide) for wide in THRESHOLDS]
+    return max(
+        (motion for motion in found if motion is not None),
+        key=lambda motion: motion.agree.mean(),
+        default=None,
+    )
+
+
+def _by_essential(one: Array, other: Array, noise: float, wide: float) -> TwoViews | None:
+    cv2.setRNGSeed(0)  # the same pictures give the same motion
+    E, inside = cv2.findEssentialMat(
+        one, other, np.eye(3), method=cv2.RANSAC, prob=0.9999, threshold=wide * noise
+    )
+    if np.shape(E) != (3, 3):
+        return None
+    *turns, t = (np.asarray(one, float) for one in cv2.decomposeEssentialMat(E))
+    motions = [transform(R, sign * t[:, 0]) for R in turns for sign in (1.0, -1.0)]
+    ahead = [_ahead(T, one, other) & (inside[:, 0] > 0) for T in motions]
+    best = int(np.argmax([flags.sum() for flags in ahead]))
+    T, good = motions[best], ahead[best]
+    if good.sum() < FEWEST:
+        return None
+    depths = along_rays(T, one, other)
+    unit = float(np.median(depths[good]))
+    T[:3, 3] *= unit
+    return _adjusted(T, np.where(good, depths / unit, 1.0), one, other, noise)
+
+
+def _ahead(T: Array, one: Array, other: Array) -> NDArray[np.bool_]:
+    """Which points (K,) lie before both cameras."""
+    depths = along_rays(T, one, other)
+    z = one @ T[2, :2] + T[2, 2] + depths * T[2, 3]
+    return np.asarray((depths > 0) & (z > 0))
+
+
+def along_rays(T: Array, one: Array, other: Array) -> Array:
+    """Inverse depths (K,) at which points of the first picture (K, 2) come nearest to where the
+    second, at T (4, 4) in the first, sees them.
+    """
+    Rb = np.concatenate([one, np.ones((len(one), 1))], axis=1) @ T[:3, :3].T
+    p = Rb[:, :2] - other * Rb[:, 2:]
+    q = T[:2, 3] - other * T[2, 3]
+    return np.asarray(-(p * q).sum(axis=1) / np.maximum((q * q).sum(axis=1), 1e-18))
+
+
+def _adjusted(T: Array, depths: Array, one: Array, other: Array, noise: float) -> TwoViews | None:
+    """The two pictures and all points, adjusted."""
+    count = len(one)
+    bundle = Bundle(
+        Ts=np.stack([np.eye(4), T]), free=np.array([False, True]),
+        home=np.zeros(count, int), rays=one, depths=depths,
+        mean=np.ones(count), spread=np.full(count, 2.0),
+        view=np.ones(count, int), point=np.arange(count), xy=other, noise=noise,
+    )  # fmt: skip
+    bundle, spread = adjusted(bundle, steps=15)
+    agree = (away(bundle) < INLIER) & (bundle.depths > 0)
+    if agree.mean() < LEAST_AGREE or agree.sum() < FEWEST:
+        return None
+    return TwoViews(bundle.Ts[1], bundle.depths, spread, agree)
