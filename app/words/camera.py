@@ -23,6 +23,7 @@ _FINDINGS: Final = {
     "no_picture": "{frames}: the pictures cannot be read. The camera is bridged there.",
     "rolling_shutter": "The shutter rolls: a picture is exposed over {amount:.0%} of the time "
     "between frames. The camera's turns are freed of it.",
+    "not_in_file": "{frames}: the imported file does not have them. The camera is bridged there.",
     "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
     "alone.",
 }

@@ -62,7 +62,8 @@ class CameraFinding(Plain):
     nothing ties it to what was before.  not_rigid: what is seen does not move as one, such as
     water or a crowd.  no_picture: frames cannot be read.  rolling_shutter: rows are exposed one
     after another, over `amount` of the time between frames.  no_parallax: nothing shows that the
-    camera was elsewhere than at the first frame.
+    camera was elsewhere than at the first frame.  not_in_file: the file that it was imported from
+    does not name these frames.
     """
 
     kind: Literal[
@@ -73,6 +74,7 @@ class CameraFinding(Plain):
         "no_picture",
         "rolling_shutter",
         "no_parallax",
+        "not_in_file",
     ]
     first_frame: FrameIndex
     last_frame: FrameIndex
