@@ -88,7 +88,8 @@ def test_usd_has_the_camera_at_every_frame(tmp_path: Path) -> None:
     from tests.tracker.formats.test_usd import opened
 
     made = moving()
-    camera = UsdGeom.Camera(opened(made, tmp_path).GetPrimAtPath("/Camera"))
+    stage = opened(made, tmp_path)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/Camera"))
     first = camera.GetFocalLengthAttr().Get(made.numbers[0])
     for row in (0, 30, 72):
         T = np.array(camera.ComputeLocalToWorldTransform(made.numbers[row])).T
