@@ -87,7 +87,7 @@ def test_usd_has_the_camera_at_every_frame(tmp_path: Path) -> None:
 
     from tests.tracker.formats.test_usd import opened
 
-    made = moving()
+    made = replace(moving(), times_s=np.arange(FRAMES) / 30, rate=30.0)
     stage = opened(made, tmp_path)
     camera = UsdGeom.Camera(stage.GetPrimAtPath("/Camera"))
     first = camera.GetFocalLengthAttr().Get(made.numbers[0])
