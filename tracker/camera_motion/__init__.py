@@ -26,12 +26,12 @@ from __future__ import annotations
 from keypose.tracker.camera_motion.find import (
     CameraKind,
     CameraMotion,
-    FollowedPoints,
     find_camera_motion,
 )
 from keypose.tracker.camera_motion.findings import Finding
 from keypose.tracker.camera_motion.focal import FocalScale
 from keypose.tracker.camera_motion.matches import Matched, rotation_from_matches
+from keypose.tracker.camera_motion.measurements import FollowedPoints
 from keypose.tracker.camera_motion.metric import PathScale, StandingPoint, scale_from_stances
 from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
 from keypose.tracker.camera_motion.path import Correction

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
 from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
 from keypose.tracker.camera_motion.lens import Lens
-from keypose.tracker.camera_motion.odometer import Measured, Odometer
-from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected, joined
+from keypose.tracker.camera_motion.measurements import FollowedPoints, Measurements
+from keypose.tracker.camera_motion.odometer import Odometer
+from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Summary
@@ -34,24 +35,6 @@ AGREEING_SHARE = 0.73
 """Share of the points that must move alike, in the middle frame, or that is reported."""
 STILL_ASIDE_SHARE = 0.6
 """The same where all others stand still: something large then moves before a static camera."""
-
-
-@dataclass(frozen=True, eq=False)
-class FollowedPoints:
-    """Points followed in N frames: those of frame i are [starts[i], starts[i + 1]).
-
-    uv (P, 2) float32, pixels of the film.  good (P,): whether they move as the background does.
-    starts (N + 1,).
-    """
-
-    uv: NDArray[np.float32]
-    good: NDArray[np.bool_]
-    starts: NDArray[np.int64]
-
-    def of(self, frame: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Places (K, 2) and verdicts (K,) of one frame."""
-        span = slice(self.starts[frame], self.starts[frame + 1])
-        return self.uv[span], self.good[span]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,36 +74,27 @@ def find_camera_motion(
     where it is known.  progress(done, expected) after every frame; what it raises ends the work.
     CameraError where a picture has not the camera's size.
     """
-    odometer, measured = Odometer(Lens.of(camera)), []
+    odometer, measured = Odometer(Lens.of(camera)), Measurements()
     for frame, picture in enumerate(pictures):
         _require_size(picture, camera)
-        measured.append(odometer.advance(frame, picture, background(frame)))
+        measured.add(odometer.advance(frame, picture, background(frame)))
         progress(frame + 1, max(frame_count, frame + 1))
     odometer.finish()
-    if not measured:
+    if not len(measured):
         none = np.zeros(0)
-        return CameraMotion("static", None, none > 0, none, none, _points([]), ())
+        return CameraMotion("static", None, none > 0, none, none, measured.points(), ())
     given = [c for c in corrections if 0 <= c.frame < len(measured)]
-    known, cuts = scenes(
-        np.array([m.anchor for m in measured]),
-        np.array([m.known for m in measured]),
-        odometer.loose,
-        odometer.cuts,
-    )
-    turns = _without_zoom(bridged(_turns(measured, known, odometer)))
+    known, cuts = scenes(measured.anchor, measured.known, odometer.loose, odometer.cuts)
+    territory, readout = odometer.territory, odometer.shutter.share
+    turns = measured.turns(known, territory.agreed(), territory.frames, readout)
+    turns = _without_zoom(bridged(turns))
     focal = focal_scale(odometer.lens, odometer.scale, odometer.pairs)
     kind = fixed or _kind(turns, camera, odometer, focal, given)
     path = None if kind == "static" else corrected(turns, given).path()
-    return CameraMotion(
-        kind,
-        path,
-        turns.known,
-        np.where(turns.known, [m.error_px for m in measured], np.nan),
-        turns.doubt,
-        _points(measured),
-        tuple(_findings(measured, cuts, turns, kind, odometer.shutter)),
-        focal,
-    )
+    error_px = np.where(known, measured.error_px, np.nan)
+    findings = tuple(_findings(measured, cuts, known, kind, odometer.shutter))
+    points = measured.points()
+    return CameraMotion(kind, path, known, error_px, turns.doubt, points, findings, focal)
 
 
 def _require_size(picture: Grey | None, camera: Camera) -> None:
@@ -129,24 +103,6 @@ def _require_size(picture: Grey | None, camera: Camera) -> None:
             f"The film's pictures are not of the camera's size, {camera.width}×{camera.height}: "
             "choose the camera that took it."
         )
-
-
-def _turns(measured: Sequence[Measured], known: NDArray[np.bool_], odometer: Odometer) -> Turns:
-    """The turns of all frames, from the anchors in agreement."""
-    anchors = odometer.territory.agreed()
-    straight = [m.straightened(odometer.shutter.share) for m in measured]
-    variance = np.array([np.diag(m.covariance) for m in measured])
-    return joined(
-        np.array([m.anchor for m in measured]),
-        np.stack([turn.R for turn in straight]),
-        np.log([turn.zoom for turn in straight]),
-        np.sqrt(variance[:, :3].mean(axis=1)),
-        np.sqrt(variance[:, 3]),
-        known,
-        np.stack([turn.R for turn in anchors]),
-        np.log([turn.zoom for turn in anchors]),
-        odometer.territory.frames,
-    )
 
 
 def _without_zoom(turns: Turns) -> Turns:
@@ -196,30 +152,22 @@ def _ways(turns: Turns, camera: Camera) -> Array:
 
 
 def _findings(
-    measured: Sequence[Measured],
+    measured: Measurements,
     cuts: Sequence[int],
-    turns: Turns,
+    known: NDArray[np.bool_],
     kind: CameraKind,
     shutter: Shutter,
 ) -> list[Finding]:
     causes = [
-        "" if k else m.cause or "not_rigid" for m, k in zip(measured, turns.known, strict=True)
+        "" if k else cause or "not_rigid" for cause, k in zip(measured.causes, known, strict=True)
     ]
     found = gaps(causes)
     found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
     last = len(measured) - 1
-    shares = np.array([m.share for m in measured])[turns.known]
+    shares = measured.share[known]
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
         found.append(Finding("not_rigid", 0, last, 1 - share))
     readout = shutter.found()
     if kind == "turns" and readout is not None:
         found.append(Finding("rolling_shutter", 0, last, readout))
     return sorted(found, key=lambda finding: finding.first_frame)
-
-
-def _points(measured: Sequence[Measured]) -> FollowedPoints:
-    none = [np.zeros((0, 2), np.float32)], [np.zeros(0, bool)]
-    uv = np.concatenate([*none[0], *(m.uv for m in measured)])
-    good = np.concatenate([*none[1], *(m.good for m in measured)])
-    starts = np.cumsum([0, *(len(m.uv) for m in measured)])
-    return FollowedPoints(uv, good, np.asarray(starts, np.int64))

@@ -20,7 +20,7 @@ from keypose.tracker.geometry.rotations import Array
 PATCH_PX = 45
 """Side of a patch, and of the tile in which it is looked for; odd."""
 REACH = PATCH_PX // 2
-MOST_KEPT = 10_000
+MOST_KEPT = 6_000
 LIKENESS = 0.75
 """Least correlation of a patch and the place where it was found."""
 MOST_OFF_PX = 12.0

@@ -85,10 +85,6 @@ class Measured:
     lever: Array = field(default_factory=lambda: np.zeros((4, 2)))
     readout: Array = field(default_factory=lambda: np.zeros(2))
 
-    def straightened(self, readout: Array) -> Turn:
-        """The turn as it would have been measured with another readout (2,)."""
-        return self.turn.moved(self.lever @ (readout - self.readout))
-
 
 @dataclass(eq=False)
 class _Scene:

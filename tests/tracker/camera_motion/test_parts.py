@@ -9,6 +9,8 @@ from keypose.tracker.camera_motion.anchors import Edge, agreed
 from keypose.tracker.camera_motion.landmarks import MOST_KEPT, Landmarks
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.matches import rotation_from_matches
+from keypose.tracker.camera_motion.measurements import Measurements
+from keypose.tracker.camera_motion.odometer import Measured
 from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected
 from keypose.tracker.camera_motion.points import PointFollower, follow
 from keypose.tracker.camera_motion.turn import Turn, linearised, solve_turn
@@ -197,3 +199,18 @@ def test_no_more_landmarks_are_kept_than_memory_has_room_for() -> None:
         marks.keep(picture, home, ids, uv, uv)
         assert len(marks) <= MOST_KEPT
     assert set(marks.home.tolist()) == set(range(6))
+
+
+def test_of_many_frames_each_keeps_its_own_points() -> None:
+    measurements, rng = Measurements(), np.random.default_rng(0)
+    given = [rng.normal(size=(int(rng.integers(0, 5)), 2)).astype(np.float32) for _ in range(900)]
+    for frame, uv in enumerate(given):
+        good = np.full(len(uv), frame % 2 == 0)
+        measurements.add(Measured(frame // 9, Turn.none(), True, "", np.eye(4), frame, uv, good))
+    points = measurements.points()
+    for frame, uv in enumerate(given):
+        there, good = points.of(frame)
+        assert (there == uv).all()
+        assert (good == (frame % 2 == 0)).all()
+    assert (measurements.error_px == np.arange(900)).all()
+    assert (measurements.anchor == np.arange(900) // 9).all()
