@@ -21,11 +21,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.video.turning import TurningCamera
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""
@@ -128,7 +130,7 @@ def _zoom(session: Session, span: Span) -> list[Any]:
     zoom = np.ones(0) if path is None else path.zoom[span[0] : span[1] + 1]
     if not (zoom != 1.0).any():
         return []
-    return [{"zoom": hashlib.sha256(np.round(zoom, DECIMALS).tobytes()).hexdigest()}]
+    return [{"zoom": _numbers_digest(zoom)}]
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:
@@ -177,7 +179,7 @@ def _film_setup(session: Session) -> bytes:
         settings,
         *_start(session),
     ]
-    setup += [*_cues(session), *_woven(session)]
+    setup += [*_cues(session), *_plate(session), *_woven(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
 
@@ -253,11 +255,48 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        if session.has_static_camera:
+        if session.has_static_camera or turning_camera(session) is not None:
             cues += ["silhouette"]
         elif is_persons(session.subject.body):
             cues += ["person", _digest(settings.network_used)]
     return cues
+
+
+def turning_camera(session: Session) -> TurningCamera | None:
+    """Return how the camera turns, as found, where a film is tracked with its background: with
+    keypoints that gains nothing. What a person corrected does not count: it would outdate every
+    segment."""
+    motion = session.view.camera_motion
+    if motion is None or motion.kind != "turns" or session.has_static_camera:
+        return None
+    if session.settings.method != "keypose" or _uses_keypoints(session):
+        return None
+    return _turning(motion)
+
+
+@lru_cache(maxsize=8)
+def _turning(motion: CameraMotion) -> TurningCamera:
+    """By value: the pictures that are prepared with it stay while it is an equal one."""
+    Rs = motion.path.Ts_camera_world[:, :3, :3]
+    return TurningCamera.of(Rs, [piece.first_frame for piece in motion.pieces])
+
+
+def _plate(session: Session) -> list[Any]:
+    """Return what the empty scene all around is put together by; nothing where there is none."""
+    turning, path = turning_camera(session), session.camera_path
+    if turning is None or path is None:
+        return []
+    found = {"turns": _turns_digest(ById(turning))}
+    return [found, {"zoom": _numbers_digest(path.zoom)}] if path.zooms else [found]
+
+
+@lru_cache(maxsize=8)
+def _turns_digest(turning: ById) -> str:
+    return _numbers_digest(np.stack([turning.it.Rs_camera_world, turning.it.Rs_steady_world]))
+
+
+def _numbers_digest(numbers: Array) -> str:
+    return hashlib.sha256((np.round(numbers, DECIMALS) + 0.0).tobytes()).hexdigest()
 
 
 def _keypoints(session: Session) -> list[Any]:

@@ -17,7 +17,11 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
-from keypose.tracker.storage.fingerprints import segment_keys, without_part_keyframes
+from keypose.tracker.storage.fingerprints import (
+    segment_keys,
+    turning_camera,
+    without_part_keyframes,
+)
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps
@@ -87,7 +91,7 @@ def tracker_of(
     return Tracker(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
-        fewest=fewest, own=own, people=people, zoom=zoom,
+        fewest=fewest, own=own, people=people, zoom=zoom, turning=turning_camera(session),
     )  # fmt: skip
 
 
@@ -125,7 +129,8 @@ def _found_keypoints(
 
 
 def _needs_masks(session: Session) -> bool:
-    return "silhouette" in session.settings.cues_used and not session.has_static_camera
+    shown = session.has_static_camera or turning_camera(session) is not None
+    return "silhouette" in session.settings.cues_used and not shown
 
 
 def _people(session: Session, video: Video) -> DetectedKeypoints | None:

@@ -8,13 +8,15 @@ from dataclasses import replace
 from itertools import count, pairwise
 from typing import TypeAlias
 
+import numpy as np
+
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import SurfacePoints, sample_points
 from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, transform, transpose
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
@@ -44,6 +46,7 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
+from keypose.tracker.video.turning import TurningCamera
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
@@ -64,9 +67,10 @@ class _Prepared:
         static: bool,
         memory: int,
         zoom: Array | None,
+        turning: TurningCamera | None,
     ) -> None:
-        self._loading = (masks, static, memory)
-        self._zoom = zoom
+        self._loading = (masks, static, memory, zoom, turning)
+        self.turning = turning
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
@@ -76,17 +80,15 @@ class _Prepared:
         return self._video.info.frame_count
 
     @property
-    def has_static_camera(self) -> bool:
+    def shows_background(self) -> bool:
         """Return whether pictures are compared with one of the empty scene."""
-        return self._loading[1]
+        return self._loading[1] or self.turning is not None
 
     def loader(self, longest: int) -> ClipLoader:
         """The loader for segments of up to this many frames."""
         size = WorkingSize.for_camera(self._camera, longest, self._memory)
         if size not in self._loaders:
-            self._loaders[size] = ClipLoader(
-                self._video, self._camera, size, *self._loading, zoom=self._zoom
-            )
+            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._loading)
         return self._loaders[size]
 
 
@@ -118,15 +120,18 @@ class Tracker:
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
         zoom: Array | None = None,
+        turning: TurningCamera | None = None,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
         people: what sees where in the picture a person is.  zoom (F,): the focal length of every
         frame as a multiple of the camera's, which keypoints are freed of; None where it stays.
+        turning: how the camera turns, where its pictures are steadied and compared with the empty
+        scene: only without keypoints and `people`.
         """
         self._people = people
         self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
-        self._prepared = _Prepared(video, camera, masks, static_camera, memory, zoom)
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory, zoom, turning)
         self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 
@@ -232,8 +237,9 @@ class Tracker:
         for frame in span:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
-        start, end = self.keyposes[first], self.keyposes[last]
-        imported, own, known = None, None, self._first_motion
+        start, end = self.steadied(first), self.steadied(last)
+        imported, own = None, None
+        known = None if self._first_motion is None else self._carried(self._first_motion)
         if known is not None and any(a <= first and last <= b for a, b in self._own):
             imported = displaced(known, start, end, first, last)
             if settings.initial == "auto":
@@ -257,16 +263,47 @@ class Tracker:
                     outcome = replace(outcome, silhouette=seen)
                 if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
-                return segment_result(scene, segment, outcome, method, enlarged)
-            emit(step, number)
+                found = segment_result(scene, segment, outcome, method, enlarged)
+                return replace(found, trajectory=self.as_taken(found.trajectory))
+            emit(replace(step, trajectory=self.as_taken(step.trajectory)), number)
             number += 1
+
+    def steadied(self, frame: int) -> Pose:
+        """The keypose of a frame, as pictures are prepared: seen by the steady camera."""
+        pose = self.keyposes[frame]
+        if self._prepared.turning is None:
+            return pose
+        return _turned(pose, self._prepared.turning.Rs_steady_camera(frame, frame)[0])
+
+    def as_taken(self, motion: Trajectory) -> Trajectory:
+        """A motion that the steady camera sees, as the film's own does."""
+        return self._carried(motion, back=True)
+
+    def _carried(self, motion: Trajectory, back: bool = False) -> Trajectory:
+        turning = self._prepared.turning
+        if turning is None:
+            return motion
+        Rs = turning.Rs_steady_camera(motion.first_frame, motion.last_frame)
+        return motion.carried(transform(transpose(Rs) if back else Rs, np.zeros((len(Rs), 3))))
+
+    def _keyed_parts_in(self, first: int, last: int) -> list[KeyedParts]:
+        """Limbs that are exact strictly between two frames, seen by the steady camera."""
+        inside = [each for each in self._keyed_parts if first < each.frame < last]
+        turning = self._prepared.turning
+        if turning is None:
+            return inside
+        to_steady = [turning.Rs_steady_camera(each.frame, each.frame)[0] for each in inside]
+        return [
+            replace(each, pose=_turned(each.pose, R))
+            for each, R in zip(inside, to_steady, strict=True)
+        ]
 
     def _corrected_work(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Work:
         """The segment tracked, or as it was tracked before; then with limbs where they were set."""
         first, last = segment.first_frame, segment.last_frame
-        inside = [each for each in self._keyed_parts if first < each.frame < last]
+        inside = self._keyed_parts_in(first, last)
         kind = self._kind((first, last), settings)
         outcome = self._kept.get(kind) if inside and kind[0] else None
         if outcome is None:
@@ -327,7 +364,7 @@ class Tracker:
     def _outlines(self, segment: Segment, settings: TrackSettings, emit: Emit) -> Outlines | None:
         """Return where the person is, before a camera that moves; None before one that stands
         still, and where no silhouette counts."""
-        if self._prepared.has_static_camera or not self._uses_silhouette(settings):
+        if self._prepared.shows_background or not self._uses_silhouette(settings):
             return None
         seen = self._keypoints_of(self._people, segment, emit)
         loader = self.loader((segment.first_frame, segment.last_frame))
@@ -349,7 +386,14 @@ class Tracker:
         person."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         persons = self._people is not None and is_persons(self.skeleton.body)
-        return wanted and (self._prepared.has_static_camera or persons)
+        return wanted and (self._prepared.shows_background or persons)
+
+
+def _turned(pose: Pose, R: Array) -> Pose:
+    """A pose as a camera turned by R (3, 3) sees it."""
+    Rs = pose.Rs_parent_part.copy()
+    Rs[0] = R @ Rs[0]
+    return Pose(Rs, R @ pose.p_camera_root)
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

@@ -16,6 +16,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
+from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of
 from keypose.tracker.video.pyramid import (
     IGNORED,
     LEVELS,
@@ -27,6 +28,7 @@ from keypose.tracker.video.pyramid import (
     prepare,
 )
 from keypose.tracker.video.still_camera import background, moving, smooth
+from keypose.tracker.video.turning import TurningCamera
 
 MEMORY_BYTES = 1_500_000_000
 """What the clip of one segment may take."""
@@ -39,6 +41,8 @@ LONGEST_SEGMENT = 2000
 FAR_OUT = 1e6
 """Pixels beyond which a polygon's corner lies anyway outside every picture."""
 PLATE_FRAMES = 41
+PANORAMA_FRAMES = 81
+"""Of a camera that turns: each place is seen in some of them only."""
 
 
 def require_short(first: int, last: int) -> None:
@@ -93,6 +97,8 @@ class ClipLoader:
     of a lens that zooms are made as large as the camera's own focal length shows things.
 
     zoom (F,): the focal length of every frame as a multiple of the camera's; None where it stays.
+    turning: how the camera turns, where pictures are to be those of its steady one, and compared
+    with the empty scene all around; None otherwise.
     """
 
     video: Video
@@ -102,9 +108,11 @@ class ClipLoader:
     static_camera: bool = False
     memory: int = MEMORY_BYTES
     zoom: Array | None = None
+    turning: TurningCamera | None = None
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
     _plate: Picture | None = None
+    _around: Panorama | None = None
     _beyond: NDArray[np.bool_] | None = None
     _lock: Lock = field(default_factory=Lock)
 
@@ -198,20 +206,25 @@ class ClipLoader:
             size = (self.camera.width, self.camera.height)
             way = cv2.INTER_AREA if zoom > 1 else cv2.INTER_LINEAR
             picture = np.asarray(cv2.warpAffine(picture, M, size, flags=way), dtype=np.uint8)
+        if self.turning is not None:
+            K = self.camera.K
+            H = K @ self.turning.Rs_steady_camera(frame, frame)[0] @ np.linalg.inv(K)
+            size = (self.camera.width, self.camera.height)
+            picture = np.asarray(cv2.warpPerspective(picture, H, size), dtype=np.uint8)
         return self.size.picture(picture)
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
         """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
-        zooms = self.zoom is not None and self.zoom[index] > 1
-        if not (masks or self.static_camera or self.camera.is_distorted or zooms):
+        smaller = self.turning is not None or (self.zoom is not None and self.zoom[index] > 1)
+        if not (masks or self.static_camera or self.camera.is_distorted or smaller):
             return None
         usable = np.full(grey.shape, USABLE, np.float32)
-        if self.static_camera:
-            usable[self._is_background(grey)] = TARGET_ONLY
+        if self.static_camera or self.turning is not None:
+            usable[self._is_background(grey, index)] = TARGET_ONLY
         if masks:
             usable[self._masked(masks, index)] = IGNORED
-        if zooms:
+        if smaller:
             usable[self._shown(index) < 250] = IGNORED
         elif self.camera.is_distorted:
             usable[self._beyond_lens(index)] = IGNORED
@@ -235,11 +248,29 @@ class ClipLoader:
             cv2.fillPoly(drawn, [np.round(corners).astype(np.int32)], 255)
         return self._working(drawn, frame) > 0
 
-    def _is_background(self, grey: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    def _is_background(self, grey: NDArray[np.uint8], frame: int) -> NDArray[np.bool_]:
         """Pixels that look as the empty scene does: no part of a moving body."""
+        if self.turning is not None:
+            plate, known = self.panorama().seen(self.turning.Rs_steady_world[frame])
+            bright = plate * np.float32(exposure_of(grey, plate, known))
+            return known & ~moving(smooth(grey), smooth(bright))
         if self._plate is None:
             self._plate = self._median_picture()
         return ~moving(smooth(grey), self._plate)
+
+    def panorama(self) -> Panorama:
+        """The background all around a camera that turns."""
+        assert self.turning is not None
+        if self._around is None:
+            shown = []
+            for frame in self.turning.sampled(PANORAMA_FRAMES):
+                for _, rgb in self.video.frames(frame, frame + 1):
+                    if rgb is not None:
+                        known = self._shown(frame) > 250
+                        R = self.turning.Rs_steady_world[frame]
+                        shown.append(Shown(self._grey(rgb, frame), known, R))
+            self._around = panorama_of(self.size.camera(self.camera), shown)
+        return self._around
 
     def _median_picture(self) -> Picture:
         """The static background: every pixel's median over frames spread over the video."""

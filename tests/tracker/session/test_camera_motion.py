@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from keypose.tracker.body.body import preset
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.session import Session
@@ -59,6 +60,8 @@ def test_a_camera_that_is_said_to_stand_still_does() -> None:
 
 def test_a_persons_correction_is_met_and_outdates_no_segment_that_does_not_zoom() -> None:
     session = panned.panned()
+    with_plate = [*segment_keys(session).values()]
+    assert with_plate != [*segment_keys(panned.session()).values()]
     T = panned.path().Ts_camera_world[20].copy()
     T[:3, :3] = T[:3, :3] @ panned.Rs_camera_world()[3]
     key = CameraKeyframe.of(20, T, 1.0)
@@ -69,14 +72,40 @@ def test_a_persons_correction_is_met_and_outdates_no_segment_that_does_not_zoom(
     assert stretch_keys(after, []) == set()
 
 
-def test_a_lens_that_zooms_makes_other_segments_and_one_that_turns_does_not() -> None:
-    still, turned = segment_keys(panned.session()), segment_keys(panned.panned())
-    assert still == turned
+def of_person(motion: CameraMotion | None) -> Session:
+    """Somebody, whose keypoints count."""
+    given = panned.session(motion)
+    bare = [k.model_copy(update={"rotations_wxyz": {}}) for k in given.subject.keyframes]
+    settings = given.settings.model_copy(update={"cues": ("brightness", "keypoints")})
+    body = preset("adult_male")
+    return given.changed({"body": body, "keyframes": tuple(bare), "settings": settings})
+
+
+def test_with_keypoints_a_lens_that_zooms_makes_other_segments_and_one_that_turns_does_not() -> (
+    None
+):
+    still = segment_keys(of_person(None))
+    assert segment_keys(of_person(CameraMotion.of("turns", panned.path()))) == still
     zoom = np.ones(panned.FRAMES)
     zoom[15:] = 1.2
     path = CameraPath(panned.path().Ts_camera_world, zoom)
-    zoomed = segment_keys(panned.session(CameraMotion.of("turns", path)))
+    zoomed = segment_keys(of_person(CameraMotion.of("turns", path)))
     assert [span for span in still if zoomed[span] != still[span]] == [(12, 22)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings"),
+    [("moves", {}), ("turns", {"static_camera": True}), ("turns", {"method": "paper"})],
+)
+def test_no_background_is_put_together_where_there_is_none_or_it_has_no_say(
+    kind: Any, settings: dict[str, Any]
+) -> None:
+    def keys(motion: CameraMotion | None) -> dict[tuple[int, int], str]:
+        given = panned.session(motion)
+        chosen = given.settings.model_copy(update=settings)
+        return segment_keys(given.changed({"settings": chosen}))
+
+    assert keys(CameraMotion.of(kind, panned.path())) == keys(None)
 
 
 def test_a_piece_whose_scale_nothing_tells_is_taken_to_turn_alone_and_that_is_said() -> None:
