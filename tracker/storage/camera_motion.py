@@ -38,10 +38,11 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
-from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.fingerprints import Span, turning_of
 from keypose.tracker.storage.space import frames_per_second
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 
 TURN_SHARE: Final = 0.5
 """Of the work, finding how the camera turns; where it went takes the rest."""
@@ -238,6 +239,21 @@ def points_of(motion: CameraMotion, folder: Path | None = None) -> FollowedPoint
 def _points_place(motion: CameraMotion, folder: Path | None) -> Path:
     name = hashlib.sha256(motion.samples.encode()).hexdigest()[:32]
     return (cache_folder() / "background" if folder is None else folder) / f"{name}.npz"
+
+
+def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
+    """Put together the empty scene all around a camera that turns: (h, w, 3) RGB, longitudes across
+    and latitudes down, black where it is not known; of about the size that the film is tracked at.
+    CameraError where the camera does not turn.
+    """
+    motion, path = session.view.camera_motion, session.camera_path
+    if motion is None or path is None or motion.kind != "turns":
+        raise CameraError("The background is put together of a camera that turns: find it first.")
+    camera, zoom = session.view.camera, path.zoom if path.zooms else None
+    loader = ClipLoader(
+        video, camera, WorkingSize.for_camera(camera, 1), zoom=zoom, turning=turning_of(motion)
+    )
+    return loader.panorama_in_colour().picture
 
 
 def known_poses(session: Session, fitting: Mapping[Span, SegmentResult]) -> dict[int, Pose]:

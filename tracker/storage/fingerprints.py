@@ -271,12 +271,13 @@ def turning_camera(session: Session) -> TurningCamera | None:
         return None
     if session.settings.method != "keypose" or _uses_keypoints(session):
         return None
-    return _turning(motion)
+    return turning_of(motion)
 
 
 @lru_cache(maxsize=8)
-def _turning(motion: CameraMotion) -> TurningCamera:
-    """By value: the pictures that are prepared with it stay while it is an equal one."""
+def turning_of(motion: CameraMotion) -> TurningCamera:
+    """A camera as it was found to turn; the same object for an equal motion, so that the pictures
+    that are prepared with it stay."""
     Rs = motion.path.Ts_camera_world[:, :3, :3]
     return TurningCamera.of(Rs, [piece.first_frame for piece in motion.pieces])
 

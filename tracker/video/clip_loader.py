@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from threading import Lock
 
@@ -259,18 +259,26 @@ class ClipLoader:
         return ~moving(smooth(grey), self._plate)
 
     def panorama(self) -> Panorama:
-        """The background all around a camera that turns."""
-        assert self.turning is not None
+        """The background all around a camera that turns, in grey."""
         if self._around is None:
-            shown = []
-            for frame in self.turning.sampled(PANORAMA_FRAMES):
-                for _, rgb in self.video.frames(frame, frame + 1):
-                    if rgb is not None:
-                        known = self._shown(frame) > 250
-                        R = self.turning.Rs_steady_world[frame]
-                        shown.append(Shown(self._grey(rgb, frame), known, R))
-            self._around = panorama_of(self.size.camera(self.camera), shown)
+            self._around = self._put_together(self._grey)
         return self._around
+
+    def panorama_in_colour(self) -> Panorama:
+        """The same in RGB; it is not kept."""
+        return self._put_together(self._working)
+
+    def _put_together(
+        self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]]
+    ) -> Panorama:
+        assert self.turning is not None
+        shown = []
+        for frame in self.turning.sampled(PANORAMA_FRAMES):
+            for _, rgb in self.video.frames(frame, frame + 1):
+                if rgb is not None:
+                    R = self.turning.Rs_steady_world[frame]
+                    shown.append(Shown(made(rgb, frame), self._shown(frame) > 250, R))
+        return panorama_of(self.size.camera(self.camera), shown)
 
     def _median_picture(self) -> Picture:
         """The static background: every pixel's median over frames spread over the video."""

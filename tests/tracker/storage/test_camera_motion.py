@@ -1,18 +1,25 @@
-"""How long the units of a moving camera's way are, from the body that is tracked before it."""
+"""What is made of a camera's motion: the lengths of its units, and the scene behind the body."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import exp_rotation, transform
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
-from keypose.tracker.storage.camera_motion import with_scale
-from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.camera_motion import background_picture, with_scale
+from keypose.tracker.storage.fingerprints import Span, segment_keys
+from keypose.tracker.storage.tracking import track_session
+from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video import Video
+from tests.tracker import panned_cases as panned
 from tests.tracker.storage.standing_cases import KEYS, session_of, tracked, walk
 
 COUNT, CUT, UNITS = KEYS[-1] + 1, 45, (2.0, 0.5)
@@ -64,3 +71,29 @@ def test_a_piece_over_which_nothing_is_tracked_has_none_and_one_that_is_known_ke
     first = min(fitting)
     assert with_scale(session, {first: fitting[first]}) is session
     assert lengths(with_scale(session, fitting)) == [1.75, pytest.approx(UNITS[1], rel=0.01)]
+
+
+def test_the_background_of_a_pan_is_one_picture_wider_than_the_film(tmp_path: Path) -> None:
+    panned.write(tmp_path)
+    with Video.open(tmp_path / "film") as video:
+        picture = background_picture(panned.panned(), video)
+        middle = picture[15:-15, 40:-40]
+        assert picture.shape[1] > panned.WIDTH + 10  # an arc is shorter than its chord
+        assert (middle > 0).mean() > 0.95
+        still = panned.session()
+        with pytest.raises(CameraError, match="a camera that turns"):
+            background_picture(still, video)
+
+
+def test_a_thing_before_a_pan_is_tracked_with_its_background(tmp_path: Path) -> None:
+    panned.write(tmp_path)
+    with Video.open(tmp_path / "film") as video:
+        session = panned.panned()
+        found = list(track_session(session, video))[-1]
+    assert isinstance(found, TrackFinished)
+    at = {keyframe.frame: keyframe for keyframe in session.subject.keyframes}
+    for segment in found.result.segments:
+        assert segment.key == segment_keys(session)[segment.span]
+        for frame in segment.span:
+            place = segment.trajectory.pose(frame).p_camera_root
+            np.testing.assert_allclose(place, at[frame].root_m, atol=1e-9)
