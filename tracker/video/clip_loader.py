@@ -261,19 +261,19 @@ class ClipLoader:
     def panorama(self) -> Panorama:
         """The background all around a camera that turns, in grey."""
         if self._around is None:
-            self._around = self._put_together(self._grey)
+            self._around = self._put_together(self._grey, PANORAMA_FRAMES)
         return self._around
 
     def panorama_in_colour(self) -> Panorama:
-        """The same in RGB; it is not kept."""
-        return self._put_together(self._working)
+        """The same in RGB, of half as many frames; it is not kept."""
+        return self._put_together(self._working, PANORAMA_FRAMES // 2)
 
     def _put_together(
-        self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]]
+        self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]], most: int
     ) -> Panorama:
         assert self.turning is not None
         shown = []
-        for frame in self.turning.sampled(PANORAMA_FRAMES):
+        for frame in self.turning.sampled(most):
             for _, rgb in self.video.frames(frame, frame + 1):
                 if rgb is not None:
                     R = self.turning.Rs_steady_world[frame]
