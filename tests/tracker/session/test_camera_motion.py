@@ -16,6 +16,7 @@ from keypose.tracker.session.camera_motion import (
     CameraFinding,
     CameraKeyframe,
     CameraMotion,
+    CameraPiece,
     packed,
 )
 from keypose.tracker.storage.fingerprints import segment_keys
@@ -27,7 +28,8 @@ def test_it_is_read_back_as_it_was_written() -> None:
     finding = CameraFinding(kind="no_texture", first_frame=3, last_frame=9, amount=0.2)
     errors = np.full(panned.FRAMES, 0.25)
     errors[4] = np.nan
-    motion = CameraMotion.of("turns", panned.path(), errors, (finding,))
+    pieces = (CameraPiece(first_frame=0), CameraPiece(first_frame=7, metres=None))
+    motion = CameraMotion.of("turns", panned.path(), errors, (finding,), pieces=pieces)
     session = panned.session(motion)
     again = Session.model_validate_json(session.model_dump_json())
     assert again == session
@@ -77,6 +79,20 @@ def test_a_lens_that_zooms_makes_other_segments_and_one_that_turns_does_not() ->
     assert [span for span in still if zoomed[span] != still[span]] == [(12, 22)]
 
 
+def test_a_piece_whose_scale_nothing_tells_is_taken_to_turn_alone_and_that_is_said() -> None:
+    away = panned.path().Ts_camera_world.copy()
+    away[:, 0, 3] = np.linspace(0, 1, panned.FRAMES)
+    pieces = (CameraPiece(first_frame=0, metres=2.0), CameraPiece(first_frame=10, metres=None))
+    given = CameraPath(away, np.ones(panned.FRAMES))
+    motion = CameraMotion.of("moves", given, pieces=pieces)
+    places, went = (path.Ts_world_camera[:, :3, 3] for path in (motion.path, given))
+    np.testing.assert_allclose(places[:10], 2.0 * went[:10], atol=1e-12)
+    np.testing.assert_allclose(places[10:], places[9:10].repeat(panned.FRAMES - 10, axis=0))
+    (finding,) = motion.unscaled
+    assert (finding.kind, finding.first_frame, finding.last_frame) == ("no_scale", 10, 23)
+    assert np.flatnonzero(motion.untied).tolist() == [9]
+
+
 ROWS = np.tile([1.0, 0, 0, 0, 0, 0, 0, 1], (panned.FRAMES, 1))
 
 
@@ -99,6 +115,8 @@ def with_row(place: int, value: float) -> str:
         ({"samples": with_row(7, 0.0)}, "zoom"),
         ({"samples": packed(ROWS.ravel()), "error_px": packed(np.ones(3))}, "number of frames"),
         ({"samples": packed(ROWS.ravel()), "kind": "flies"}, "turns"),
+        ({"samples": packed(ROWS.ravel()), "pieces": [{"first_frame": 3}]}, "begin at frame 0"),
+        ({"samples": packed(ROWS.ravel()), "pieces": []}, "begin at frame 0"),
     ],
 )
 def test_what_is_no_motion_is_refused_in_a_sentence(motion: dict[str, Any], words: str) -> None:
