@@ -107,7 +107,8 @@ def camera(report: Report) -> None:
     columns = ("tracked mm", "solved mm", "on the floor mm", "tracked px", "on the floor px")
     camera_tracked.standing(report.table("feet of a body that is tracked", *columns))
     try:
-        camera_tracked.marks(report.table("the walk at its marks, px", "still", "panned"))
+        columns = ("still", "panned", "steady")
+        camera_tracked.marks(report.table("the walk at its marks, px", *columns, wide=columns))
     except Absent as absent:
         report.note(f"left out: {absent} is not here")
 

@@ -102,13 +102,6 @@ class CameraPath:
         return camera.model_copy(update=f)
 
 
-def at_one_focal(uv: Array, camera: Camera, zoom: Array | float) -> Array:
-    """Pixels (..., 2) taken at so much zoom (...) where the camera sees the same at its own focal
-    length."""
-    centre = (camera.cx, camera.cy)
-    return np.asarray((uv - centre) / np.asarray(zoom)[..., None] + centre)
-
-
 TIED = 1e-9
 """Share of a drift that a step takes that is measured, beside one of those that are not."""
 
