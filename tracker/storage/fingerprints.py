@@ -35,7 +35,7 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth"}
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth", "find_camera"}
 """Settings that count where they change a motion, or never."""
 LIMITS = {"limits_deg", "twist"}
 """What of a part no segment is tracked by; see `stretches`."""
