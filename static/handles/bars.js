@@ -159,8 +159,11 @@ function sketchLine() {
   const isWarning = ui.tool === 'box' && smallWords() !== '';
   const place = ui.tool === 'box' ? 'low' : '';
   if (!tool.words()) return nothing;
-  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}</div>`;
+  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}${doneButton(tool.done?.())}</div>`;
 }
+
+/** @param {{ label: string, key: string, off: string, act: () => void } | null | undefined} done */
+const doneButton = (done) => (done ? button({ ...done, kind: done.off ? '' : 'pri' }) : nothing);
 
 export function draftbar() {
   const { draft } = server;
