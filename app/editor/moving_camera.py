@@ -28,13 +28,16 @@ MOST_OFF_PX = 8.0
 
 
 class ForgetCamera(Edit):
-    """The camera as it was before its motion was found: the world is what it sees."""
+    """The camera as it was before its motion was found: the world is what it sees, and whether it
+    stands still is as it was found."""
 
     do: Literal["forget_camera"] = "forget_camera"
     verb = "leave the camera as it was"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.changed({"camera_motion": None, "camera_keyframes": ()})
+        settings = state.doc.settings.model_copy(update={"static_camera": None})
+        fields = {"camera_motion": None, "camera_keyframes": (), "settings": settings}
+        return state.doc.changed(fields)
 
 
 class CameraHorizon(Edit):

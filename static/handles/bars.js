@@ -211,11 +211,13 @@ function draw() {
   host.classList.toggle('quad', ui.layout === 'quad');
   render(server.file && server.view ? bars() : nothing, host);
   for (const bar of host.querySelectorAll('.glass')) {
-    // What a draft found is read while the pointer rests where the box was drawn: at the body.
-    const rests = bar.id !== 'mdraft' && isHandleCoveredBy(bar);
-    bar.classList.toggle('faded', interaction.drag !== null || rests);
+    bar.classList.toggle('faded', interaction.drag !== null || (!stays(bar) && isHandleCoveredBy(bar)));
   }
 }
+
+/** What a draft found is read while the pointer rests where the box was drawn: at the body. A drawing tool
+ * with a button grabs nothing of the body. */
+const stays = ({ id }) => id === 'mdraft' || (id === 'mhint' && Boolean(drawingTool()?.done));
 
 function bars() {
   return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${notebar()}${footbars()}`;

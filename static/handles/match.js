@@ -9,7 +9,7 @@ import { interaction } from './interaction.js';
 import { distance } from './space.js';
 
 const REACH_PX = 11;
-const RADIUS = 8;
+const RADIUS = 9;
 const FEWEST = 2;
 const MOST = 100;
 
