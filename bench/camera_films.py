@@ -12,11 +12,13 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
 from bench.camera_worlds import Floats, Panorama, Room
@@ -33,6 +35,7 @@ from keypose.tracker.geometry.rotations import (
     Array,
     apply_transform,
     exp_rotation,
+    log_rotation,
     rotation_between,
     transform,
 )
@@ -49,6 +52,8 @@ WIDTH, HEIGHT = 960, 540
 FLOOR_M = 1.4
 """The room's floor below the camera at the first frame, but for its shake."""
 NEARLY_LOSSLESS = replace(MP4, options={"crf": "6", "preset": "veryfast"})
+STRIPS = 27
+"""Of a picture by a rolling shutter, each seen at a moment of its own."""
 FEET = ("left_foot", "right_foot")
 
 
@@ -94,7 +99,8 @@ class Plan:
     """A film before it is rendered. path and motion: in a world of its own, floor below it.
 
     scenery: gives the background (H, W, 3) that a camera sees.
-    shutter: share of the frame time that it is open.
+    shutter: share of the frame time that it is open.  readout: of the frame time, from the first
+    row to the last; the path is that of the middle row.
     """
 
     path: CameraPath
@@ -104,6 +110,7 @@ class Plan:
     shutter: float = 0.0
     noise: float = 2.0
     exposure: float = 0.08
+    readout: float = 0.0
 
     @property
     def camera(self) -> Camera:
@@ -115,6 +122,7 @@ class Plan:
     def key(self) -> bytes:
         """What it is told from others by."""
         motion, plain = self.motion, (self.focal_px, self.shutter, self.noise, self.exposure)
+        plain += (self.readout, "spline") if self.readout else ()
         arrays = (self.path.Ts_camera_world, self.path.zoom, motion.Rs_parent_part)
         return b"".join([*(a.tobytes() for a in arrays), repr(plain).encode()])
 
@@ -180,19 +188,36 @@ def _pictures(
     for frame in range(len(plan.path)):
         light, body = 0.0, np.zeros((HEIGHT, WIDTH), np.bool_)
         for moment in plan.shutter * shares:
-            one, where = _exposed(plan, scenery, stage, frame + float(moment))
+            one, where = _read_out(plan, scenery, stage, frame + float(moment))
             light, body = light + one / len(shares), body | where
         light = light * (1 + plan.exposure * np.sin(frame / 40))
         light = light + plan.noise * rng.standard_normal(light.shape, dtype=np.float32)
         yield np.clip(np.rint(light), 0, 255).astype(np.uint8), body
 
 
-def _exposed(
+def _read_out(
     plan: Plan, scenery: Panorama | Room, stage: Stage, time: float
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """The light (H, W, 3) at a moment, and where the person is."""
-    T, zoom = _at(plan.path, time)
-    camera = plan.camera.model_copy(update={"fx": zoom * plan.focal_px, "fy": zoom * plan.focal_px})
+    """The light (H, W, 3) about a moment, strip after strip, and where the person is."""
+    if not plan.readout:
+        return _exposed(plan, scenery, stage, time, (0, HEIGHT))
+    edges = np.linspace(0, HEIGHT, STRIPS + 1).astype(int)
+    strips = []
+    for first, beyond in pairwise(edges.tolist()):
+        late = plan.readout * ((first + beyond) / 2 / HEIGHT - 0.5)
+        strips.append(_exposed(plan, scenery, stage, time + late, (first, beyond)))
+    return np.concatenate([s[0] for s in strips]), np.concatenate([s[1] for s in strips])
+
+
+def _exposed(
+    plan: Plan, scenery: Panorama | Room, stage: Stage, time: float, rows: tuple[int, int]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """The light (rows, W, 3) of some rows at a moment, and where the person is."""
+    T, zoom = _smoothly_at(plan.path, time) if plan.readout else _at(plan.path, time)
+    f, first = zoom * plan.focal_px, rows[0]
+    camera = plan.camera.model_copy(
+        update={"fx": f, "fy": f, "cy": plan.camera.cy - first, "height": rows[1] - first}
+    )
     light = np.ascontiguousarray(scenery.seen(camera, T))
     view = ViewCamera.of(camera)
     Ts = T @ _posed(plan.motion, stage.skeleton, time)
@@ -207,6 +232,16 @@ def _at(path: CameraPath, time: float) -> tuple[Array, float]:
     R = rotation_between(Ts[i, :3, :3], Ts[i + 1, :3, :3], [share])[0]
     p = (1 - share) * Ts[i, :3, 3] + share * Ts[i + 1, :3, 3]
     return transform(R, p), float((1 - share) * path.zoom[i] + share * path.zoom[i + 1])
+
+
+def _smoothly_at(path: CameraPath, time: float) -> tuple[Array, float]:
+    """The same on a cubic spline through the frames about: hands do not jerk at every frame."""
+    first = int(np.clip(np.floor(time) - 4, 0, max(len(path) - 10, 0)))
+    Ts = path.Ts_world_camera[first : first + 10]
+    places = np.concatenate([log_rotation(Ts[:, :3, :3]), Ts[:, :3, 3]], axis=1)
+    place = CubicSpline(np.arange(first, first + len(Ts)), places)(time)
+    T_world_camera = transform(exp_rotation(place[:3]), place[3:])
+    return np.linalg.inv(T_world_camera), 1.0
 
 
 def _posed(motion: Trajectory, skeleton: Skeleton, time: float) -> Array:
@@ -274,7 +309,9 @@ def _turning(frames: int, shutter: float = 0.0) -> Plan:
     return Plan(CameraPath(path.Ts_camera_world, zoom), person, 960.0, Panorama.of, shutter)
 
 
-def _walk_around(frames: int = 300, shutter: float = 0.0, noise: float = 2.0) -> Plan:
+def _walk_around(
+    frames: int = 300, shutter: float = 0.0, noise: float = 2.0, readout: float = 0.0
+) -> Plan:
     """3 m on an arc about the person, who stays in the picture's middle."""
     centre, radius = np.array([0.0, 0.0, 2.9]), 2.9
     angle = 3.0 / radius * _eased(frames)
@@ -284,7 +321,7 @@ def _walk_around(frames: int = 300, shutter: float = 0.0, noise: float = 2.0) ->
     wander = np.radians(1.5) * np.sin(np.arange(frames) / 37)
     path = hand_held(p, -angle + wander, np.full(frames, np.radians(-8.0)), 21)
     person = standing_person(frames, (0.0, FLOOR_M, 2.9))
-    return Plan(path, person, 720.0, Room.of, shutter, noise)
+    return Plan(path, person, 720.0, Room.of, shutter, noise, readout=readout)
 
 
 def _dolly(frames: int = 300) -> Plan:
@@ -327,11 +364,14 @@ def _eased(frames: int) -> Array:
     return np.concatenate([[0], np.cumsum(speed[1:])]) / speed[1:].sum()
 
 
+ROLLING, READOUT = "walk-around, rolling shutter", 0.6
+
 PLANS: dict[str, Callable[[], Plan]] = {
     "pan and zoom": lambda: _turning(1000),
     "pan and zoom, blurred": lambda: _turning(300, shutter=0.5),
     "walk-around": _walk_around,
     "walk-around, blurred, noisy": lambda: _walk_around(150, 0.5, 7.0),
+    ROLLING: lambda: _walk_around(150, readout=READOUT),
     "dolly": _dolly,
     "still hand": _still_hand,
     "turn, then walk": _turn_then_walk,

@@ -213,7 +213,7 @@ def _rendered(name: str, table: Table) -> None:
     detector = open_detector(find_model("thunder"))
     keypoints = detect(video.frame, (0, len(pictures) - 1), [seed], detector)
     draft = partial(draft_from_keypoints, keypoints, shown.camera, preset("adult_male"))
-    unknown, known = draft(), draft(up_camera=up)
+    unknown, known = draft(), draft(up_world=up)
     skeleton = Skeleton.of(unknown.body)
     motion = _motion(unknown.poses)
     stances = [pin for pin in proposed_pins(skeleton, motion, FPS, None) if pin.landmarks[1:]]

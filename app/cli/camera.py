@@ -18,6 +18,7 @@ from keypose.tracker.storage.camera_motion import (
     find_camera,
     keep_points,
     known_poses,
+    scaled,
 )
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import load_results
@@ -31,10 +32,12 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.forget:
             found, after = None, session.changed({"camera_motion": None, "camera_keyframes": ()})
         else:
-            poses = known_poses(session, load_results(session, path).fitting(session))
+            fitting = load_results(session, path).fitting(session)
+            poses = known_poses(session, fitting)
             with open_video_of(session, path) as video, _reporter(arguments.json) as report:
                 found = find_camera(session, video, poses, arguments.kind, report)
             keep_points(found)
+            found = scaled(found, session, fitting)
             after = found.applied(session)
         if not arguments.dry_run:
             save_session(after, path)

@@ -8,6 +8,7 @@ from pathlib import Path
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.import_camera import SAME_DEG, with_camera_file
 from keypose.app.export.recognising import camera_facts
+from keypose.app.words.camera import finding_sentences
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.formats.apart import reading_apart
 from keypose.tracker.formats.reading_camera import load_camera
@@ -20,7 +21,7 @@ def import_camera(arguments: argparse.Namespace) -> None:
     with reading_apart(load_camera) as read:
         session = load_session(path)
         found = read(arguments.file, (session.view.camera.width, session.view.camera.height))
-    made = with_camera_file(session, found)
+    made = with_camera_file(session, found, arguments.file.name)
     save_session(made, path)
     camera = made.view.camera
     if arguments.json:
@@ -34,4 +35,8 @@ def import_camera(arguments: argparse.Namespace) -> None:
     print(f"Up: turned by {turned:.1f}°." if turned > SAME_DEG else "Up: as it was.")
     if facts["floor_m"] is not None:
         print(f"Floor: {facts['floor_m']:.2f} m below the camera.")
+    if found.way is not None and made.view.camera_motion is not None:
+        print(f"The camera moves over {len(found.way.frames)} frames of the file.")
+        for sentence in finding_sentences(made.view.camera_motion.findings):
+            print(sentence)
     print(f"Written: {path}")

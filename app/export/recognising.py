@@ -191,7 +191,7 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
 
 def _recognised_camera(session: Session, path: Path) -> Recognised:
     found = load_camera(path, (session.view.camera.width, session.view.camera.height))
-    made = with_camera_file(session, found)
+    made = with_camera_file(session, found, path.name)
     return Recognised(
         "camera", _CAMERA_PROGRAMS[path.suffix.lower()], camera_facts(session, made, found)
     )

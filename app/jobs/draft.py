@@ -150,8 +150,8 @@ def drafted(
     try:
         found = draft_clip(
             picture, frames, at, box, camera, session.subject.body, network, again=network.plain,
-            proportions=proportions, up_camera=session.world.up_world, report=reporter,
-            film=session.view.video.pictures, kept=kept,
+            proportions=proportions, up_world=session.world.up_world, path=session.camera_path,
+            report=reporter, film=session.view.video.pictures, kept=kept,
         )  # fmt: skip
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
@@ -164,7 +164,8 @@ def drafted(
         )
         found = draft_from_keypoints(
             keypoints, camera, session.subject.body, proportions=proportions,
-            up_camera=session.world.up_world, report=DraftReporter(report, never),
+            up_world=session.world.up_world, path=session.camera_path,
+            report=DraftReporter(report, never),
         )  # fmt: skip
         return Drafted(found, network.fingerprint, part)
     detected.keep_pace(name, time.monotonic() - began)

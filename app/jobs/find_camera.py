@@ -11,7 +11,7 @@ import numpy as np
 
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
-from keypose.app.words.camera import camera_sentence, finding_sentences
+from keypose.app.words.camera import NO_SCALE, camera_sentence, finding_sentences
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -34,7 +34,10 @@ def found_words(found: FoundCamera) -> str:
     if motion is not None and np.isfinite(motion.errors_px).any():
         error = float(np.nanmedian(motion.errors_px))
     zooms = motion is not None and motion.path.zooms
-    return " ".join([camera_sentence(found.kind, zooms, error), *finding_sentences(found.findings)])
+    words = [camera_sentence(found.kind, zooms, error), *finding_sentences(found.findings)]
+    if motion is not None and motion.metres is None:
+        words.append(NO_SCALE)
+    return " ".join(words)
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,7 @@ class FindCamera(Fit):
         poses = camera_motion.known_poses(session, self.fitting)
         found = camera_motion.find_camera(session, video, poses, self.camera, report)
         camera_motion.keep_points(found)
+        found = camera_motion.scaled(found, session, self.fitting)
         return replace(found, points=None)  # which are many, and kept
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:

@@ -13,7 +13,7 @@ from keypose.app.jobs.job import Context
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
-from keypose.tracker.storage.sidecars import keypoints_of_session
+from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -37,9 +37,8 @@ def learned(session: Session, folder: Path, around: Collection[int]) -> Learned:
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     places = session.subject.drafted.places if session.subject.drafted else ()
     changes = [place.frame for place in places if place.reason == "person"]
-    return refit_drafts(
-        keypoints, session.view.camera, session.subject.body, drafts, posed, around, changes
-    )
+    seen, camera = at_one_focal(session, keypoints), session.view.camera
+    return refit_drafts(seen, camera, session.subject.body, drafts, posed, around, changes)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.session import Session
-from keypose.tracker.storage.sidecars import keypoints_of_session
+from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -71,7 +71,8 @@ class LiftDrafts(Fit):
             session.subject.body,
             changes=changes,
             proportions=False,
-            up_camera=session.world.up_world,
+            up_world=session.world.up_world,
+            path=session.camera_path,
             report=DraftReporter(report, context.cancelled),
         )
         anew = {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
@@ -81,7 +82,8 @@ class LiftDrafts(Fit):
             for k in session.subject.keyframes
             if k.frame not in self.frames
         }
-        given = (keypoints, session.view.camera, session.subject.body, anew, posed, posed, changes)
+        seen = at_one_focal(session, keypoints)
+        given = (seen, session.view.camera, session.subject.body, anew, posed, posed, changes)
         return {**anew, **refit_drafts(*given)}
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:

@@ -24,7 +24,15 @@ if TYPE_CHECKING:
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
-CHANGED: Final = ("keyframes", "pins", "settings", "up_world", "up_from_feet", "floor_m")
+CHANGED: Final = (
+    "keyframes",
+    "pins",
+    "settings",
+    "up_world",
+    "up_from_feet",
+    "floor_m",
+    "camera_motion",
+)
 """The session's fields that standing sets."""
 
 

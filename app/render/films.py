@@ -11,7 +11,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -20,7 +20,7 @@ from keypose.app.orders.drawing import FilmView, Paint, Size, Tint, View, Viewpo
 from keypose.app.render.palette import Picture
 from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
 from keypose.app.render.poses import KnownPoses
-from keypose.app.render.stills import natural_size
+from keypose.app.render.stills import ground_below, natural_size
 from keypose.app.render.studio import Studio
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers
 from keypose.app.render.viewpoints import Ground, least_distance, round_trip, smoothed, view_from
@@ -113,21 +113,32 @@ def _artist(
     if view == "main":
 
         def over_video(frame: int, image: Picture | None) -> Picture:
-            return studio.main(ground(frame, image), frame, poses.pose(frame), size, paint)
+            here = studio.at(frame)
+            return here.main(ground(frame, image), frame, poses.pose(frame), size, paint)
 
         return over_video
     if isinstance(view, Viewpoint) or view == "orbit":
         return _new_camera(studio, poses, film, frames, size, fps, layer_at)
     framing = _framing(studio, poses, frames, view, size)
+
+    def framing_at(frame: int) -> Framing:
+        if studio.session.camera_path is None or framing.centre_m is None:
+            return framing
+        centre = studio.to_camera(frame, framing.centre_m)
+        return replace(framing, centre_m=centre, Rs=studio.at(frame).Rs)
+
     if view == "all":
 
         def four(frame: int, image: Picture | None) -> Picture:
             pose = poses.pose(frame)
             seen = layer_at(frame)
-            return studio.four(ground(frame, image), frame, pose, size, paint, framing, seen)
+            image, here = ground(frame, image), studio.at(frame)
+            return here.four(image, frame, pose, size, paint, framing_at(frame), seen)
 
         return four
-    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing, layer_at(frame))
+    return lambda frame, _: studio.at(frame).parallel(
+        view, poses.pose(frame), size, framing_at(frame), layer_at(frame)
+    )
 
 
 def _framing(
@@ -166,28 +177,45 @@ def _new_camera(
             viewpoints[frame - film.first],
             level,
             centres[frame - film.first],
-            posed_points(studio.skeleton, _posed(poses, frame)),
+            _points(studio, poses, frame),
             size,
         )
         for frame in frames
     )
-    ground = Ground.under(studio.skeleton, level, (_posed(poses, frame) for frame in poses.frames))
+    first = frames[0]
+    ground = ground_below(studio.at(first), poses, first)
 
     def from_new_camera(frame: int, _: Picture | None) -> Picture:
-        i = frame - film.first
-        view = view_from(viewpoints[i], distance, level, centres[i], size)
-        return studio.perspective(view, ground, centres[i], poses.pose(frame), layer_at(frame))
+        i, here = frame - film.first, studio.at(frame)
+        centre = studio.to_camera(frame, centres[i])
+        view = view_from(viewpoints[i], distance, here.Rs["front"], centre, size)
+        below = _carried(studio, ground, first, frame)
+        return here.perspective(view, below, centre, poses.pose(frame), layer_at(frame))
 
     return from_new_camera
 
 
+def _carried(studio: Studio, ground: Ground, first: int, frame: int) -> Ground:
+    """The floor that the camera sees at one frame as it sees it at another."""
+    if studio.session.camera_path is None:
+        return ground
+    down = studio.Rs["front"][1]
+    rise = studio.to_world(first, np.zeros(3)) - studio.to_world(frame, np.zeros(3))
+    level, floor_m = studio.at(frame).Rs["front"], ground.floor_m + float(down @ rise)
+    return replace(ground, R_level_camera=level, floor_m=floor_m)
+
+
+def _points(studio: Studio, poses: KnownPoses, frame: int) -> Array:
+    """(K, 3) of the body at a frame, in the world."""
+    return studio.to_world(frame, posed_points(studio.skeleton, _posed(poses, frame)))
+
+
 def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -> Array:
-    """The corners (8, 3), in the camera frame, of the upright box around the body in all these
-    frames."""
+    """The corners (8, 3), in the world, of the upright box around the body in all these frames."""
     R_level_camera = studio.Rs["front"]
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for frame in frames:
-        points = posed_points(studio.skeleton, _posed(poses, frame)) @ R_level_camera.T
+        points = _points(studio, poses, frame) @ R_level_camera.T
         low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
     return np.asarray(corners.reshape(8, 3) @ R_level_camera)
@@ -195,9 +223,7 @@ def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -
 
 def _middles(studio: Studio, poses: KnownPoses, film: Film, frames: tuple[int, ...]) -> Array:
     """(N, 3) where the body is in every frame of the film; between known places, on the line."""
-    known = np.array(
-        [middle(posed_points(studio.skeleton, _posed(poses, frame))) for frame in frames]
-    )
+    known = np.array([middle(_points(studio, poses, frame)) for frame in frames])
     every = np.arange(film.first, film.last + 1)
     return np.stack([np.interp(every, frames, column) for column in known.T], axis=1)
 

@@ -5,6 +5,8 @@ What is asked for plainly is the page's own picture.
 
 from __future__ import annotations
 
+import numpy as np
+
 from keypose.app.orders.drawing import PictureOrder, Size, Viewpoint
 from keypose.app.render.palette import CutOut, Picture
 from keypose.app.render.pictures import FourViewLayout, middle, posed_points
@@ -31,7 +33,7 @@ def still(
     if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
         look = ViewStyle(wanted.view, wanted.style, wanted.opacity, wanted.tint)
         return snapshot(session, video, frame, pose, look)
-    studio = Studio.of(session, poses.skeleton)
+    studio = Studio.of(session, poses.skeleton).at(frame)
     size = _size(studio, wanted)
     if wanted.on_nothing:
         return _on_nothing(studio, pose, wanted, size)
@@ -41,7 +43,7 @@ def still(
         return studio.main(image, frame, pose, size, wanted.paint)
     surface = None if layers is None else layers.at(frame, pose)
     if isinstance(wanted.view, Viewpoint):
-        return _from_viewpoint(studio, poses, pose, wanted.view, size, surface)
+        return _from_viewpoint(studio, poses, frame, wanted.view, size, surface)
     if wanted.view != "all":
         return studio.parallel(wanted.view, pose, size, surface=surface)
     image = background(session, video, layers, frame, pose)
@@ -74,28 +76,48 @@ def _on_nothing(studio: Studio, pose: Pose, wanted: PictureOrder, size: Size) ->
 
 
 def from_viewpoint(
-    session: Session, pose: Pose, viewpoint: Viewpoint, floor_height_m: float, size: Size
+    session: Session,
+    frame: int,
+    pose: Pose,
+    viewpoint: Viewpoint,
+    floor_height_m: float,
+    size: Size,
 ) -> Picture:
-    """The body alone in the middle of a picture, on a floor of this height along up."""
-    studio = Studio.of(session, Skeleton.of(session.subject.body))
+    """The body alone in the middle of a picture, on a floor of this height along up in the
+    world."""
+    studio = Studio.of(session, Skeleton.of(session.subject.body)).at(frame)
     view, centre = _view(studio, pose, viewpoint, size)
-    ground = Ground.at(studio.skeleton, studio.Rs["front"], floor_height_m)
+    down = studio.Rs["front"][1]
+    origin = studio.to_camera(frame, np.zeros(3))
+    ground = Ground.at(studio.skeleton, studio.Rs["front"], floor_height_m - float(down @ origin))
     return studio.perspective(view, ground, centre, pose, None)
 
 
 def _from_viewpoint(
     studio: Studio,
     poses: KnownPoses,
-    pose: Pose,
+    frame: int,
     viewpoint: Viewpoint,
     size: Size,
     surface: SurfaceLayer | None,
 ) -> Picture:
     """About the body as it is at this frame; the floor is where the whole motion has it."""
+    pose = poses.pose(frame)
+    assert pose is not None
     view, centre = _view(studio, pose, viewpoint, size)
-    every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
-    ground = Ground.under(studio.skeleton, studio.Rs["front"], every)
+    ground = ground_below(studio, poses, frame)
     return studio.perspective(view, ground, centre, pose, surface)
+
+
+def ground_below(studio: Studio, poses: KnownPoses, frame: int) -> Ground:
+    """The floor under the whole motion, as the camera sees it at a frame. studio: of that frame."""
+    level, lowest = studio.Rs["front"], -np.inf
+    for each in poses.frames:
+        pose = poses.pose(each)
+        if pose is not None:
+            p_world = studio.to_world(each, posed_points(studio.skeleton, pose))
+            lowest = max(lowest, float((studio.to_camera(frame, p_world) @ level[1]).max()))
+    return Ground.at(studio.skeleton, level, -lowest)
 
 
 def _view(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[ViewCamera, Array]:

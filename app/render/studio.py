@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -54,9 +54,10 @@ def snapshot(
     Where the video has lost the frame, its place is grey and a plate says so. The views from the
     top, the side and the front need no video; with observed surfaces at hand they show them.
     """
-    camera, skeleton = session.view.camera.without_distortion(), Skeleton.of(session.subject.body)
+    skeleton = Skeleton.of(session.subject.body)
+    studio = Studio.of(session, skeleton).at(frame)
+    camera, Rs = studio.camera, studio.Rs
     size = (camera.width, camera.height)
-    Rs = view_rotations(session.world.up_world or (0.0, -1.0, 0.0))
     layers = SurfaceLayers.of(session, video, look.tint)
     surface = None if layers is None or look.view == "main" else layers.at(frame, pose)
     if look.view != "main" and look.view != "all":
@@ -135,7 +136,9 @@ SOLID = Paint("solid", 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Studio:
-    """Where a session's pictures are made. camera: with an ideal lens. Rs: the level views."""
+    """Where a session's pictures are made. camera: with an ideal lens. Rs: the level views, in the
+    camera frame; before a camera that moves they are those of the film's first frame, the world.
+    """
 
     session: Session
     camera: Camera
@@ -148,6 +151,31 @@ class Studio:
         up = session.world.up_world or (0.0, -1.0, 0.0)
         camera = session.view.camera.without_distortion()
         return cls(session, camera, skeleton, form_of(skeleton), view_rotations(up))
+
+    def at(self, frame: int) -> Studio:
+        """The same as the camera sees it at a frame; itself where that stands still."""
+        path = self.session.camera_path
+        if path is None:
+            return self
+        R = path.Ts_camera_world[frame, :3, :3]
+        camera = self.session.camera_at(frame).without_distortion()
+        return replace(self, camera=camera, Rs={name: own @ R.T for name, own in self.Rs.items()})
+
+    def to_camera(self, frame: int, p_world: Array) -> Array:
+        """Points (..., 3) of the world for the camera at a frame."""
+        path = self.session.camera_path
+        if path is None:
+            return p_world
+        T = path.Ts_camera_world[frame]
+        return np.asarray(p_world @ T[:3, :3].T + T[:3, 3])
+
+    def to_world(self, frame: int, p_camera: Array) -> Array:
+        """Points (..., 3) that the camera sees at a frame, in the world."""
+        path = self.session.camera_path
+        if path is None:
+            return p_camera
+        T = path.Ts_world_camera[frame]
+        return np.asarray(p_camera @ T[:3, :3].T + T[:3, 3])
 
     def main(
         self, image: Picture | None, frame: int, pose: Pose | None, size: Size, paint: Paint

@@ -177,7 +177,7 @@ def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> b
     pose = shown_pose(edit, frame).pose
     if isinstance(order.view, Viewpoint):
         floor = feet_paths(edit).floor_m
-        return png(from_viewpoint(edit.doc, pose, order.view, floor, FREE_SIZE))
+        return png(from_viewpoint(edit.doc, frame, pose, order.view, floor, FREE_SIZE))
     look = ViewStyle(order.view, order.style, order.opacity, order.tint)
     return png(snapshot(edit.doc, video, frame, pose, look))
 

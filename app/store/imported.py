@@ -69,7 +69,7 @@ def with_import(
             raise ActionRefused(_no_draft(found, edit.doc))
         doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
     else:
-        doc = with_camera_file(edit.doc, found)
+        doc = with_camera_file(edit.doc, found, file)
         focal, floor = (
             doc.view.camera.focal_mm,
             " and the floor" if found.floor_m is not None else "",

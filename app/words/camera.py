@@ -23,9 +23,14 @@ _FINDINGS: Final = {
     "no_picture": "{frames}: the pictures cannot be read. The camera is bridged there.",
     "rolling_shutter": "The shutter rolls: a picture is exposed over {amount:.0%} of the time "
     "between frames. The camera's turns are freed of it.",
-    "no_scale": "How far the camera moved is known but for its scale: pin a foot that stands "
-    "still, and find the camera again.",
+    "not_in_file": "{frames}: the imported file does not have them. The camera is bridged there.",
+    "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
+    "alone.",
 }
+NO_SCALE: Final = (
+    "How far the camera went is known but for its scale, so it is taken to turn alone: track the "
+    "body, and stand it on the floor or find the camera again. Feet that stand still tell it."
+)
 
 
 def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:

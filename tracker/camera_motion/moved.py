@@ -21,7 +21,7 @@ from keypose.tracker.camera_motion.path_drift import bridged
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +43,19 @@ class MovedPath:
     findings: tuple[Finding, ...]
     focal: FocalScale | None = None
 
-    def in_metres(self, metres: float) -> CameraPath:
-        """The path, where its unit is so many metres long."""
-        Ts = self.path.Ts_camera_world.copy()
-        Ts[:, :3, 3] *= metres
-        return CameraPath(Ts, self.path.zoom)
+    def in_metres(self, *metres: float) -> CameraPath:
+        """The path, where its unit is so many metres long: one number, or one for each piece."""
+        each = metres * len(self.pieces) if len(metres) == 1 else metres
+        if len(each) != len(self.pieces):
+            raise ValueError(f"{len(metres)} lengths were given for {len(self.pieces)} pieces")
+        p = self.path.Ts_world_camera[:, :3, 3]
+        steps = np.diff(p, axis=0, prepend=p[:1])
+        for first, metre in zip(self.pieces, each, strict=True):
+            beyond = min((one for one in self.pieces if one > first), default=len(p))
+            steps[first:beyond] *= metre
+        R = self.path.Ts_camera_world[:, :3, :3]
+        placed = -(R @ np.cumsum(steps, axis=0)[..., None])[..., 0]
+        return CameraPath(transform(R, placed), self.path.zoom)
 
 
 def find_moved_path(

@@ -29,6 +29,8 @@ NOISE_PX = 0.25
 """Standard deviation of a place, at the size looked at."""
 FEWEST = 15
 """Points that a place is believed from."""
+FEWEST_SHARE = 0.3
+"""Of the anchor's points, until depths are known: noise too lets some be found again."""
 LOST_FRAMES = 4
 """After so many frames without a place points are picked anew, tied to those of old that are seen
 again, or to nothing."""
@@ -40,8 +42,9 @@ BETWEEN = 13
 """Frames from a view to the next, with new points or not."""
 STEP = 0.1
 """Standard deviation of a frame's step, in usual depths."""
-START_PX, LEAST_START_PX, PATIENCE = 12.0, 2.0, 60
-"""Parallax with which the camera is seen to move; after so many frames the least will do."""
+START_PX, LEAST_START_PX, PATIENCE, RETRY = 12.0, 2.0, 60, 15
+"""Parallax with which the camera is seen to move; after so many frames the least will do,
+asked for every so many."""
 SEARCH_HALVINGS = 3
 """By which the picture is made smaller where points are looked for after the camera was lost."""
 SHARED = 0.4
@@ -191,7 +194,8 @@ class MovingCamera:
         placed = self._placed(T, ids, xy, FINELY if halvings < SEARCH_HALVINGS else SCALES)
         # until depths are known, what no turn explains is as likely near as an outlier
         kept = placed.agree if self.known else np.ones(len(ids), bool)
-        return _Sight(placed, ids, uv, xy, kept) if kept.sum() >= FEWEST else None
+        fewest = FEWEST if self.known else max(FEWEST, FEWEST_SHARE * len(found))
+        return _Sight(placed, ids, uv, xy, kept) if kept.sum() >= fewest else None
 
     def _by_whole_shift(self) -> tuple[Array, Array]:
         """T (4, 4) and where the anchor's points are (K, 2), had the camera only turned since."""
@@ -329,7 +333,7 @@ class MovingCamera:
                 px = parallax(view.xy[one], now.xy[other], self._map.noise) * NOISE_PX
                 if self._widest is None or px > self._widest.px:
                     self._widest = _Pair(px, view, now)
-        patient = now.frame % PATIENCE < EVERY
+        patient = now.frame >= PATIENCE and now.frame % RETRY < EVERY
         self._start(LEAST_START_PX if patient else START_PX)
 
     def _recent(self) -> list[View]:

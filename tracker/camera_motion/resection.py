@@ -7,12 +7,13 @@ turned, and stays where it is expected.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.bundle import KERNEL, LEAST_DEPTH, nudged
+from keypose.tracker.camera_motion.bundle import KERNEL, LEAST_DEPTH
 from keypose.tracker.geometry.rotations import Array
 
 SCALES = (6.0, 2.5, 1.0, 1.0, 1.0)
@@ -71,12 +72,25 @@ def resected(
         g = wJ.reshape(6, -1) @ miss.ravel()
         g[:3] += gone / step_sd**2
         step = -np.asarray(np.linalg.solve(H, g), float)
-        T = nudged(T, step)
+        T = _nudged(T, step)
         if scale == 1.0 and np.abs(step).max() < DONE:
             break
     squares = _whitened(T, seen, noise)[2]
     agree = squares < INLIER**2
     return Resected(T, agree, float(np.sqrt(np.median(squares[agree]))) if agree.any() else np.nan)
+
+
+def _nudged(T: Array, step: Array) -> Array:
+    """`bundle.nudged` of one camera, which takes a fifth of the time that way."""
+    x, y, z = step[3:].tolist()
+    angle = math.sqrt(x * x + y * y + z * z)
+    one = math.sin(angle) / angle if angle > 1e-9 else 1.0
+    two = 0.5 * (math.sin(angle / 2) / (angle / 2)) ** 2 if angle > 1e-9 else 0.5
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    moved = np.eye(4)
+    moved[:3, :3] += one * K + two * (K @ K)
+    moved[:3, 3] = step[:3]
+    return moved @ T
 
 
 def _whitened(T: Array, seen: SeenPoints, noise: float) -> tuple[Array, Array, Array]:

@@ -22,11 +22,15 @@ JSON:
     timecode_of_frame_0     where the film has it
     file_number_of_frame_0  where the film is image files that are numbered consecutively
 
+Of a camera that moves, version 2: `T_world_camera` is that of the film's first frame, and
+
+    frames                  of every frame of the motion: `frame`, `T_world_camera`, `fx` and `fy`
+
 .chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0,
 or that of its image file; position x, y, z; rotation about x, y, z, degrees, in the order ZXY,
-which is Nuke's own; the vertical field of view, degrees. The camera looks along −z with y up. The
-camera stands still, so that all lines are alike. A telephoto lens has no field of view, and a .chan
-file knows neither distortion nor a principal point beside the middle.
+which is Nuke's own; the vertical field of view, degrees. The camera looks along −z with y up; of
+one that stands still all lines are alike. A telephoto lens has no field of view, and a .chan file
+knows neither distortion nor a principal point beside the middle.
 """
 
 from __future__ import annotations
@@ -43,7 +47,7 @@ from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 
-FORMAT, VERSION = "keypose camera", 1
+FORMAT, VERSION, VERSION_OF_MOVING = "keypose camera", 1, 2
 DECIMALS = 9
 DEGENERATE = 1e-9
 
@@ -74,18 +78,40 @@ def camera_json(recording: Recording) -> str:
         fields["timecode_of_frame_0"] = str(recording.timecode)
     if recording.first_file_number is not None:
         fields["file_number_of_frame_0"] = recording.first_file_number
+    if recording.seen_from is not None:
+        fields |= {"version": VERSION_OF_MOVING, "frames": _frames(recording)}
     return json.dumps(fields, indent=1) + "\n"
+
+
+def _frames(recording: Recording) -> list[dict[str, Any]]:
+    """Where the camera was at every frame, and its focal length there."""
+    found = []
+    for row, T in enumerate(recording.Ts_world_camera):
+        camera = recording.camera_at(row)
+        place = (T.round(DECIMALS) + 0.0).tolist()
+        focal = {"fx": round(camera.fx, DECIMALS), "fy": round(camera.fy, DECIMALS)}
+        found.append({"frame": recording.frames[row], "T_world_camera": place, **focal})
+    return found
 
 
 def chan(recording: Recording) -> str:
     """The text of the .chan file. FormatError for a telephoto lens, which it cannot describe."""
     if recording.camera.telephoto_distance_m is not None:
         raise FormatError("A .chan file needs a field of view, and a telephoto lens has none.")
-    T = recording.T_world_camera
+    if recording.seen_from is None:
+        numbers = _line(recording.T_world_camera, recording.camera)
+        return "".join(f"{frame}\t{numbers}\n" for frame in recording.numbers)
+    Ts = recording.Ts_world_camera
+    lines = (_line(T, recording.camera_at(row)) for row, T in enumerate(Ts))
+    both = zip(recording.numbers, lines, strict=True)
+    return "".join(f"{frame}\t{line}\n" for frame, line in both)
+
+
+def _line(T: Array, camera: Camera) -> str:
+    """Where a camera stands, how it is turned, and what it sees."""
     angles_deg = np.degrees(_zxy(T[:3, :3] * FLIP))
-    seen_deg = fields_of_view_deg(recording.camera)[1]
-    numbers = "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))
-    return "".join(f"{frame}\t{numbers}\n" for frame in recording.numbers)
+    seen_deg = fields_of_view_deg(camera)[1]
+    return "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))
 
 
 def fields_of_view_deg(camera: Camera) -> tuple[float, float]:

@@ -7,9 +7,10 @@ animation turns every bone and moves the body. Its times count from the video's 
 two of them programs turn each bone about one axis, the shorter way. The animation's `extras` say
 its rate, its frames, the film's timecode and, where the motion was low-pass filtered, the cut-off.
 
-The film's camera is the node "camera". glTF knows the angle it sees, but no principal point beside
-the middle and no distortion: the exact numbers are in the camera's `extras`. A telephoto lens is an
-orthographic camera.
+The film's camera is the node "camera", which moves as it did. glTF knows the angle it sees, but no
+principal point beside the middle and no distortion: the exact numbers are in the camera's `extras`.
+A telephoto lens is an orthographic camera. Nor can what it sees change: of a lens that zooms the
+animation's `extras` have the focal length of every frame as a multiple of the camera's.
 
 With the rig of VRM the file is a VRM animation, too: its name may end in .vrma. All others need no
 extension.
@@ -107,7 +108,7 @@ def glb(
     """
     recording, numbers = recording.whole("GLB"), Numbers()
     rig = rig_of(recording.skeleton, rig_name)
-    T_world_camera = recording.T_world_camera
+    T_world_camera, T_first = recording.T_world_camera, recording.Ts_world_camera[0]
     used = {name: colour for name, colour in colours.items() if name in sides}
     bones = _bone_nodes(rig)
     armature, body, camera = len(bones), len(bones) + 1, len(bones) + 2
@@ -115,7 +116,7 @@ def glb(
         *bones,
         {"name": "Armature", "children": [0]},
         {"name": "body", "mesh": 0, "skin": 0},
-        {"name": "camera", "camera": 0, **_placed(T_world_camera[:3, 3], T_world_camera * TURN)},
+        {"name": "camera", "camera": 0, **_placed(T_first[:3, 3], T_first * TURN)},
     ]
     mesh = primitives(recording.skeleton.body, rig, sides, list(used), numbers)
     document = {
@@ -123,7 +124,7 @@ def glb(
         "scene": 0,
         "scenes": [{"name": recording.skeleton.body.name, "nodes": [armature, body, camera]}],
         "nodes": nodes,
-        "cameras": [_camera(recording.camera)],
+        "cameras": [_camera(recording.camera_at(0))],
         "meshes": [{"name": recording.skeleton.body.name, "primitives": mesh}],
         "materials": [_material(name, colour) for name, colour in used.items()],
         "skins": [_skin(rig, numbers)],
@@ -178,6 +179,12 @@ def _animation(
     for i in range(len(rig)):
         turns = np.ascontiguousarray(rotations[:, i])
         outputs.append((i, "rotation", numbers.add(turns, "VEC4", "animation")))
+    if recording.seen_from is not None:
+        Ts, node = recording.Ts_world_camera, len(rig) + 2
+        turns = np.ascontiguousarray(smooth_quaternions_xyzw((Ts * TURN)[:, None, :3, :3])[:, 0])
+        way = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
+        outputs.append((node, "translation", numbers.add(way, "VEC3", "animation")))
+        outputs.append((node, "rotation", numbers.add(turns, "VEC4", "animation")))
     return {
         "name": "motion",
         "channels": [
@@ -204,6 +211,8 @@ def _facts(recording: Recording) -> dict[str, Any]:
         facts["timecode_of_frame_0"] = str(recording.timecode)
     if recording.first_file_number is not None:
         facts["file_number_of_frame_0"] = recording.first_file_number
+    if recording.seen_from is not None and recording.seen_from.zooms:
+        facts["camera_zoom"] = recording.seen_from.zoom.round(6).tolist()
     if recording.filter_hz is not None:
         facts["low_pass_filter_hz"] = recording.filter_hz
     return facts

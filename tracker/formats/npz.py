@@ -1,10 +1,11 @@
 """The motion with all its diagnostics as a NumPy archive, for own programs.
 
 Frames are the N from the first keyframe to the last, parts P, joints and landmarks J, segments S.
-Positions are metres in the camera frame: x right, y down, z away from the camera. Where a frame is
-not tracked, its numbers are NaN. The fields `first_frame`, `part_names`, `Rs_parent_part` and
-`ps_camera_root` make the file of a motion without gaps a reference for `keypose evaluate`, too,
-unless it has a rate of its own. Segments are given by the video's frames.
+Positions are metres in the camera frame, of a camera that moves in that of the same frame: x right,
+y down, z away from the camera. Where a frame is not tracked, its numbers are NaN. The fields
+`first_frame`, `part_names`, `Rs_parent_part` and `ps_camera_root` make the file of a motion without
+gaps a reference for `keypose evaluate`, too, unless it has a rate of its own. Segments are given by
+the video's frames.
 
     first_frame            ()              number of the first frame in the video
     frame, time_s          (N,)            numbers of the frames; their times, seconds
@@ -39,7 +40,10 @@ unless it has a rate of its own. Segments are given by the video's frames.
     telephoto_distance_m   ()              NaN for a perspective camera
     up_camera              (3,)            what is up, a unit vector in the camera frame
     T_world_camera         (4, 4)          from the camera frame to the world of all files, y up,
-                                           the floor at zero; NaN where no frame is tracked
+                                           the floor at zero; NaN where no frame is tracked. Of a
+                                           camera that moves as its film begins
+    Ts_world_camera        (N, 4, 4)       the same at every frame, of a camera that moves alone
+    zoom                   (N,)            its focal length as a multiple of that of K
 """
 
 from __future__ import annotations
@@ -69,8 +73,18 @@ def npz(recording: Recording) -> bytes:
             **_camera(recording.camera),
             "up_camera": recording.up_camera,
             "T_world_camera": _world(recording),
+            **_camera_motion(recording),
         }
     )
+
+
+def _camera_motion(recording: Recording) -> Arrays:
+    """Where the camera was at every frame; nothing of one that stands still."""
+    path = recording.seen_from
+    if path is None:
+        return {}
+    Ts = _world(recording) @ path.Ts_world_camera
+    return {"Ts_world_camera": Ts, "zoom": path.zoom}
 
 
 def _world(recording: Recording) -> Array:
@@ -78,7 +92,7 @@ def _world(recording: Recording) -> Array:
 
 
 def _poses(recording: Recording) -> Arrays:
-    tracks = recording.tracks
+    tracks = recording.as_seen
     return {
         "first_frame": _whole(tracks.first_frame),
         "frame": _whole(recording.frames),
@@ -91,7 +105,7 @@ def _poses(recording: Recording) -> Arrays:
         "names": _text(column_names(recording.skeleton)),
         "Rs_parent_part": tracks.Rs_parent_part,
         "ps_camera_root": tracks.ps_camera_root,
-        "ps_camera_joint": recording.ps_camera_joint,
+        "ps_camera_joint": recording.ps_seen_joint,
         "angles_zyx_rad": known_smooth_euler(tracks.Rs_parent_part),
     }
 

@@ -1,7 +1,8 @@
-"""Read a camera that stands still, as another program or this one wrote it: JSON, .chan, glTF.
+"""Read a camera as another program or this one wrote it: JSON, .chan, glTF.
 
 JSON and .chan as `keypose.tracker.formats.camera_files` has them, glTF by its only camera. Their
-world has y up. A camera that moves is refused: this program's stands still.
+world has y up. Of JSON and .chan the camera may move, by the frames that they name; glTF names no
+frames, so that one that moves is refused.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
 from keypose.tracker.errors import FormatError, one_sentence
@@ -110,16 +112,29 @@ Row: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 @dataclass(frozen=True, eq=False)
+class CameraWay:
+    """frames (K,): ascending numbers, as the file counts.  Ts_world_camera (K, 4, 4): metres, the
+    camera looks along +z.  zoom (K,): the focal length as a multiple of the first frame's.
+    """
+
+    frames: NDArray[np.int64]
+    Ts_world_camera: Array
+    zoom: Array
+
+
+@dataclass(frozen=True, eq=False)
 class CameraFile:
     """A camera for pictures of a film's size.
 
     up_camera: (3,) the world's up in the camera frame.
     floor_m:   the floor's height along up, from the camera's centre; None where it is not given.
+    way:       where the camera was at frames, where it moves; all above is of the first of these.
     """
 
     camera: Camera
     up_camera: Array
     floor_m: float | None
+    way: CameraWay | None = None
 
 
 def load_camera(path: Path, size: Size) -> CameraFile:
@@ -150,10 +165,19 @@ class _CameraFields(BaseModel):
     """What is read of a JSON file."""
 
     format: Literal["keypose camera"]
-    version: Literal[1]
+    version: Literal[1, 2]
     T_world_camera: tuple[Row, Row, Row, Row]
     distortion: Annotated[tuple[FiniteFloat, ...], Field(alias="distortion_k1_k2_p1_p2_k3")]
     floor_m: FiniteFloat | None = None
+    frames: tuple[_CameraFrame, ...] = ()
+
+
+class _CameraFrame(BaseModel):
+    """Where the camera was at a frame, and its focal length in pixels."""
+
+    frame: Annotated[int, Field(ge=0, le=100_000_000)]
+    T_world_camera: tuple[Row, Row, Row, Row]
+    fy: Annotated[FiniteFloat, Field(gt=0)]
 
 
 def _read_json(file: str, content: bytes, size: Size) -> CameraFile:
@@ -167,7 +191,12 @@ def _read_json(file: str, content: bytes, size: Size) -> CameraFile:
         raise FormatError(f"{file} is not JSON.") from None
     T = np.array(fields.T_world_camera)
     floor_m = None if fields.floor_m is None else fields.floor_m - float(T[1, 3])
-    return CameraFile(_resized(file, camera, size), _up(file, T[:3, :3]), floor_m)
+    way = None
+    if fields.frames:
+        Ts = np.array([each.T_world_camera for each in fields.frames])
+        focal = np.array([each.fy for each in fields.frames])
+        way = _way(file, [each.frame for each in fields.frames], Ts, focal)
+    return CameraFile(_resized(file, camera, size), _up(file, T[:3, :3]), floor_m, way)
 
 
 def _exact(data: dict[str, Any], distortion: Sequence[float]) -> Camera:
@@ -209,12 +238,27 @@ def _read_chan(file: str, content: bytes, size: Size) -> CameraFile:
         raise FormatError(f"{file} has lines that are not numbers.") from None
     if not np.isfinite(numbers).all() or not ((numbers[:, 7] > 0) & (numbers[:, 7] < 180)).all():
         raise FormatError(f"{file} has numbers that no camera has.")
-    if np.ptp(numbers[:, 7]) > math.degrees(STILL_RAD):
-        raise FormatError(f"{file} zooms: {_STANDS_STILL}")
     Rs = _rotations_zxy(np.radians(numbers[:, 4:7]))
-    _require_still(file, numbers[:, 1:4], Rs)
     camera = _seeing(file, size, math.radians(numbers[0, 7]), None)
-    return CameraFile(camera, _up(file, Rs[0] * FLIP), None)
+    zooms = np.ptp(numbers[:, 7]) > math.degrees(STILL_RAD)
+    way = None
+    if zooms or not _is_still(numbers[:, 1:4], Rs):
+        focal = 1 / np.tan(np.radians(numbers[:, 7]) / 2)
+        frames = [round(float(number)) for number in numbers[:, 0]]
+        way = _way(file, frames, transform(Rs * FLIP, numbers[:, 1:4]), focal)
+    return CameraFile(camera, _up(file, Rs[0] * FLIP), None, way)
+
+
+def _way(file: str, frames: Sequence[int], Ts_world_camera: Array, focal: Array) -> CameraWay:
+    """Where a camera was at frames that ascend."""
+    numbers = np.array(frames, dtype=np.int64)
+    if not (np.diff(numbers) > 0).all():
+        raise FormatError(f"{file} names frames twice, or not in their order.")
+    Rs = Ts_world_camera[:, :3, :3]
+    if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-3):
+        raise FormatError(f"{file}: T_world_camera is no rotation.")
+    Ts = transform(nearest_rotation(Rs), Ts_world_camera[:, :3, 3])
+    return CameraWay(numbers, Ts, focal / focal[0])
 
 
 def _rotations_zxy(angles: Array) -> Array:
@@ -268,7 +312,10 @@ def _of_document(file: str, document: dict[str, Any], block: bytes, size: Size) 
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
         raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
     Rs = nearest_rotation(Ts[:, :3, :3])
-    _require_still(file, Ts[:, :3, 3], Rs)
+    if not _is_still(Ts[:, :3, 3], Rs):
+        raise FormatError(
+            f"{file} moves, and names no frames: export the camera as .chan, or as Keypose's JSON."
+        )
     return CameraFile(camera, _up(file, Rs[0] * FLIP), -float(Ts[0, 1, 3]) if own else None)
 
 
@@ -293,11 +340,6 @@ def _lens(file: str, fields: dict[str, Any], size: Size) -> Camera:
 # --- together
 
 
-_STANDS_STILL: Final = (
-    "a session's camera stands still. Export it at one frame, of a shot with a locked camera."
-)
-
-
 def _seeing(file: str, size: Size, vertical_rad: float, aspect: float | None) -> Camera:
     """A lens by what it spans from top to bottom, its middle that of the picture."""
     width, height = size
@@ -315,10 +357,9 @@ def _seeing(file: str, size: Size, vertical_rad: float, aspect: float | None) ->
         raise FormatError(f"{file}: {one_sentence(error)}") from None
 
 
-def _require_still(file: str, ps_world: Array, Rs_world: Array) -> None:
+def _is_still(ps_world: Array, Rs_world: Array) -> bool:
     turns = np.linalg.norm(log_rotation(transpose(Rs_world[:1]) @ Rs_world), axis=-1)
-    if np.ptp(ps_world, axis=0).max() > STILL_M or turns.max() > STILL_RAD:
-        raise FormatError(f"{file} moves: {_STANDS_STILL}")
+    return bool(np.ptp(ps_world, axis=0).max() <= STILL_M and turns.max() <= STILL_RAD)
 
 
 def _up(file: str, R_world_camera: Array) -> Array:

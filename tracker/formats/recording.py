@@ -202,7 +202,8 @@ class Recording:
 
     @cached_property
     def ps_camera_joint(self) -> Array:
-        """Joints and landmarks (N, J, 3) in the camera frame, metres, NaN where not tracked."""
+        """Joints and landmarks (N, J, 3) in the frame of the scene, metres, NaN where not
+        tracked."""
         return frozen(self.trajectory.joints(self.skeleton))
 
     @cached_property
@@ -243,6 +244,24 @@ class Recording:
         if self.seen_from is None:
             return np.broadcast_to(self.T_world_camera, (len(self), 4, 4))
         return np.asarray(self.T_world_camera @ self.seen_from.Ts_world_camera)
+
+    @cached_property
+    def as_seen(self) -> Tracks:
+        """The poses each in the frame of the camera as it was then."""
+        if self.seen_from is None:
+            return self.tracks
+        seen = self.trajectory.carried(self.seen_from.Ts_camera_world)
+        Rs, ps = seen.Rs_parent_part, seen.ps_camera_root
+        return replace(self.tracks, Rs_parent_part=Rs, ps_camera_root=ps)
+
+    @cached_property
+    def ps_seen_joint(self) -> Array:
+        """Joints and landmarks (N, J, 3) in the frame of the camera as it was then, metres."""
+        if self.seen_from is None:
+            return self.ps_camera_joint
+        tracks = self.as_seen
+        motion = Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
+        return frozen(motion.joints(self.skeleton))
 
     def camera_at(self, row: int) -> Camera:
         """The camera with the focal length it has at a pose."""

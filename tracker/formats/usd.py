@@ -43,7 +43,6 @@ from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
 from keypose.tracker.formats.rigs.skin import Skin
 from keypose.tracker.formats.rotation_curves import smooth_quaternions_xyzw
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 
 TENTHS = 10.0
@@ -82,7 +81,7 @@ def usd(
     stage.GetRootLayer().customLayerData = _facts(whole, rig)
     (body,) = _identifiers([whole.skeleton.body.name])
     _put_body(stage, f"/{body}", whole, rig, T_world_camera, (sides, colours))
-    _put_camera(stage, "/Camera" if body != "Camera" else "/Camera_", whole.camera, T_world_camera)
+    _put_camera(stage, "/Camera" if body != "Camera" else "/Camera_", whole)
     stage.SetDefaultPrim(stage.GetPrimAtPath(f"/{body}"))
     with tempfile.TemporaryDirectory() as folder:  # usd-core writes to a path and nowhere else
         path = Path(folder) / "motion.usd"
@@ -203,9 +202,15 @@ def _material(stage: Any, path: str, colour: tuple[int, int, int]) -> Any:
 # --- the camera
 
 
-def _put_camera(stage: Any, path: str, camera: Camera, T_world_camera: Array) -> None:
-    seen = UsdGeom.Camera.Define(stage, path)
-    seen.AddTransformOp().Set(Gf.Matrix4d((T_world_camera * _TURN).T.tolist()))
+def _put_camera(stage: Any, path: str, whole: Recording) -> None:
+    """The camera, which moves and zooms as it did."""
+    camera, seen = whole.camera, UsdGeom.Camera.Define(stage, path)
+    placed = seen.AddTransformOp()
+    if whole.seen_from is None:
+        placed.Set(Gf.Matrix4d((whole.T_world_camera * _TURN).T.tolist()))
+    else:
+        for number, T in zip(whole.numbers, whole.Ts_world_camera, strict=True):
+            placed.Set(Gf.Matrix4d((T * _TURN).T.tolist()), number)
     seen.CreateClippingRangeAttr(Gf.Vec2f(NEAR_M, FAR_M))
     distance = camera.telephoto_distance_m
     if distance is None:
@@ -215,7 +220,10 @@ def _put_camera(stage: Any, path: str, camera: Camera, T_world_camera: Array) ->
         focal = distance
         seen.CreateProjectionAttr(UsdGeom.Tokens.orthographic)
     x, y = TENTHS * focal / camera.fx, TENTHS * focal / camera.fy  # of a pixel
-    seen.CreateFocalLengthAttr(TENTHS * focal)
+    length = seen.CreateFocalLengthAttr(TENTHS * focal)
+    if whole.seen_from is not None and whole.seen_from.zooms:
+        for number, zoom in zip(whole.numbers, whole.seen_from.zoom, strict=True):
+            length.Set(TENTHS * focal * float(zoom), number)
     seen.CreateHorizontalApertureAttr(camera.width * x)
     seen.CreateVerticalApertureAttr(camera.height * y)
     seen.CreateHorizontalApertureOffsetAttr(((camera.width - 1) / 2 - camera.cx) * x)

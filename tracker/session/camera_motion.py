@@ -61,12 +61,20 @@ class CameraFinding(Plain):
     background leaves too little of the picture.  cut: another scene begins at the first frame, and
     nothing ties it to what was before.  not_rigid: what is seen does not move as one, such as
     water or a crowd.  no_picture: frames cannot be read.  rolling_shutter: rows are exposed one
-    after another, over `amount` of the time between frames.  no_scale: how far the camera moved is
-    known but for its scale.
+    after another, over `amount` of the time between frames.  no_parallax: nothing shows that the
+    camera was elsewhere than at the first frame.  not_in_file: the file that it was imported from
+    does not name these frames.
     """
 
     kind: Literal[
-        "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "no_scale"
+        "no_texture",
+        "body_fills",
+        "cut",
+        "not_rigid",
+        "no_picture",
+        "rolling_shutter",
+        "no_parallax",
+        "not_in_file",
     ]
     first_frame: FrameIndex
     last_frame: FrameIndex
@@ -87,6 +95,12 @@ class CameraMotion(Plain):
         "quaternion w, x, y, z, its origin there, metres, and the focal length as a multiple of "
         "the camera's; base64 of little-endian doubles."
     )
+    metres: Annotated[FiniteFloat, Field(gt=0, le=1e6)] | None = Field(
+        default=1.0,
+        exclude_if=(1.0).__eq__,
+        description="How long the unit of these places is; null where nothing tells: then the "
+        "camera is taken to turn alone. Left out where they are metres.",
+    )
     error_px: Packed = Field(
         default="", exclude_if=operator.not_,
         description="Of every frame how far points of the background usually lie off, pixels; "
@@ -97,15 +111,16 @@ class CameraMotion(Plain):
     @classmethod
     def of(
         cls, kind: Literal["turns", "moves"], path: CameraPath, error_px: Array | None = None,
-        findings: tuple[CameraFinding, ...] = (), source: str = "",
+        findings: tuple[CameraFinding, ...] = (), source: str = "", metres: float | None = 1.0,
     ) -> Self:  # fmt: skip
-        """The motion along a path.  error_px: (N,), NaN where nothing is known."""
+        """The motion along a path.  error_px: (N,), NaN where nothing is known.  metres: of the
+        path's unit."""
         T = path.Ts_camera_world
         rows = np.column_stack([quaternion_wxyz(T[:, :3, :3]), T[:, :3, 3], path.zoom])
         error = np.zeros(0) if error_px is None else np.nan_to_num(error_px, nan=-1.0)
         return cls(
             kind=kind, source=source, samples=packed(rows.ravel()),
-            error_px=packed(error) if len(error) else "", findings=findings,
+            error_px=packed(error) if len(error) else "", findings=findings, metres=metres,
         )  # fmt: skip
 
     @property
@@ -116,7 +131,12 @@ class CameraMotion(Plain):
     @property
     def path(self) -> CameraPath:
         """The path, uncorrected."""
-        return _path(self.samples)
+        return _path(self.samples, self.metres)
+
+    @property
+    def in_its_unit(self) -> CameraPath:
+        """The path in a unit of its own, before `metres` say how long that is."""
+        return _path(self.samples, 1.0)
 
     @property
     def errors_px(self) -> Array:
@@ -163,11 +183,11 @@ class CameraKeyframe(Plain):
 
 
 @lru_cache(maxsize=8)
-def _path(samples: str) -> CameraPath:
+def _path(samples: str, metres: float | None) -> CameraPath:
     rows = unpacked(samples).reshape(-1, NUMBERS)
     Rs = rotation_from_quaternion(rows[:, :4])
     Rs[(rows[:, :4] == (1.0, 0.0, 0.0, 0.0)).all(axis=1)] = np.eye(3)  # to the last digit
-    return CameraPath.of(Rs, rows[:, 4:7], rows[:, 7])
+    return CameraPath.of(Rs, rows[:, 4:7] * (metres or 0.0), rows[:, 7])
 
 
 @lru_cache(maxsize=8)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -15,19 +15,36 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.camera_motion import CameraKind, FollowedPoints, find_camera_motion
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.camera_motion import (
+    CameraKind,
+    Finding,
+    FollowedPoints,
+    PathScale,
+    StandingPoint,
+    find_camera_motion,
+    find_moved_path,
+    scale_from_stances,
+)
 from keypose.tracker.camera_motion.background import BodyBackground
+from keypose.tracker.camera_motion.body_scale import scale_from_smoothness
 from keypose.tracker.errors import CameraError
 from keypose.tracker.files import read_own
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.model_files import cache_folder
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
+from keypose.tracker.session.pins import Pin, pins_within
 from keypose.tracker.session.schema import Session
+from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.space import frames_per_second
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
+TURN_SHARE: Final = 0.5
+"""Of the work, finding how the camera turns; where it went takes the rest."""
 MOST_KEPT: Final = 40
 """Films whose points are kept."""
 LARGEST_BYTES: Final = 2**30
@@ -72,26 +89,105 @@ def find_camera(
     background = BodyBackground(
         Skeleton.of(session.subject.body), camera, poses, session.view.ignore_masks
     )
+    count = session.view.video.frame_count
     found = find_camera_motion(
-        _greys(video),
-        camera,
-        session.view.video.frame_count,
-        background,
-        fixed=kind,
-        progress=lambda done, expected: report(done / expected),
-    )
-    findings = tuple(
-        CameraFinding(
-            kind=one.kind, first_frame=one.first_frame, last_frame=one.last_frame,
-            amount=float(one.amount),
-        )
-        for one in found.findings
+        _greys(video), camera, count, background, fixed=kind,
+        progress=lambda done, expected: report(TURN_SHARE * done / expected),
     )  # fmt: skip
-    motion = None
-    if found.path is not None and found.kind != "static":
-        motion = CameraMotion.of(found.kind, found.path, found.error_px, findings)
     focal = None if found.focal is None else (found.focal.scale, found.focal.sigma)
-    return FoundCamera(found.kind, motion, found.points, findings, focal)
+    findings = tuple(map(_finding, found.findings))
+    if found.path is None or found.kind == "static":
+        return FoundCamera("static", None, found.points, findings, focal)
+    if found.kind == "moves":
+        moved = find_moved_path(
+            _greys(video), camera, count, background,
+            progress=lambda done, expected: report(TURN_SHARE + (1 - TURN_SHARE) * done / expected),
+        )  # fmt: skip
+        if moved.moves:
+            findings = tuple(map(_finding, moved.findings))
+            motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, metres=None)
+            return FoundCamera("moves", motion, found.points, findings, focal)
+    motion = CameraMotion.of("turns", found.path, found.error_px, findings)
+    return FoundCamera("turns", motion, found.points, findings, focal)
+
+
+def _finding(one: Finding) -> CameraFinding:
+    return CameraFinding(
+        kind=one.kind, first_frame=one.first_frame, last_frame=one.last_frame,
+        amount=float(one.amount),
+    )  # fmt: skip
+
+
+def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:
+    """The session with the scale of its camera's way, as feet that stand and the body's own motion
+    tell it; itself where the camera only turns, or nothing tells it.
+
+    fitting: what was tracked, by segment.
+    """
+    motion = session.view.camera_motion
+    if motion is None or motion.kind != "moves" or motion.source or session.camera_path is None:
+        return session
+    found = _scale(session, motion.in_its_unit, list(_runs(fitting)))
+    if found is None:
+        return session
+    metres = round(found.metres, 6)
+    return session.changed({"camera_motion": motion.model_copy(update={"metres": metres})})
+
+
+def scaled(
+    found: FoundCamera, session: Session, fitting: Mapping[Span, SegmentResult]
+) -> FoundCamera:
+    """What was found of a session's camera, with its scale as `with_scale`."""
+    motion = with_scale(found.applied(session), fitting).view.camera_motion
+    return replace(found, motion=motion)
+
+
+def _scale(session: Session, path: CameraPath, runs: Sequence[Trajectory]) -> PathScale | None:
+    """By feet that stand; these are found with the scale that leaves the body least acceleration,
+    where none are pinned."""
+    skeleton, body = Skeleton.of(session.subject.body), session.subject.body
+    smooth = [scale_from_smoothness(path, run.first_frame, run.ps_camera_root) for run in runs]
+    usual = min((one for one in smooth if one is not None), key=lambda one: one.sd, default=None)
+    standing = []
+    for run in runs:
+        Ts = run.transforms(skeleton)
+        pins = [pin for pin in pins_within(session.subject.pins, _span(run)) if pin.landmarks]
+        if not pins and usual is not None:
+            pins = _still(session, skeleton, run, path, usual.metres)
+        for pin in pins:
+            rows = slice(pin.first_frame - run.first_frame, pin.last_frame + 1 - run.first_frame)
+            T, points = Ts[rows, body.index(pin.part)], np.array(pin.points(body)).mean(axis=0)
+            standing.append(StandingPoint(pin.first_frame, T[:, :3, :3] @ points + T[:, :3, 3]))
+    return scale_from_stances(path, standing) or usual
+
+
+def _still(
+    session: Session, skeleton: Skeleton, run: Trajectory, path: CameraPath, metres: float
+) -> list[Pin]:
+    """Where feet stand still in the world, were the path's unit so long."""
+    Ts = path.between(*_span(run)).Ts_world_camera.copy()
+    Ts[:, :3, 3] *= metres
+    rate = frames_per_second(session, run)
+    found = proposed_pins(skeleton, run.carried(Ts), rate, None, Ts[:, :3, 3])
+    return [pin for pin in found if len(pin.landmarks) > 1]
+
+
+def _span(run: Trajectory) -> Span:
+    return run.first_frame, run.last_frame
+
+
+def _runs(fitting: Mapping[Span, SegmentResult]) -> Iterator[Trajectory]:
+    """Neighbouring segments that are tracked, joined, before any solve in space."""
+    run: list[Trajectory] = []
+    for found in (fitting[span].as_tracked for span in sorted(fitting)):
+        if found.missing or not found.finished:
+            continue
+        if run and run[-1].last_frame != found.first:
+            yield joined(run)
+            run = []
+        run.append(found.trajectory)
+    if run:
+        yield joined(run)
 
 
 def keep_points(found: FoundCamera, folder: Path | None = None) -> None:

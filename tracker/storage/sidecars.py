@@ -230,6 +230,14 @@ def save_keypoints(
     return session.changed({"keypoints": reference})
 
 
+def at_one_focal(session: Session, keypoints: Keypoints) -> Keypoints:
+    """Keypoints of a session's film as its camera sees them without its zoom."""
+    path = session.camera_path
+    if path is None or not path.zooms:
+        return keypoints
+    return keypoints.at_one_focal(session.view.camera, path.zoom)
+
+
 def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:
     """The keypoints a session's segments are tracked with; None where it has none.
 

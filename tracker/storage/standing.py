@@ -60,7 +60,7 @@ def stand(
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
-    session = session.changed({"settings": smooth})
+    session = _with_scale(session.changed({"settings": smooth}), fitting)
     motions = {
         run.span: session.in_world(joined([segment.trajectory for segment in run.segments]))
         for run in stretches(session, fitting)
@@ -79,6 +79,16 @@ def stand(
     stood = stood.changed({"floor_m": _floor_m(stood, fitting, cancelled)})
     on_floor = sum(pin.floor for pin in pins)
     return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
+
+
+def _with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:
+    """The session with how far its camera went, where that is not known yet."""
+    motion = session.view.camera_motion
+    if motion is None or motion.metres is not None:
+        return session
+    from keypose.tracker.storage.camera_motion import with_scale  # loads what only this needs
+
+    return with_scale(session, fitting)
 
 
 def _require_standable(session: Session) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -303,11 +303,17 @@ def _shifted(subject: Subject) -> tuple[dict[Span, SegmentResult], int, int]:
     if not fitting:
         return {}, 0, 0
     first, last = min(a for a, _ in fitting), max(b for _, b in fitting)
-    return (
-        {(a - first, b - first): track for (a, b), track in fitting.items()},
-        first,
-        last - first + 1,
-    )
+    shifted = {
+        (a - first, b - first): _in_world(subject, track) for (a, b), track in fitting.items()
+    }
+    return shifted, first, last - first + 1
+
+
+def _in_world(subject: Subject, track: SegmentResult) -> SegmentResult:
+    """The motion as it is in the world, whatever the camera does."""
+    if subject.session.camera_path is None:
+        return track
+    return replace(track, trajectory=subject.session.in_world(track.trajectory))
 
 
 def _row(name: str, plot: Child, class_: str) -> Html:

@@ -91,13 +91,30 @@ def test_json_shows_what_was_set(path: Path, capsys: pytest.CaptureFixture[str])
     assert message["fx"] == load_session(path).view.camera.fx
 
 
-def test_a_camera_that_moves_leaves_the_session_as_it_was(
+def test_a_camera_that_moves_is_taken_over_and_what_the_file_lacks_is_said(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = chan(path.parent, "2 0 0 0 0 0 0 30", "4 0 0 1 0 0 0 30", "5 0 0 2 0 2 0 40")
+    assert main(["import", str(path), str(file), "--camera"]) == 0
+    words = capsys.readouterr().out
+    assert "The camera moves over 3 frames of the file." in words
+    assert "Frames 0–1: the imported file does not have them." in words
+    assert "Frame 3: the imported file does not have them." in words
+    found = load_session(path).camera_path
+    assert found is not None
+    places = found.Ts_world_camera[:6, :3, 3]
+    np.testing.assert_allclose(places[:, 2], [0, 0, 0, -0.5, -1, -2], atol=1e-9)
+    assert found.zoom[4] == 1
+    assert found.zoom[5] == pytest.approx(np.tan(np.radians(15)) / np.tan(np.radians(20)))
+
+
+def test_a_camera_of_another_film_leaves_the_session_as_it_was(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = path.read_bytes()
-    file = chan(path.parent, "1 0 0 0 0 0 0 30", "2 0 0 1 0 0 0 30")
+    file = chan(path.parent, "9001 0 0 0 0 0 0 30", "9002 0 0 1 0 0 0 30")
     words = refused(capsys, path.parent, ["import", path, file, "--camera"])
-    assert "shot.chan moves" in words
+    assert "shot.chan has frames 9001 to 9002, and the film 0 to" in words
     assert path.read_bytes() == before
 
 

@@ -113,6 +113,14 @@ def test_after_a_cut_the_path_begins_anew_and_both_pieces_are_right():
     turn, _, way = errors(after, _from_first(other.Ts_camera_world[::-1][rest]))
     assert turn.max() < 0.3
     assert way.max() < 4.0
+    whole, apart = found.in_metres(2.0), found.in_metres(2.0, 3.0)
+    np.testing.assert_allclose(apart.Ts_camera_world[:FRAMES], whole.Ts_camera_world[:FRAMES])
+    steps, longer = (
+        np.diff(path.Ts_world_camera[cut.first_frame :, :3, 3], axis=0) for path in (whole, apart)
+    )
+    np.testing.assert_allclose(longer, 1.5 * steps, atol=1e-9)
+    with pytest.raises(ValueError, match="3 lengths were given for 2 pieces"):
+        found.in_metres(1.0, 2.0, 3.0)
 
 
 def _from_first(Ts: Array) -> CameraPath:

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.camera_motion import resection
+from keypose.tracker.camera_motion.bundle import nudged
 from keypose.tracker.camera_motion.resection import SeenPoints, resected
 from keypose.tracker.camera_motion.two_views import parallax, two_views
 from keypose.tracker.geometry.rotations import exp_rotation, transform
@@ -27,6 +29,13 @@ def test_a_camera_is_found_where_a_third_of_the_points_are_outliers():
     assert found.agree[66:].mean() > 0.95
     assert found.agree[:66].mean() < 0.1
     assert 0.5 < found.error < 2.0
+
+
+def test_one_camera_is_moved_as_many_are():
+    T = Place.of().Ts[5]
+    for step in np.random.default_rng(6).normal(0, 0.3, (5, 6)):
+        np.testing.assert_allclose(resection._nudged(T, step), nudged(T, step), atol=1e-12)
+    np.testing.assert_allclose(resection._nudged(T, np.zeros(6)), T, atol=1e-15)
 
 
 def test_depths_that_are_wrong_and_known_to_be_do_no_harm_beside_few_that_are_right():

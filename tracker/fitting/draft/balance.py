@@ -31,7 +31,10 @@ and shins (Winter, Biomechanics and Motor Control of Human Movement)."""
 
 
 def balanced(observed: Observed, camera: Camera, up_camera: Array) -> Observed:
-    """Turn p_hips about the level axis across the view, all frames alike. camera: ideal."""
+    """Turn p_hips about the level axis across the view, all frames alike. camera: ideal.
+
+    up_camera: (3,), or (N, 3) of a camera that turns.
+    """
     lean_rad, axes = _leans(observed, camera, up_camera)
     known = lean_rad[np.isfinite(lean_rad)]
     if len(known) == 0 or len(known) < STANDING * observed.usable.sum():
@@ -46,11 +49,12 @@ def _leans(observed: Observed, camera: Camera, up_camera: Array) -> tuple[Array,
     where nobody stands; (N, 3) the level axis across the view, in the axes of the landmarks."""
     leans, axes = np.full(len(observed), np.nan), np.zeros((len(observed), 3))
     hips = [place_of(side, "hip") for side in SIDES]
+    ups = np.broadcast_to(up_camera, (len(observed), 3))
     for n in np.flatnonzero(observed.usable):
         p = observed.p_hips[n, : len(JOINTS)]
         if not (np.isfinite(p).all() and observed.known[n, hips].all()):
             continue
-        up = landmark_axes(camera, observed.uv[n], observed.known[n]).T @ up_camera
+        up = landmark_axes(camera, observed.uv[n], observed.known[n]).T @ ups[n]
         axis = unit(np.cross(up, (0.0, 0.0, 1.0)))
         axes[n] = axis
         middle, feet = _middle(p), _support(p, up)

@@ -30,6 +30,7 @@ from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_end
 from keypose.tracker.fitting.draft.proposals import Proposal
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -80,7 +81,8 @@ def draft_clip(
     *,
     again: Detector | None = None,
     proportions: bool = True,
-    up_camera: ArrayLike | None = None,
+    up_world: ArrayLike | None = None,
+    path: CameraPath | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
     film: str = "",
     kept: Kept | None = None,
@@ -92,7 +94,7 @@ def draft_clip(
     again: what looks for other people on the way, the network where it is left out.
     report: called again and again; what it raises ends the work within a frame.
     proportions: whether the body's limbs may be scaled to the person's.
-    up_camera: (3,) what is up; None where nobody knows.
+    up_world: (3,) what is up; None where nobody knows.  path: of a camera that moves.
     KeypointError in one sentence for a box that is none, or without a person in it.
     """
 
@@ -108,8 +110,8 @@ def draft_clip(
 
     changes = person_changes(frame, keypoints, at, again or network, looked_again)
     return draft_from_keypoints(
-        keypoints, camera, body, changes=changes, proportions=proportions, up_camera=up_camera,
-        report=report,
+        keypoints, camera, body, changes=changes, proportions=proportions, up_world=up_world,
+        path=path, report=report,
     )  # fmt: skip
 
 
@@ -120,13 +122,15 @@ def draft_from_keypoints(
     *,
     changes: Collection[int] = (),
     proportions: bool = True,
-    up_camera: ArrayLike | None = None,
+    up_world: ArrayLike | None = None,
+    path: CameraPath | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
 ) -> ClipDraft:
     """Drafts from keypoints with depth; KeypointError where they show nobody well enough.
 
     changes: frames from which on they may be another person's than before.
-    up_camera: (3,) what is up, where it is known: in the mean the person is in balance then.
+    up_world: (3,) what is up, where it is known: in the mean the person is in balance then.
+    path: of a camera that moves.
 
     Clavicles stay at rest: a few centimetres of a shoulder are within what keypoints are off by.
     """
@@ -134,13 +138,20 @@ def draft_from_keypoints(
         plain = without_clavicles(body)
         draft = draft_from_keypoints(
             keypoints, camera, plain, changes=changes, proportions=proportions,
-            up_camera=up_camera, report=report,
+            up_world=up_world, path=path, report=report,
         )  # fmt: skip
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
-    observed, ideal = Observed.of(keypoints, camera, changes), camera.without_distortion()
+    seen = keypoints
+    if path is not None and path.zooms:
+        seen = keypoints.at_one_focal(camera, path.zoom)
+    observed, ideal = Observed.of(seen, camera, changes), camera.without_distortion()
     Joints.of(Skeleton.of(body))
-    if up_camera is not None:
-        observed = balanced(observed, ideal, unit(np.asarray(up_camera, dtype=np.float64)))
+    if up_world is not None:
+        up = unit(np.asarray(up_world, dtype=np.float64))
+        if path is not None:
+            Ts = path.Ts_camera_world[keypoints.first_frame : keypoints.last_frame + 1]
+            up = Ts[:, :3, :3] @ up
+        observed = balanced(observed, ideal, up)
     runs = observed.runs()
     if not runs:
         raise _nowhere()

@@ -337,7 +337,7 @@ def test_a_person_whom_the_network_has_lean_toward_the_camera_is_put_upright(
     assert told is not None
     keypoints = replace(leaning.keypoints, p_hips=told)
     leans = [
-        _lean_deg(draft_from_keypoints(keypoints, CAMERA, clip.body, up_camera=known), up)
+        _lean_deg(draft_from_keypoints(keypoints, CAMERA, clip.body, up_world=known), up)
         for known in (None, up)
     ]
     assert leans[0] > tilt_deg / 2

@@ -1,0 +1,137 @@
+"""A camera that turns, moves and zooms in files: where it was at every frame, and read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from keypose.app.export.import_camera import camera_motion_of
+from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.npz import npz
+from keypose.tracker.formats.reading_camera import CameraFile, load_camera
+from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.sampling import at_rate
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import apply_transform, exp_rotation
+from keypose.tracker.storage.archive import archive_arrays
+from tests.tracker.formats import recordings
+from tests.tracker.formats.glb_reading import Player
+from tests.tracker.formats.test_camera_files import TILTED
+from tests.tracker.formats.test_glb import written
+
+FRAMES = 73
+
+
+def path_of(zoom: float = 1.3) -> CameraPath:
+    t = np.linspace(0, 1, FRAMES)[:, None]
+    turn, p = t * (0.05, 0.4, -0.03), t * (0.6, -0.1, 0.2)
+    return CameraPath.of(exp_rotation(turn), p, zoom ** t[:, 0])
+
+
+def moving(zoom: float = 1.3) -> Recording:
+    made = recordings.recording("person")
+    return replace(made, up_camera=TILTED, floor_m=-1.4, path=path_of(zoom))
+
+
+def read(folder: Path, name: str, content: str) -> CameraFile:
+    (folder / name).write_text(content)
+    camera = moving().camera
+    return load_camera(folder / name, (camera.width, camera.height))
+
+
+@pytest.mark.parametrize(("name", "write"), [("shot.json", camera_json), ("shot.chan", chan)])
+def test_what_is_written_is_read_back(tmp_path: Path, name: str, write: object) -> None:
+    found = read(tmp_path, name, write(moving()))  # type: ignore[operator]
+    assert found.way is not None
+    motion = camera_motion_of(found.way, FRAMES, name)
+    assert (motion.kind, motion.source, motion.findings) == ("moves", name, ())
+    np.testing.assert_allclose(motion.path.Ts_camera_world, path_of().Ts_camera_world, atol=1e-6)
+    np.testing.assert_allclose(motion.path.zoom, path_of().zoom, atol=1e-6)
+    np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-6)
+
+
+def test_of_a_camera_that_stands_still_every_byte_is_as_before() -> None:
+    made = replace(moving(), path=None)
+    assert json.loads(camera_json(made))["version"] == 1
+    still = replace(made, path=CameraPath.standing_still(FRAMES))
+    assert chan(still) == chan(made)
+
+
+def test_the_camera_of_a_glb_sees_every_frame_as_the_film_did() -> None:
+    made = moving(1.0)
+    player = Player.of(written(made))
+    Ts = player.transforms(player.times_s)
+    camera, hand = Ts["camera"], Ts["left_hand"]
+    flip = np.diag([1.0, -1.0, -1.0, 1.0])
+    seen = np.linalg.inv(camera @ flip) @ hand
+    index = made.skeleton.body.index("left_hand")
+    in_scene = made.trajectory.transforms(made.skeleton)[:, index]
+    expected = made.path.Ts_camera_world @ in_scene  # type: ignore[union-attr]
+    np.testing.assert_allclose(seen[:, :3, 3], expected[:, :3, 3], atol=2e-5)
+
+
+def test_a_zoom_is_told_beside_a_glb_which_cannot_hold_it() -> None:
+    content = written(moving())
+    length = int.from_bytes(content[12:16], "little")
+    extras = json.loads(content[20 : 20 + length])["animations"][0]["extras"]
+    np.testing.assert_allclose(extras["camera_zoom"], path_of().zoom, atol=1e-6)
+
+
+def test_usd_has_the_camera_at_every_frame(tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    from pxr import UsdGeom
+
+    from tests.tracker.formats.test_usd import opened
+
+    made = replace(moving(), times_s=np.arange(FRAMES) / 30, rate=30.0)
+    stage = opened(made, tmp_path)
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/Camera"))
+    first = camera.GetFocalLengthAttr().Get(made.numbers[0])
+    for row in (0, 30, 72):
+        T = np.array(camera.ComputeLocalToWorldTransform(made.numbers[row])).T
+        np.testing.assert_allclose(T[:3, 3], made.Ts_world_camera[row, :3, 3], atol=1e-6)
+        now = camera.GetFocalLengthAttr().Get(made.numbers[row])
+        assert now / first == pytest.approx(path_of().zoom[row], rel=1e-5)
+
+
+def test_npz_has_poses_as_the_camera_saw_them_and_where_it_was() -> None:
+    made = moving()
+    found = archive_arrays(npz(made))
+    world = apply_transform(made.T_world_camera, made.ps_camera_joint)
+    seen = np.einsum("nab,njb->nja", found["Ts_world_camera"][:, :3, :3], found["ps_camera_joint"])
+    both = seen + found["Ts_world_camera"][:, None, :3, 3]
+    np.testing.assert_allclose(both, world, atol=1e-9)
+    np.testing.assert_array_equal(found["zoom"], path_of().zoom)
+
+
+def test_at_a_rate_of_its_own_the_camera_goes_along() -> None:
+    made = at_rate(moving(), 60.0)
+    assert len(made.Ts_world_camera) == len(made)
+    steps = np.linalg.norm(np.diff(made.Ts_world_camera[:, :3, 3], axis=0), axis=1)
+    assert steps.max() < 1.2 * np.median(steps)
+
+
+@pytest.mark.parametrize(
+    ("first", "count", "missing"),
+    [
+        (0, FRAMES, []),
+        (1, FRAMES, []),  # counted from 1
+        (1001, FRAMES, []),  # as image files are
+        (10, 20, [(0, 9), (30, 72)]),
+        (60, 40, [(0, 59)]),
+    ],
+)
+def test_a_file_of_other_frames_says_which_it_lacks(
+    tmp_path: Path, first: int, count: int, missing: list[tuple[int, int]]
+) -> None:
+    lines = [f"{first + k} {0.01 * k} 0 0 0 {0.2 * k} 0 30" for k in range(count)]
+    found = read(tmp_path, "shot.chan", "\n".join(lines))
+    assert found.way is not None
+    motion = camera_motion_of(found.way, FRAMES, "shot.chan")
+    assert [(one.first_frame, one.last_frame) for one in motion.findings] == missing
+    assert {one.kind for one in motion.findings} <= {"not_in_file"}
+    np.testing.assert_array_equal(motion.path.Ts_camera_world[0], np.eye(4))
