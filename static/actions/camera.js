@@ -9,8 +9,8 @@ import { isUpKnown } from './standing.js';
 /** @typedef {'static' | 'turns' | 'moves'} CameraKind */
 /** @typedef {import('../store/shapes.js').CameraFinding} CameraFinding */
 
-/** They hold for the whole film. */
-const OF_ALL_FRAMES = ['rolling_shutter', 'no_scale'];
+/** Findings that hold for the whole film. */
+const OF_ALL_FRAMES = ['rolling_shutter'];
 
 /** The motion that counts; null while the camera is taken to stand still, or nobody looked. */
 export const motion = () => (server.camera_motion?.counts ? server.camera_motion : null);

@@ -196,8 +196,10 @@ const IN_FILM = [
     done: () => cameraKind() !== null,
     again: true,
     content: cameraLine,
-    choices: [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }],
-    next: () => (cameraKind() !== null || isFindingCamera() ? null : { label: labelOf('findCamera'), act: () => perform('findCamera') }),
+    get choices() {
+      return cameraKind() === null ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }] : undefined;
+    },
+    next: () => (cameraKind() !== null || isFindingCamera() ? null : { label: 'Find its motion', act: () => perform('findCamera') }),
   },
   {
     word: 'Review',

@@ -13,6 +13,8 @@ const BARS_M = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 const LONGEST_BAR_PX = 96;
 /** Of the camera's sign from a border. */
 const SIGN_PX = 14;
+/** So high is the scale at the lower border. */
+const SCALE_PX = 16;
 
 /** Lines for what a window shows: fine, coarse, and the two through the camera. */
 export function gridLines(window) {
@@ -124,7 +126,7 @@ export class SideView extends View {
     const { width, height } = this.window;
     const [x, y] = this.project([0, 0, 0]);
     const [ahead, down] = this.project([0, 0, 1]);
-    const at = [clamp(x, SIGN_PX, width - SIGN_PX), clamp(y, SIGN_PX, height - SIGN_PX)].map((px) => px.toFixed(1));
+    const at = [clamp(x, SIGN_PX, width - SIGN_PX), clamp(y, SIGN_PX, height - SIGN_PX - SCALE_PX)].map((px) => px.toFixed(1));
     return { at, turn: ((Math.atan2(down - y, ahead - x) * 180) / Math.PI).toFixed(1) };
   }
 

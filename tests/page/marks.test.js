@@ -27,7 +27,7 @@ beforeEach(() => {
     notes: [{ frame: 20, text: 'one' }], pins: [pin], proposed_pins: [proposed],
     draft: { proposals: [{ frame: 70 }, { frame: 85 }] }, segments: [{ first: 20, last: 40, state: 'good' }],
     review: { places: [{ id: 'a', frame: 20, kind: 'draft', px: 99 }], goal: 0 },
-    camera_motion: { counts: true, keys: [40], error_px: [], findings: [{ kind: 'no_texture', first: 50, last: 60, words: '' }, { kind: 'no_scale', first: 0, last: 100, words: '' }] },
+    camera_motion: { counts: true, keys: [40], error_px: [], findings: [{ kind: 'no_texture', first: 50, last: 60, words: '' }, { kind: 'rolling_shutter', first: 0, last: 100, words: '' }] },
     curve: { part: 'shin', x: Array.from({ length: 101 }, (_, i) => i) }, done: 1e9,
   });
   Object.assign(ui, { span: { first: null, last: null }, chart: 'angle', curveAxis: 'x', reviewLeft: false });
