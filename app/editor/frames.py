@@ -38,6 +38,12 @@ def up_in_world(doc: Session) -> tuple[float, float, float]:
     return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
 
 
+def zoom_at(doc: Session, frame: int) -> float:
+    """The focal length at a frame, as a multiple of the camera's."""
+    path = doc.camera_path
+    return 1.0 if path is None else float(path.zoom[frame])
+
+
 def T_camera_world(doc: Session, frame: int) -> Array:
     """(4, 4) where the world is for the camera at a frame."""
     path = doc.camera_path
