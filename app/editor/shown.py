@@ -155,10 +155,7 @@ def _carried(state: EditorState, frame: int, pose: Pose, to: int) -> Pose:
     """The pose of a frame where it stands in the world, as the camera sees it at another one."""
     if state.doc.camera_path is None:
         return pose
-    T = carried_to(state.doc, to, np.eye(4)[None], [frame])[0]
-    R = pose.Rs_parent_part.copy()
-    R[0] = T[:3, :3] @ R[0]
-    return Pose(R, T[:3, :3] @ pose.p_camera_root + T[:3, 3])
+    return pose.carried(carried_to(state.doc, to, np.eye(4)[None], [frame])[0])
 
 
 def _mixed(start: Pose, end: Pose, share: float) -> Pose:

@@ -35,7 +35,7 @@ def found_words(found: FoundCamera) -> str:
         error = float(np.nanmedian(motion.errors_px))
     zooms = motion is not None and motion.path.zooms
     words = [camera_sentence(found.kind, zooms, error), *finding_sentences(found.findings)]
-    if motion is not None and motion.metres is None:
+    if motion is not None and motion.unscaled:
         words.append(NO_SCALE)
     return " ".join(words)
 

@@ -21,6 +21,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import load_session
 from tests.rendering.scenes import camera
@@ -76,8 +77,10 @@ def test_work_is_divided_without_rest() -> None:
 
 def test_a_body_that_is_sized_is_drafted_as_it_is() -> None:
     body = preset("adult_male")
-    kept = [keeps_proportions(Session.model_construct(body=each)) for each in (body, sized(body))]
-    assert kept == [False, True]
+    sessions = [
+        Session.model_construct(bodies=(TrackedBody(body=each),)) for each in (body, sized(body))
+    ]
+    assert [keeps_proportions(session) for session in sessions] == [False, True]
 
 
 def test_a_motion_is_right_only_if_median_and_worst_are() -> None:

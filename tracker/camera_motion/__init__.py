@@ -10,7 +10,6 @@ feet that stand tell how long that is:
     moved = find_moved_path(pictures, camera, frame_count, background)
     scale = scale_from_stances(moved.path, [StandingPoint(12, p_camera_foot), ...])
     path = moved.in_metres(scale.metres)            # where scale is not None
-    path = place_corrected(path, [PlaceCorrection(40, T_camera_world)])
 
 `find` is the way in; `odometer` measures frame after frame from anchors, with the points that
 `points` follows and the turns that `turn` solves for; `territory` and `landmarks` know what was
@@ -34,24 +33,19 @@ from keypose.tracker.camera_motion.matches import Matched, rotation_from_matches
 from keypose.tracker.camera_motion.measurements import FollowedPoints
 from keypose.tracker.camera_motion.metric import PathScale, StandingPoint, scale_from_stances
 from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
-from keypose.tracker.camera_motion.path import Correction
-from keypose.tracker.camera_motion.path_drift import PlaceCorrection, place_corrected
 
 __all__ = [
     "CameraKind",
     "CameraMotion",
-    "Correction",
     "Finding",
     "FocalScale",
     "FollowedPoints",
     "Matched",
     "MovedPath",
     "PathScale",
-    "PlaceCorrection",
     "StandingPoint",
     "find_camera_motion",
     "find_moved_path",
-    "place_corrected",
     "rotation_from_matches",
     "scale_from_stances",
 ]

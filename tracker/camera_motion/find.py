@@ -14,7 +14,7 @@ from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.measurements import FollowedPoints, Measurements
 from keypose.tracker.camera_motion.odometer import Odometer
-from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected
+from keypose.tracker.camera_motion.path import Turns, bridged
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Summary
@@ -45,17 +45,17 @@ class CameraMotion:
     path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
     bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
     where unknown.  focal: the focal length that its turning tells, None where it does not.
-    doubt (N,): standard deviation of the turn against the anchor, radians.
+    pieces: first frames of what hangs together; nothing ties one to those before it.
     """
 
     kind: CameraKind
     path: CameraPath | None
     known: NDArray[np.bool_]
     error_px: Array
-    doubt: Array
     points: FollowedPoints
     findings: tuple[Finding, ...]
     focal: FocalScale | None = None
+    pieces: tuple[int, ...] = (0,)
 
 
 def find_camera_motion(
@@ -63,7 +63,6 @@ def find_camera_motion(
     camera: Camera,
     frame_count: int,
     background: Background = lambda frame: None,
-    corrections: Sequence[Correction] = (),
     fixed: CameraKind | None = None,
     progress: Callable[[int, int], None] = lambda done, expected: None,
 ) -> CameraMotion:
@@ -82,19 +81,18 @@ def find_camera_motion(
     odometer.finish()
     if not len(measured):
         none = np.zeros(0)
-        return CameraMotion("static", None, none > 0, none, none, measured.points(), ())
-    given = [c for c in corrections if 0 <= c.frame < len(measured)]
-    known, cuts = scenes(measured.anchor, measured.known, odometer.loose, odometer.cuts)
+        return CameraMotion("static", None, none > 0, none, measured.points(), ())
+    known, cuts, pieces = scenes(measured.anchor, measured.known, odometer.loose, odometer.cuts)
     territory, readout = odometer.territory, odometer.shutter.share
     turns = measured.turns(known, territory.agreed(), territory.frames, readout)
     turns = _without_zoom(bridged(turns))
     focal = focal_scale(odometer.lens, odometer.scale, odometer.pairs)
-    kind = fixed or _kind(turns, camera, odometer, focal, given)
-    path = None if kind == "static" else corrected(turns, given).path()
+    kind = fixed or _kind(turns, camera, odometer, focal)
+    path = None if kind == "static" else turns.path()
     error_px = np.where(known, measured.error_px, np.nan)
     findings = tuple(_findings(measured, cuts, known, kind, odometer.shutter))
     points = measured.points()
-    return CameraMotion(kind, path, known, error_px, turns.doubt, points, findings, focal)
+    return CameraMotion(kind, path, known, error_px, points, findings, focal, pieces)
 
 
 def _require_size(picture: Grey | None, camera: Camera) -> None:
@@ -113,19 +111,11 @@ def _without_zoom(turns: Turns) -> Turns:
     return Turns(turns.R, 0.0 * turns.log_zoom, turns.known, turns.doubt, turns.zoom_doubt)
 
 
-def _kind(
-    turns: Turns,
-    camera: Camera,
-    odometer: Odometer,
-    focal: FocalScale | None,
-    corrections: Sequence[Correction],
-) -> CameraKind:
+def _kind(turns: Turns, camera: Camera, odometer: Odometer, focal: FocalScale | None) -> CameraKind:
     # a wrong focal length leaves points aside as well
     aside = min(_aside(odometer.summaries), 1.0 if focal is None else focal.aside)
     way = _ways(turns, camera) * odometer.scale
-    still = way[turns.known].max(initial=0.0) < STILL_PX and aside < STILL_ASIDE_SHARE
-    asked = any(c.R_camera_world is not None or c.zoom is not None for c in corrections)
-    if still and not asked:
+    if way[turns.known].max(initial=0.0) < STILL_PX and aside < STILL_ASIDE_SHARE:
         return "static"
     return "moves" if aside > ASIDE_SHARE else "turns"
 

@@ -43,20 +43,26 @@ FEWEST_SCENE = 5
 
 def scenes(
     anchor: NDArray[np.int64], known: NDArray[np.bool_], loose: Sequence[int], cuts: Sequence[int]
-) -> tuple[NDArray[np.bool_], list[int]]:
-    """Return which frames (N,) are known, and the cuts, without scenes of too few frames.
+) -> tuple[NDArray[np.bool_], list[int], tuple[int, ...]]:
+    """Return which frames (N,) are known, and the cuts, without scenes of too few frames, and the
+    first frames of what hangs together.
 
     anchor (N,): of each frame, of which the loose ones are tied to nothing before them.
     """
     known, begins = known.copy(), np.array([0, *loose, anchor.max(initial=0) + 1])
+    begun = []
     for first, beyond in pairwise(begins.tolist()):
         frames = (anchor >= first) & (anchor < beyond) & known
         if first and frames.sum() < FEWEST_SCENE:
             known[frames] = False
+        elif first:
+            begun.append(int(np.flatnonzero(frames)[0]))
     ends = [0, *sorted(cuts), len(known)]
     lasting = [known[one:other].sum() >= FEWEST_SCENE for one, other in pairwise(ends)]
     kept = [cut for k, cut in enumerate(sorted(cuts)) if lasting[k] and lasting[k + 1]]
-    return known, kept
+    seen = np.flatnonzero(known)
+    ends_before = [seen[seen < first].max(initial=-1) for first in (*begun, *kept)]
+    return known, kept, tuple(sorted({0, *(int(end) + 1 for end in ends_before)}))
 
 
 def gaps(causes: Sequence[str]) -> list[Finding]:

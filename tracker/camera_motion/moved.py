@@ -21,7 +21,7 @@ from keypose.tracker.camera_motion.path_drift import bridged
 from keypose.tracker.camera_motion.points import Background, Grey
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import Array, transform
+from keypose.tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +48,7 @@ class MovedPath:
         each = metres * len(self.pieces) if len(metres) == 1 else metres
         if len(each) != len(self.pieces):
             raise ValueError(f"{len(metres)} lengths were given for {len(self.pieces)} pieces")
-        p = self.path.Ts_world_camera[:, :3, 3]
-        steps = np.diff(p, axis=0, prepend=p[:1])
-        for first, metre in zip(self.pieces, each, strict=True):
-            beyond = min((one for one in self.pieces if one > first), default=len(p))
-            steps[first:beyond] *= metre
-        R = self.path.Ts_camera_world[:, :3, :3]
-        placed = -(R @ np.cumsum(steps, axis=0)[..., None])[..., 0]
-        return CameraPath(transform(R, placed), self.path.zoom)
+        return self.path.in_metres(self.pieces, each)
 
 
 def find_moved_path(

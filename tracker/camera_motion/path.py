@@ -1,8 +1,7 @@
-"""Make one path of what was measured: anchors in agreement, gaps bridged, corrections met.
+"""Make one path of what was measured: anchors in agreement, gaps bridged.
 
 Errors are spread, never left at a seam. Between two anchors what the last frame of the one misses
-of the other is shared out over the frames, and so is what the path misses of a person's
-corrections, from both sides: a step takes the more of it the greater its own doubt.
+of the other is shared out over the frames: a step takes the more of it the greater its own doubt.
 """
 
 from __future__ import annotations
@@ -27,17 +26,6 @@ from keypose.tracker.geometry.rotations import (
 UNKNOWN_DOUBT = np.radians(1.0)
 """Standard deviation of a step over which nothing is known."""
 LEAST_DOUBT = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Correction:
-    """How the camera is turned from the world, and its zoom, at one frame, as a person says; None
-    where nothing is said.
-    """
-
-    frame: int
-    R_camera_world: Array | None = None
-    zoom: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,34 +75,6 @@ def shares_of(doubts: Array) -> Array:
     return np.asarray(squares / squares[-1])
 
 
-def corrected(turns: Turns, corrections: Sequence[Correction]) -> Turns:
-    """The same path with corrections met exactly and what it missed of these spread between.
-
-    Frame 0 counts as right unless it is corrected; beyond the last correction the path keeps what
-    that changed.
-    """
-    count = len(turns.R)
-    R = {c.frame: c.R_camera_world for c in corrections if c.R_camera_world is not None}
-    zoom = {c.frame: np.log(c.zoom) for c in corrections if c.zoom is not None}
-    new_R, new_zoom = turns.R.copy(), turns.log_zoom.copy()
-    steps = _step_doubts(turns.doubt, turns.known)
-    if R:
-        miss = {f: log_rotation(turns.R[f].T @ np.asarray(given)) for f, given in R.items()}
-        drift = _between(miss, np.zeros(3), steps, count)
-        new_R = turns.R @ exp_rotation(drift)
-        for frame, given in R.items():
-            new_R[frame] = given
-    if zoom:
-        misses = {f: np.array([given - turns.log_zoom[f]]) for f, given in zoom.items()}
-        steps = _step_doubts(turns.zoom_doubt, turns.known)
-        new_zoom = turns.log_zoom + _between(misses, np.zeros(1), steps, count)[:, 0]
-        for frame, value in zoom.items():
-            new_zoom[frame] = value
-    known = turns.known.copy()
-    known[[f for f in R if f < count]] = True
-    return Turns(new_R, new_zoom, known, turns.doubt, turns.zoom_doubt)
-
-
 def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
     """The doubt (N,) of the step that leads to each frame."""
     own = np.where(known, np.minimum(doubt, UNKNOWN_DOUBT), UNKNOWN_DOUBT)
@@ -122,18 +82,6 @@ def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
     begins = known & (doubt >= UNKNOWN_DOUBT)
     before = np.where(begins, 0.0, own)
     return np.asarray(np.hypot(own, np.concatenate([before[:1], before[:-1]])))
-
-
-def _between(miss: dict[int, Array], at_start: Array, steps: Array, count: int) -> Array:
-    """What is missed at every frame (count, ...), of what is missed at some, by steps' doubts."""
-    miss = {0: at_start} | miss
-    drift = np.empty((count, *at_start.shape))
-    frames = sorted(miss)
-    for one, other in pairwise(frames):
-        share = np.concatenate([[0.0], shares_of(steps[one + 1 : other + 1])])[:, None]
-        drift[one : other + 1] = miss[one] + share * (miss[other] - miss[one])
-    drift[frames[-1] :] = miss[frames[-1]]
-    return drift
 
 
 def joined(

@@ -1,34 +1,14 @@
-"""Pull a path so that it meets places that are known, and stays as it was between them."""
+"""Pull poses so that they meet those that are known, and bridge those that are not."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, rotation_between, transform, transpose
-
-
-@dataclass(frozen=True, eq=False)
-class PlaceCorrection:
-    """Where the camera was at a frame, as a person says: T_camera_world (4, 4), metres."""
-
-    frame: int
-    T_camera_world: Array
-
-
-def place_corrected(path: CameraPath, corrections: Sequence[PlaceCorrection]) -> CameraPath:
-    """A path that meets all corrections exactly, and the world's frame at frame 0. After the last
-    it goes on as it went from there.
-    """
-    wanted = {0: path.Ts_camera_world[0]} | {one.frame: one.T_camera_world for one in corrections}
-    frames = sorted(wanted)
-    Ts = pulled(path.Ts_camera_world, frames, np.stack([wanted[frame] for frame in frames]))
-    return CameraPath(Ts, path.zoom)
 
 
 def pulled(Ts: Array, frames: Sequence[int], wanted: Array) -> Array:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import (
@@ -81,6 +82,18 @@ class CameraPath:
         zoom = self.zoom[below] + share[:, 0] * (self.zoom[above] - self.zoom[below])
         return CameraPath.of(Rs, p[below] + share * (p[above] - p[below]), zoom)
 
+    def in_metres(self, pieces: Sequence[int], metres: Sequence[float]) -> CameraPath:
+        """The path, where units are so many metres long from the first frames of its pieces on;
+        each piece goes on from where the one before it ended."""
+        R, p = self.Ts_camera_world[:, :3, :3], self.Ts_camera_world[:, :3, 3]
+        if len(pieces) == 1:
+            return CameraPath.of(R, p * metres[0], self.zoom)
+        places = self.Ts_world_camera[:, :3, 3]
+        lengths = np.repeat(metres, np.diff([*pieces, len(self)]))[:, None]
+        steps = lengths * np.diff(places, axis=0, prepend=places[:1])
+        placed = -(R @ np.cumsum(steps, axis=0)[..., None])[..., 0]
+        return CameraPath.of(R, placed, self.zoom)
+
     def camera_at(self, camera: Camera, frame: int) -> Camera:
         """The film's camera with the focal length of one frame."""
         if self.zoom[frame] == 1.0:
@@ -89,11 +102,8 @@ class CameraPath:
         return camera.model_copy(update=f)
 
 
-def at_one_focal(uv: Array, camera: Camera, zoom: Array | float) -> Array:
-    """Pixels (..., 2) taken at so much zoom (...) where the camera sees the same at its own focal
-    length."""
-    centre = (camera.cx, camera.cy)
-    return np.asarray((uv - centre) / np.asarray(zoom)[..., None] + centre)
+TIED = 1e-9
+"""Share of a drift that a step takes that is measured, beside one of those that are not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +116,16 @@ class CameraCorrection:
 
 
 def corrected(
-    path: CameraPath, corrections: Sequence[CameraCorrection], doubt: Array | None = None
+    path: CameraPath,
+    corrections: Sequence[CameraCorrection],
+    untied: NDArray[np.bool_] | None = None,
 ) -> CameraPath:
     """The path that meets every correction exactly, and steps between them as it did.
 
-    What it misses a correction by is its drift, a motion of the world; between two corrections it
-    is spread over the steps by their doubt (N − 1,), evenly where that is not known. The first
-    frame stays, unless it is corrected itself: it is the world's frame.
+    What it misses a correction by is its drift, a motion of the world. Between two corrections it
+    is spread evenly over the steps, or over those alone that nothing of the film ties together,
+    where there are such: untied (N − 1,). The first frame stays, unless it is corrected itself: it
+    is the world's frame.
     """
     if not corrections:
         return path
@@ -124,7 +137,8 @@ def corrected(
         [rigid_inverse(path.Ts_camera_world[f]) @ held[f].T_camera_world for f in frames]
     )
     ratio = np.log([held[f].zoom / path.zoom[f] for f in frames])
-    way = np.concatenate([[0.0], np.cumsum(np.ones(len(path) - 1) if doubt is None else doubt)])
+    steps = np.ones(len(path) - 1) if untied is None else np.where(untied, 1.0, TIED)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
     Ts, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
     for i, first in enumerate(frames):
         last = frames[i + 1] if i + 1 < len(frames) else len(path) - 1

@@ -6,9 +6,11 @@ import base64
 import binascii
 import operator
 from functools import lru_cache
+from itertools import pairwise
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, FiniteFloat, model_validator
 
 from keypose.tracker.geometry.camera_path import CameraCorrection, CameraPath, corrected
@@ -63,7 +65,7 @@ class CameraFinding(Plain):
     water or a crowd.  no_picture: frames cannot be read.  rolling_shutter: rows are exposed one
     after another, over `amount` of the time between frames.  no_parallax: nothing shows that the
     camera was elsewhere than at the first frame.  not_in_file: the file that it was imported from
-    does not name these frames.
+    does not name these frames.  no_scale: nothing tells how far the camera went.
     """
 
     kind: Literal[
@@ -75,10 +77,32 @@ class CameraFinding(Plain):
         "rolling_shutter",
         "no_parallax",
         "not_in_file",
+        "no_scale",
     ]
     first_frame: FrameIndex
     last_frame: FrameIndex
     amount: FiniteFloat = Field(default=0.0, exclude_if=operator.not_)
+
+
+def _is_one(metres: float | None) -> bool:
+    return metres == 1.0
+
+
+class CameraPiece(Plain):
+    """Frames of a camera's motion that hang together, up to the next piece: nothing in the film
+    ties it to what was before, so its unit is its own."""
+
+    first_frame: FrameIndex
+    metres: Annotated[FiniteFloat, Field(gt=0, le=1e6)] | None = Field(
+        default=1.0,
+        exclude_if=_is_one,
+        description="How long the unit of its places is; null where nothing tells: then the "
+        "camera is taken to turn alone. Left out where they are metres.",
+    )
+
+
+WHOLE = (CameraPiece(first_frame=0),)
+"""A motion in metres that hangs together."""
 
 
 class CameraMotion(Plain):
@@ -95,12 +119,11 @@ class CameraMotion(Plain):
         "quaternion w, x, y, z, its origin there, metres, and the focal length as a multiple of "
         "the camera's; base64 of little-endian doubles."
     )
-    metres: Annotated[FiniteFloat, Field(gt=0, le=1e6)] | None = Field(
-        default=1.0,
-        exclude_if=(1.0).__eq__,
-        description="How long the unit of these places is; null where nothing tells: then the "
-        "camera is taken to turn alone. Left out where they are metres.",
-    )
+    pieces: tuple[CameraPiece, ...] = Field(
+        default=WHOLE, exclude_if=lambda pieces: tuple(pieces) == WHOLE,
+        description="What hangs together, in order, from frame 0 on; left out where all of it "
+        "does, in metres.",
+    )  # fmt: skip
     error_px: Packed = Field(
         default="", exclude_if=operator.not_,
         description="Of every frame how far points of the background usually lie off, pixels; "
@@ -111,16 +134,16 @@ class CameraMotion(Plain):
     @classmethod
     def of(
         cls, kind: Literal["turns", "moves"], path: CameraPath, error_px: Array | None = None,
-        findings: tuple[CameraFinding, ...] = (), source: str = "", metres: float | None = 1.0,
+        findings: tuple[CameraFinding, ...] = (), source: str = "",
+        pieces: tuple[CameraPiece, ...] = WHOLE,
     ) -> Self:  # fmt: skip
-        """The motion along a path.  error_px: (N,), NaN where nothing is known.  metres: of the
-        path's unit."""
+        """The motion along a path.  error_px: (N,), NaN where nothing is known."""
         T = path.Ts_camera_world
         rows = np.column_stack([quaternion_wxyz(T[:, :3, :3]), T[:, :3, 3], path.zoom])
         error = np.zeros(0) if error_px is None else np.nan_to_num(error_px, nan=-1.0)
         return cls(
             kind=kind, source=source, samples=packed(rows.ravel()),
-            error_px=packed(error) if len(error) else "", findings=findings, metres=metres,
+            error_px=packed(error) if len(error) else "", findings=findings, pieces=pieces,
         )  # fmt: skip
 
     @property
@@ -131,12 +154,44 @@ class CameraMotion(Plain):
     @property
     def path(self) -> CameraPath:
         """The path, uncorrected."""
-        return _path(self.samples, self.metres)
+        metres = [piece.metres or 0.0 for piece in self.pieces]
+        return _path(self.samples, tuple(self._starts), tuple(metres))
 
     @property
-    def in_its_unit(self) -> CameraPath:
-        """The path in a unit of its own, before `metres` say how long that is."""
-        return _path(self.samples, 1.0)
+    def in_its_units(self) -> CameraPath:
+        """The path in units of its own, before the pieces' `metres` say how long these are."""
+        return _path(self.samples, (0,), (1.0,))
+
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """The first and the last frame of every piece."""
+        ends = [*self._starts[1:], self.frame_count]
+        return [(first, end - 1) for first, end in zip(self._starts, ends, strict=True)]
+
+    @property
+    def _starts(self) -> list[int]:
+        return [piece.first_frame for piece in self.pieces]
+
+    @property
+    def unscaled(self) -> tuple[CameraFinding, ...]:
+        """Return over which frames nothing tells how far the camera went."""
+        return tuple(
+            CameraFinding(kind="no_scale", first_frame=first, last_frame=last, amount=1.0)
+            for piece, (first, last) in zip(self.pieces, self.spans, strict=True)
+            if piece.metres is None
+        )
+
+    @property
+    def untied(self) -> NDArray[np.bool_]:
+        """(N − 1,) which steps lead from one piece to the next: of what is known of each."""
+        steps = np.zeros(max(self.frame_count - 1, 0), bool)
+        unknown = np.isnan(self.errors_px) if self.error_px else np.zeros(self.frame_count, bool)
+        seen = np.flatnonzero(~unknown)
+        for first in self._starts[1:]:
+            before = int(seen[seen < first].max(initial=0))
+            after = int(seen[seen >= first].min(initial=self.frame_count - 1))
+            steps[before:after] = True
+        return steps
 
     @property
     def errors_px(self) -> Array:
@@ -156,6 +211,9 @@ class CameraMotion(Plain):
             raise ValueError("samples: a zoom is not between a thousandth and a thousand")
         if len(unpacked(self.error_px)) not in (0, len(rows)):
             raise ValueError("error_px: has another number of frames than the samples")
+        starts = [*self._starts, len(rows)]
+        if starts[0] != 0 or any(one >= other for one, other in pairwise(starts)):
+            raise ValueError("pieces: do not begin at frame 0, or not one after another")
         return self
 
 
@@ -183,14 +241,14 @@ class CameraKeyframe(Plain):
 
 
 @lru_cache(maxsize=8)
-def _path(samples: str, metres: float | None) -> CameraPath:
+def _path(samples: str, pieces: tuple[int, ...], metres: tuple[float, ...]) -> CameraPath:
     rows = unpacked(samples).reshape(-1, NUMBERS)
     Rs = rotation_from_quaternion(rows[:, :4])
     Rs[(rows[:, :4] == (1.0, 0.0, 0.0, 0.0)).all(axis=1)] = np.eye(3)  # to the last digit
-    return CameraPath.of(Rs, rows[:, 4:7] * (metres or 0.0), rows[:, 7])
+    return CameraPath.of(Rs, rows[:, 4:7], rows[:, 7]).in_metres(pieces, metres)
 
 
 @lru_cache(maxsize=8)
 def path_through(motion: CameraMotion, keyframes: tuple[CameraKeyframe, ...]) -> CameraPath:
     """The path of a motion as a person corrected it."""
-    return corrected(motion.path, [keyframe.correction for keyframe in keyframes])
+    return corrected(motion.path, [each.correction for each in keyframes], motion.untied)

@@ -32,7 +32,7 @@ from keypose.tracker.errors import CameraError
 from keypose.tracker.files import read_own
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.model_files import cache_folder
-from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
+from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin, pins_within
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
@@ -105,9 +105,11 @@ def find_camera(
         )  # fmt: skip
         if moved.moves:
             findings = tuple(map(_finding, moved.findings))
-            motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, metres=None)
+            pieces = tuple(CameraPiece(first_frame=each, metres=None) for each in moved.pieces)
+            motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, pieces=pieces)
             return FoundCamera("moves", motion, found.points, findings, focal)
-    motion = CameraMotion.of("turns", found.path, found.error_px, findings)
+    pieces = tuple(CameraPiece(first_frame=each) for each in found.pieces)
+    motion = CameraMotion.of("turns", found.path, found.error_px, findings, pieces=pieces)
     return FoundCamera("turns", motion, found.points, findings, focal)
 
 
@@ -119,19 +121,32 @@ def _finding(one: Finding) -> CameraFinding:
 
 
 def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:
-    """The session with the scale of its camera's way, as feet that stand and the body's own motion
-    tell it; itself where the camera only turns, or nothing tells it.
+    """The session with the scale of its camera's way where that is not known, piece by piece, as
+    feet that stand and the body's own motion tell it; itself where nothing does.
 
     fitting: what was tracked, by segment.
     """
     motion = session.view.camera_motion
-    if motion is None or motion.kind != "moves" or motion.source or session.camera_path is None:
+    if motion is None or not motion.unscaled or session.camera_path is None:
         return session
-    found = _scale(session, motion.in_its_unit, list(_runs(fitting)))
-    if found is None:
+    path, runs, pieces = motion.in_its_units, list(_runs(fitting)), list(motion.pieces)
+    for number, (piece, span) in enumerate(zip(motion.pieces, motion.spans, strict=True)):
+        within = [_within(run, span) for run in runs if run.first_frame < span[1]]
+        if piece.metres is not None:
+            continue
+        found = _scale(session, path, [run for run in within if len(run) > 1])
+        if found is not None:
+            pieces[number] = piece.model_copy(update={"metres": round(found.metres, 6)})
+    if tuple(pieces) == motion.pieces:
         return session
-    metres = round(found.metres, 6)
-    return session.changed({"camera_motion": motion.model_copy(update={"metres": metres})})
+    return session.changed({"camera_motion": motion.model_copy(update={"pieces": tuple(pieces)})})
+
+
+def _within(run: Trajectory, span: Span) -> Trajectory:
+    """A motion's frames within a span, none where it has none."""
+    first, last = max(run.first_frame, span[0]), min(run.last_frame, span[1])
+    rows = slice(first - run.first_frame, max(last + 1, first) - run.first_frame)
+    return Trajectory(first, run.Rs_parent_part[rows], run.ps_camera_root[rows])
 
 
 def scaled(

@@ -21,10 +21,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 
 Span: TypeAlias = tuple[int, int]
@@ -119,16 +122,34 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
     """Return what counts within a segment: masks, corrected keypoints, and an own motion."""
     found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
-    return [*found, *_zoom(session, span)]
+    return [*found, *_steadied(session, span)]
 
 
-def _zoom(session: Session, span: Span) -> list[Any]:
-    """Return how a lens zooms over a segment; nothing where it does not."""
-    path = session.camera_path
-    zoom = np.ones(0) if path is None else path.zoom[span[0] : span[1] + 1]
-    if not (zoom != 1.0).any():
+def steady_camera(session: Session) -> SteadyCamera | None:
+    """The camera in whose place a session's film is tracked; None where its own stands still.
+
+    It goes along the path as that was found: what a person corrects changes no tracked motion.
+    """
+    motion = session.view.camera_motion
+    if motion is None or session.camera_path is None:
+        return None
+    return _steady(session.view.camera, motion)
+
+
+@lru_cache(maxsize=4)
+def _steady(camera: Camera, motion: CameraMotion) -> SteadyCamera:
+    return SteadyCamera.along(camera, motion.path)
+
+
+def _steadied(session: Session, span: Span) -> list[Any]:
+    """Return how a segment's pictures are turned and enlarged; nothing where they are not."""
+    steady = steady_camera(session)
+    if steady is None:
         return []
-    return [{"zoom": hashlib.sha256(np.round(zoom, DECIMALS).tobytes()).hexdigest()}]
+    rows = slice(span[0], span[1] + 1)
+    numbers = (steady.Rs_steady_camera[rows].ravel(), steady.zoom[rows])
+    digest = hashlib.sha256(np.round(np.concatenate(numbers), DECIMALS).tobytes()).hexdigest()
+    return [{"steady": digest}]
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:

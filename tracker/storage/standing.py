@@ -84,7 +84,7 @@ def stand(
 def _with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:
     """The session with how far its camera went, where that is not known yet."""
     motion = session.view.camera_motion
-    if motion is None or motion.metres is not None:
+    if motion is None or not motion.unscaled:
         return session
     from keypose.tracker.storage.camera_motion import with_scale  # loads what only this needs
 

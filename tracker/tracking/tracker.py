@@ -14,7 +14,7 @@ from keypose.tracker.body.surface_points import SurfacePoints, sample_points
 from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
@@ -63,10 +63,10 @@ class _Prepared:
         masks: Sequence[IgnoreMask],
         static: bool,
         memory: int,
-        zoom: Array | None,
+        steady: SteadyCamera | None,
     ) -> None:
         self._loading = (masks, static, memory)
-        self._zoom = zoom
+        self._steady = steady
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
@@ -85,7 +85,7 @@ class _Prepared:
         size = WorkingSize.for_camera(self._camera, longest, self._memory)
         if size not in self._loaders:
             self._loaders[size] = ClipLoader(
-                self._video, self._camera, size, *self._loading, zoom=self._zoom
+                self._video, self._camera, size, *self._loading, steady=self._steady
             )
         return self._loaders[size]
 
@@ -117,16 +117,19 @@ class Tracker:
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
-        zoom: Array | None = None,
+        steady: SteadyCamera | None = None,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
-        people: what sees where in the picture a person is.  zoom (F,): the focal length of every
-        frame as a multiple of the camera's, which keypoints are freed of; None where it stays.
+        people: what sees where in the picture a person is.  steady: the camera in whose place the
+        film is tracked, where its own moves: keypoints are as it sees them, all poses that are
+        given and found as the film's does.
         """
-        self._people = people
-        self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
-        self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
-        self._prepared = _Prepared(video, camera, masks, static_camera, memory, zoom)
+        self._people, self._steady = people, steady
+        self._own, self._keypoints = tuple(own), keypoints
+        self._first_motion = None if first_motion is None else self._steadied(first_motion)
+        self._keyed_parts = self._steady_parts(keyed_parts)
+        self._keys, self._kept = keys or {}, KeptOutcomes()
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory, steady)
         self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 
@@ -134,8 +137,10 @@ class Tracker:
         """Take keyposes of a body."""
         if len(keyposes) < fewest:
             _require_two(keyposes)
-        self.skeleton = skeleton
-        self.keyposes = {frame: keyposes[frame] for frame in sorted(keyposes)}
+        self.skeleton, self._filmed = skeleton, dict(keyposes)
+        self.keyposes = {
+            frame: self._steady_pose(frame, keyposes[frame]) for frame in sorted(keyposes)
+        }
 
     def renewed(
         self,
@@ -156,13 +161,38 @@ class Tracker:
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
-        other._first_motion, other._own, other._keypoints = first_motion, tuple(own), keypoints
-        other._people = people
-        other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
+        other._first_motion = None if first_motion is None else self._steadied(first_motion)
+        other._own, other._keypoints, other._people = tuple(own), keypoints, people
+        other._keyed_parts, other._keys = self._steady_parts(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._points_by_spacing = {}
         other._pose(skeleton, keyposes, fewest)
         return other
+
+    def _steady_pose(self, frame: int, pose: Pose) -> Pose:
+        return pose if self._steady is None else pose.carried(self._steady.Ts_steady_camera[frame])
+
+    def _steady_parts(self, parts: Sequence[KeyedParts]) -> tuple[KeyedParts, ...]:
+        return tuple(replace(each, pose=self._steady_pose(each.frame, each.pose)) for each in parts)
+
+    def _steadied(self, motion: Trajectory) -> Trajectory:
+        if self._steady is None:
+            return motion
+        rows = slice(motion.first_frame, motion.last_frame + 1)
+        return motion.carried(self._steady.Ts_steady_camera[rows])
+
+    def as_filmed(self, motion: Trajectory) -> Trajectory:
+        """A motion that was found, as the film's own camera sees it; at keyframes as posed."""
+        if self._steady is None:
+            return motion
+        rows = slice(motion.first_frame, motion.last_frame + 1)
+        R, t = motion.carried(self._steady.Ts_camera_steady[rows]).writable()
+        for frame in (motion.first_frame, motion.last_frame):
+            given = self._filmed.get(frame)
+            if given is not None and _is_same(motion.pose(frame), self.keyposes[frame]):
+                row = frame - motion.first_frame
+                R[row], t[row] = given.Rs_parent_part, given.p_camera_root
+        return Trajectory(motion.first_frame, R, t)
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
         """Return what loads the pictures of a segment, in the size that its length allows."""
@@ -218,7 +248,7 @@ class Tracker:
         """Give an existing keyframe another pose."""
         if frame not in self.keyposes:
             raise SessionError(f"Frame {frame} has no keyframe; add it to the session first.")
-        self.keyposes[frame] = pose
+        self._filmed[frame], self.keyposes[frame] = pose, self._steady_pose(frame, pose)
 
     def run_segment(
         self, span: tuple[int, int], settings: TrackSettings, emit: Emit
@@ -257,8 +287,9 @@ class Tracker:
                     outcome = replace(outcome, silhouette=seen)
                 if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
-                return segment_result(scene, segment, outcome, method, enlarged)
-            emit(step, number)
+                result = segment_result(scene, segment, outcome, method, enlarged)
+                return replace(result, trajectory=self.as_filmed(result.trajectory))
+            emit(replace(step, trajectory=self.as_filmed(step.trajectory)), number)
             number += 1
 
     def _corrected_work(
@@ -318,6 +349,8 @@ class Tracker:
             return None
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
 
+        waiting = replace(waiting, trajectory=self.as_filmed(waiting.trajectory))
+
         def report() -> None:
             if next(looks) % LOOKS_BETWEEN_REPORTS == 0:
                 emit(waiting, 0)
@@ -350,6 +383,11 @@ class Tracker:
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         persons = self._people is not None and is_persons(self.skeleton.body)
         return wanted and (self._prepared.has_static_camera or persons)
+
+
+def _is_same(one: Pose, other: Pose) -> bool:
+    same = (one.Rs_parent_part == other.Rs_parent_part).all()
+    return bool(same and (one.p_camera_root == other.p_camera_root).all())
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

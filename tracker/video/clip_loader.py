@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
 from keypose.tracker.video.pyramid import (
@@ -89,10 +89,9 @@ class WorkingSize:
 class ClipLoader:
     """Prepares clips of one video; the most recent stay ready, within a share of the memory.
 
-    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing. Pictures
-    of a lens that zooms are made as large as the camera's own focal length shows things.
+    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
 
-    zoom (F,): the focal length of every frame as a multiple of the camera's; None where it stays.
+    steady: the camera in whose place pictures are shown, of one that moves.
     """
 
     video: Video
@@ -101,7 +100,7 @@ class ClipLoader:
     masks: Sequence[IgnoreMask] = ()
     static_camera: bool = False
     memory: int = MEMORY_BYTES
-    zoom: Array | None = None
+    steady: SteadyCamera | None = None
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
     _plate: Picture | None = None
@@ -189,29 +188,24 @@ class ClipLoader:
         return self._working(grey, frame)
 
     def _working(self, picture: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
-        """A picture of a frame without distortion, at one focal length, at the working size."""
+        """A picture of a frame without distortion, from a steady camera, at the working size."""
         picture = self.camera.rectify(picture)
-        zoom = 1.0 if self.zoom is None else float(self.zoom[frame])
-        if zoom != 1.0:
-            centre = np.array([self.camera.cx, self.camera.cy])
-            M = np.column_stack([np.eye(2) / zoom, centre - centre / zoom])
-            size = (self.camera.width, self.camera.height)
-            way = cv2.INTER_AREA if zoom > 1 else cv2.INTER_LINEAR
-            picture = np.asarray(cv2.warpAffine(picture, M, size, flags=way), dtype=np.uint8)
+        if self.steady is not None:
+            picture = self.steady.picture(picture, frame)
         return self.size.picture(picture)
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
         """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
-        zooms = self.zoom is not None and self.zoom[index] > 1
-        if not (masks or self.static_camera or self.camera.is_distorted or zooms):
+        beyond = self.steady is not None and not self.steady.covers(index)
+        if not (masks or self.static_camera or self.camera.is_distorted or beyond):
             return None
         usable = np.full(grey.shape, USABLE, np.float32)
         if self.static_camera:
             usable[self._is_background(grey)] = TARGET_ONLY
         if masks:
             usable[self._masked(masks, index)] = IGNORED
-        if zooms:
+        if beyond:
             usable[self._shown(index) < 250] = IGNORED
         elif self.camera.is_distorted:
             usable[self._beyond_lens(index)] = IGNORED

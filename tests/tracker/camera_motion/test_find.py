@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion import CameraMotion, Correction, find_camera_motion
+from keypose.tracker.camera_motion import CameraMotion, find_camera_motion
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import transform
+from keypose.tracker.session.camera_motion import CameraKeyframe, CameraPiece, path_through
+from keypose.tracker.session.camera_motion import CameraMotion as SessionMotion
 from tests.tracker.camera_cases import (
     SMALL,
     Grey,
@@ -166,7 +169,6 @@ def test_of_bad_pictures_nothing_is_invented(name: str) -> None:
     assert kinds(found) == expected
     assert len(found.known) == len(pictures)
     assert found.known[1:].any() == (name == "two frames")
-    assert np.isfinite(found.doubt).all()
 
 
 def test_where_the_body_fills_the_picture_that_is_said(wandered: list[Grey]) -> None:
@@ -239,21 +241,25 @@ def test_a_rolling_shutter_is_told_and_does_not_roll_the_camera() -> None:
     assert off_deg(found.path.Ts_camera_world, [at(k) for k in range(45)]).max() < 0.06
 
 
-def test_corrections_are_met_exactly_and_halve_the_error_between(wandered: list[Grey]) -> None:
+@pytest.mark.parametrize("blind", [True, False])
+def test_what_nothing_ties_together_is_told_and_corrected_by_itself(blind: bool) -> None:
     far = turned(20.0)  # a jump that no picture shows
     true = [R if k < 18 else far @ R for k, R in enumerate(ROTATIONS)]
-    pictures = blinded(film(SMALL, true, ZOOMS))
-    alone = find_camera_motion(pictures, SMALL, FRAMES)
-    given = [Correction(25, true[25], ZOOMS[25]), Correction(38, true[38], None)]
-    helped = find_camera_motion(pictures, SMALL, FRAMES, corrections=given)
-    assert alone.path is not None
-    assert helped.path is not None
-    assert (helped.path.Ts_camera_world[25, :3, :3] == true[25]).all()
-    assert (helped.path.Ts_camera_world[38, :3, :3] == true[38]).all()
-    assert helped.path.zoom[25] == pytest.approx(ZOOMS[25], abs=1e-12)
-    before, after = (off_deg(path.Ts_camera_world, true) for path in (alone.path, helped.path))
-    assert after[21:].max() < before[21:].max() / 2
-    assert after[21:].max() < 0.3
+    pictures = film(SMALL, true, ZOOMS)
+    found = find_camera_motion(blinded(pictures) if blind else pictures, SMALL, FRAMES)
+    assert found.path is not None
+    assert found.pieces == (0, 15 if blind else 18)
+    pieces = tuple(CameraPiece(first_frame=first) for first in found.pieces)
+    motion = SessionMotion.of("turns", found.path, found.error_px, pieces=pieces)
+    keys = tuple(CameraKeyframe.of(k, transform(true[k], np.zeros(3)), ZOOMS[k]) for k in (25, 38))
+    helped = path_through(motion, keys)
+    before, after = (off_deg(path.Ts_camera_world, true) for path in (found.path, helped))
+    assert before[21:].min() > 10
+    assert after[found.known].max() < 0.1
+
+
+def test_a_gap_after_which_the_picture_is_seen_again_ties_together(wandered: list[Grey]) -> None:
+    assert find_camera_motion(blinded(wandered), SMALL, FRAMES).pieces == (0,)
 
 
 def test_work_can_be_cancelled_and_says_how_far_it_is(wandered: list[Grey]) -> None:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from keypose.tracker.camera_motion.metric import StandingPoint, scale_from_stances
-from keypose.tracker.camera_motion.path_drift import PlaceCorrection, place_corrected
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, apply_transform, exp_rotation, transform
 
@@ -57,26 +56,3 @@ def test_no_scale_is_told_by_a_camera_that_stays_and_by_no_feet():
     trembling[:, :3, 3] = np.random.default_rng(1).normal(0, 1e-4, (90, 3))
     assert scale_from_stances(CameraPath(trembling, np.ones(90)), _standing(noise)) is None
     assert scale_from_stances(_path(), []) is None
-
-
-def test_corrections_are_met_exactly_and_the_path_goes_evenly_to_them_from_both_sides():
-    path = _path()
-    wanted = []
-    for frame, turn in ((30, 0.02), (70, -0.03)):
-        T = transform(exp_rotation([0, turn, turn]), np.array([0.05, turn, 0.0]))
-        wanted.append(PlaceCorrection(frame, T @ path.Ts_camera_world[frame]))
-    pulled = place_corrected(path, wanted)
-    for one in wanted:
-        np.testing.assert_array_equal(pulled.Ts_camera_world[one.frame], one.T_camera_world)
-    np.testing.assert_array_equal(pulled.Ts_camera_world[0], path.Ts_camera_world[0])
-    steps = np.diff(pulled.Ts_world_camera[:, :3, 3] - path.Ts_world_camera[:, :3, 3], axis=0)
-    for first, last in ((0, 30), (30, 70), (70, 89)):
-        np.testing.assert_allclose(np.ptp(steps[first:last], axis=0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(steps[70:], 0.0, atol=1e-12)
-
-
-def test_a_path_without_corrections_stays_as_it_is():
-    path = _path()
-    np.testing.assert_allclose(
-        place_corrected(path, []).Ts_camera_world, path.Ts_camera_world, atol=1e-15
-    )

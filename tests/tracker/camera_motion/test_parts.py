@@ -11,7 +11,7 @@ from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.matches import rotation_from_matches
 from keypose.tracker.camera_motion.measurements import Measurements
 from keypose.tracker.camera_motion.odometer import Measured
-from keypose.tracker.camera_motion.path import Correction, Turns, bridged, corrected
+from keypose.tracker.camera_motion.path import Turns, bridged
 from keypose.tracker.camera_motion.points import PointFollower, follow
 from keypose.tracker.camera_motion.turn import Turn, linearised, solve_turn
 from keypose.tracker.errors import CameraError
@@ -106,18 +106,6 @@ def still_turns(count: int, known: list[int] | None = None) -> Turns:
         mask = np.isin(np.arange(count), known)
     R = np.stack([turned(2.0 * k) for k in range(count)])
     return Turns(R, np.zeros(count), mask, np.full(count, 1e-4), np.full(count, 1e-4))
-
-
-def test_corrections_are_met_and_errors_lie_where_nothing_is_known() -> None:
-    turns = still_turns(21, known=[*range(8), *range(12, 21)])
-    given = [Correction(16, turns.R[16] @ turned(8.0), 1.5)]
-    path = corrected(turns, given)
-    assert (path.R[16] == given[0].R_camera_world).all()
-    assert path.log_zoom[16] == np.log(1.5)
-    off = off_deg(path.R, list(turns.R))
-    assert off[7] < 0.1
-    assert np.allclose(off[[12, 20]], 8.0, atol=0.1)
-    assert (path.R[0] == turns.R[0]).all()
 
 
 def test_gaps_are_bridged_and_ends_held() -> None:

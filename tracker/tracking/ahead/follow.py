@@ -295,7 +295,7 @@ class _AheadRun:
             self._report(step.trajectory)
 
     def _report(self, motion: Trajectory) -> None:
-        self.emit(self.line.motion(motion))
+        self.emit(self.tracker.as_filmed(self.line.motion(motion)))
 
     def _so_far(self) -> Trajectory:
         if self.trusted is not None:
@@ -309,7 +309,8 @@ class _AheadRun:
 
     def _found(self, motion: Trajectory, stop: Stop) -> FoundAhead:
         line = self.line
-        return FoundAhead(line.frame, line.direction, line.motion(motion), stop, self.notes)
+        found = self.tracker.as_filmed(line.motion(motion))
+        return FoundAhead(line.frame, line.direction, found, stop, self.notes)
 
 
 def _cut(motion: Trajectory, last: int) -> Trajectory:
