@@ -11,7 +11,7 @@ import pytest
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
-from keypose.app.editor.motion import end_trail, feet_paths
+from keypose.app.editor.motion import end_trail, feet_paths, motion_between
 from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
@@ -232,3 +232,14 @@ def test_a_lens_that_is_said_of_a_frame_is_that_of_this_frame_also_where_the_cam
     state = after(desk(panned.session(zooming), frame=20), said)
     assert focal(state.doc.camera_at(20))
     assert state.doc.camera_at(20).fx == pytest.approx(zoom[20] * state.doc.view.camera.fx)
+
+
+def test_what_is_not_tracked_goes_evenly_through_the_world_also_where_it_is_drawn_as_a_whole() -> (
+    None
+):
+    state = desk(frame=7)
+    for known in (motion_between(state, 2, 22), motion_between(state, 2, 12)):
+        first = pose_transforms(state.skeleton, cases.pose(0.4))
+        np.testing.assert_allclose(
+            known.Ts_world_part, np.stack([first] * len(known.frames)), atol=1e-9
+        )
