@@ -141,8 +141,8 @@ def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
     doc, known = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
     at, pose = next((k.frame, k.pose(skeleton)) for k in known if k is not None)
-    ends = (carried_pose(doc, at, pose, frame) for frame in (start, end))
-    return even_motion(doc, *ends, start, end)
+    begin, finish = (carried_pose(doc, at, pose, frame) for frame in (start, end))
+    return even_motion(doc, begin, finish, start, end)
 
 
 REACH = 30

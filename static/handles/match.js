@@ -1,10 +1,11 @@
 // Points of the background that two frames share: marked at one frame, and the same ones, in the same
-// order, at another. The camera of the second is turned until they meet.
+// order, at another, where rings show where its camera should see them. It is turned until they meet.
 
-import { svg } from '../vendor/lit-html/lit-html.js';
+import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { count } from '../controls/words.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
+import { moved, movedBack } from '../views/world.js';
 import { interaction } from './interaction.js';
 import { distance } from './space.js';
 
@@ -12,9 +13,12 @@ const REACH_PX = 11;
 const RADIUS = 9;
 const FEWEST = 2;
 const MOST = 100;
+/** The background is taken to be so far away. */
+const FAR_M = 1000;
 
 /** @typedef {import('../store/shapes.js').Spot} Spot */
-/** @typedef {{ frame: number, spots: Spot[] }} Marked */
+/** @typedef {{ frame: number, spots: Spot[], camera: import('../store/shapes.js').Camera, T: number[] | null }} Marked
+ *   `T` is T_world_camera of its frame. */
 
 /** The points at the first frame, and those at the frame that is corrected. @type {Marked | null} */
 let first = null;
@@ -102,7 +106,7 @@ function keep(marked) {
 function mark(spot) {
   const spots = here()?.spots ?? [];
   if (spots.length >= MOST || (!isFirst() && missing() <= 0)) return;
-  keep({ frame: frame(), spots: [...spots, spot] });
+  keep({ frame: frame(), camera: server.camera, T: server.camera_here, spots: [...spots, spot] });
 }
 
 /** @param {number} index  @param {Spot} spot */
@@ -128,7 +132,19 @@ function correct() {
 
 function draw(view) {
   const spots = here()?.spots ?? [];
-  return svg`<g class="sketch matched">${spots.map((spot, i) => numbered(view, spot, i))}</g>`;
+  const left = isFirst() ? [] : first.spots.map((_, i) => i).slice(spots.length);
+  return svg`<g class="sketch matched">${left.map((i) => expected(view, i))}${spots.map((spot, i) => numbered(view, spot, i))}</g>`;
+}
+
+/** Where the camera's motion has a point of the first frame, which is still to be marked here. */
+function expected(view, i) {
+  const { fx, fy, cx, cy } = first.camera;
+  const [u, v] = first.spots[i];
+  const far = [((u - cx) / fx) * FAR_M, ((v - cy) / fy) * FAR_M, FAR_M];
+  const [x, y, z] = movedBack(moved(far, first.T), server.camera_here);
+  if (z <= 0) return nothing;
+  const [sx, sy] = view.fromView([server.camera.cx + (server.camera.fx * x) / z, server.camera.cy + (server.camera.fy * y) / z]);
+  return svg`<g class="expected"><circle cx=${sx} cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
 }
 
 /** A cross at the place, its number beside it. */
@@ -136,6 +152,8 @@ function numbered(view, spot, i) {
   const [x, y] = view.fromView(spot);
   const cross = `M${x - RADIUS} ${y}h${RADIUS - 2}M${x + 2} ${y}h${RADIUS - 2}M${x} ${y - RADIUS}v${RADIUS - 2}M${x} ${y + 2}v${RADIUS - 2}`;
   return svg`<g data-match=${i}><path class="line-edge" d=${cross} /><path class="line" d=${cross} />
-    <circle class="badge" cx=${x + RADIUS + 4} cy=${y - RADIUS - 4} r="8" />
-    <text class="badge-number" x=${x + RADIUS + 4} y=${y - RADIUS} text-anchor="middle">${i + 1}</text></g>`;
+    ${badge(x, y, i)}</g>`;
 }
+
+const badge = (x, y, i) => svg`<circle class="badge" cx=${x + RADIUS + 4} cy=${y - RADIUS - 4} r="8" />
+  <text class="badge-number" x=${x + RADIUS + 4} y=${y - RADIUS} text-anchor="middle">${i + 1}</text>`;

@@ -13,7 +13,7 @@ const TURNS = { kind: 'turns', counts: true, words: 'The camera turns.', error_p
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { frames: 60 }, surface: null, camera: { up_origin: 'drawn' }, view: { frame: 4 }, job: { state: 'idle' },
+    file: { frames: 60 }, surface: null, camera: { up_origin: 'drawn', fx: 100, fy: 100, cx: 50, cy: 50 }, camera_here: null, view: { frame: 4 }, job: { state: 'idle' },
     settings: { static_camera: null, found_still: null }, camera_motion: null,
   });
 });
@@ -89,11 +89,26 @@ test('points of two frames can be sent once all are marked in both', () => {
   assert.match(cameraMatch.done().off, /first frame/);
 });
 
+test('a ring shows where the camera of another frame should see a point', () => {
+  interaction.sketch = { tool: 'cameraMatch', points: [], pointer: null, hold: null };
+  cameraMatch.forget();
+  click(60, 50);
+  const rings = () => cameraMatch.draw(view).values[0];
+  assert.equal(rings().length, 0, 'none where it was marked');
+  const turn = Math.atan(0.1); // to the right, until it is in the middle
+  const [c, s] = [Math.cos(turn), Math.sin(turn)];
+  Object.assign(server, { view: { frame: 9 }, camera_here: [c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0] });
+  const [x, y] = rings()[0].values;
+  assert.ok(Math.abs(x - 50) < 1e-9 && Math.abs(y - 50) < 1e-9);
+  click(51, 50);
+  assert.equal(rings().length, 0, 'it is marked');
+});
+
 test('a point that was marked is pulled, and goes back where the drag is cancelled', () => {
   interaction.sketch = { tool: 'cameraMatch', points: [], pointer: null, hold: null };
   cameraMatch.forget();
   click(10, 10);
-  const at = () => cameraMatch.draw(view).values[0][0].values[1];
+  const at = () => cameraMatch.draw(view).values[1][0].values[1];
   const before = at();
   cameraMatch.down(view, 12, 12);
   cameraMatch.move(view, 40, 30);
