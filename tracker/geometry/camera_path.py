@@ -96,10 +96,7 @@ class CameraPath:
 
     def camera_at(self, camera: Camera, frame: int) -> Camera:
         """The film's camera with the focal length of one frame."""
-        if self.zoom[frame] == 1.0:
-            return camera
-        f = {"fx": camera.fx * self.zoom[frame], "fy": camera.fy * self.zoom[frame]}
-        return camera.model_copy(update=f)
+        return camera.zoomed(float(self.zoom[frame]))
 
 
 TIED = 1e-9
