@@ -144,7 +144,7 @@ function expected(view, i) {
   const [x, y, z] = movedBack(moved(far, first.T), server.camera_here);
   if (z <= 0) return nothing;
   const [sx, sy] = view.fromView([server.camera.cx + (server.camera.fx * x) / z, server.camera.cy + (server.camera.fy * y) / z]);
-  return svg`<g class="expected"><circle cx=${sx} cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
+  return svg`<g class="expected"><circle class="ring-edge" cx=${sx} cy=${sy} r=${RADIUS} /><circle class="ring" cx=${sx} cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
 }
 
 /** A cross at the place, its number beside it. */
