@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TypeAlias
 
-from keypose.app.cli.json_output import print_json
-
 
 def warm_tracker() -> None:
     """The first run on a computer takes its time, and says so."""
@@ -35,6 +33,8 @@ def warm_hull_kernels() -> None:
 def share_reporter(as_json: bool) -> Iterator[Callable[[float], None]]:
     """JSON lines, a bar at a terminal, or nothing: a log needs no progress."""
     if as_json:
+        from keypose.app.cli.json_output import print_json
+
         said = -1
 
         def report(share: float) -> None:

@@ -14,9 +14,7 @@ from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.camera import NO_SCALE, camera_sentence, finding_sentences
 from keypose.tracker.session import Session
-from keypose.tracker.storage.files import open_video_of
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.results import load_results
 from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
@@ -60,6 +58,8 @@ def find_saved(
     camera: how it moves, where that is known.  report: receives the share that is done.
     """
     from keypose.tracker.storage import camera_motion  # loads what only this needs
+    from keypose.tracker.storage.files import open_video_of
+    from keypose.tracker.storage.results import load_results
 
     fitting = load_results(session, path).fitting(session)
     poses = camera_motion.known_poses(session, fitting)

@@ -14,7 +14,6 @@ from typing import Final
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -49,6 +48,8 @@ class SteadyCamera:
     @classmethod
     def along(cls, camera: Camera, path: CameraPath) -> SteadyCamera:
         """Of a film whose camera went along a path."""
+        from scipy.ndimage import gaussian_filter1d  # loads what only this needs
+
         if camera.telephoto_distance_m is not None:  # it has no centre to be turned about
             return cls.at_one_focal(camera, path)
         R = path.Ts_camera_world[:, :3, :3]
