@@ -14,7 +14,6 @@ from keypose.app.editor.frames import T_camera_world, up_of, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Spot
-from keypose.tracker.camera_motion.matches import rotation_from_matches
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import up_from_horizon
@@ -71,6 +70,10 @@ class CameraMatch(Edit):
     there: Annotated[tuple[Spot, ...], Field(min_length=2, max_length=100)]
 
     def apply(self, state: EditorState) -> Session:
+        from keypose.tracker.camera_motion.matches import (  # loads what only this needs
+            rotation_from_matches,
+        )
+
         doc, frame = state.doc, state.frame
         if self.other >= state.frame_count or self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
